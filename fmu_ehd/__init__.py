@@ -1,0 +1,1 @@
+"""Lubrication: transient Reynolds equation, cavitation, asperity contact and friction on a skirt grid."""

@@ -1,0 +1,1 @@
+"""Flexible bodies: piston and cylinder block reduced from finite elements, on a rigid slider-crank."""

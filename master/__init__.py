@@ -1,0 +1,1 @@
+"""Coupling: an FMI co-simulation master that iterates every macro step to a fixed point."""

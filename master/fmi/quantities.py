@@ -1,0 +1,49 @@
+"""Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models. SI inside, units at the edge alone."""
+
+from functools import cache
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+
+@cache
+def registry():
+    """The pint registry, made on first use (it takes 0.3 s), knowing rpm and deg as engine people write them."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def to_si(value, unit):
+    """Convert a user's value to SI.
+
+    Parameters
+    ----------
+    value : str or float
+        "25 um"; a bare number is taken only where `unit` is dimensionless.
+    unit : str
+        The SI unit it must have, as FMI or pint write it ("Pa.s", "1").
+
+    Raises
+    ------
+    ValueError
+        If the text is no quantity, or of another dimension; the sentence names value and unit.
+    """
+    ureg = registry()
+    target = ureg.Unit("dimensionless" if unit == "1" else unit.replace(".", "*"))
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise ValueError(f"{value!r} is not a quantity in {unit}")
+    try:
+        quantity = ureg.Quantity(value)
+    except Exception:
+        raise ValueError(f"{value!r} is not a quantity (write a number and a unit, e.g. '1 {unit}')") from None
+    if not quantity.is_compatible_with(target):
+        wanted = "a pure number" if unit == "1" else f"a unit of {unit}"
+        raise ValueError(f"{value!r} is in {quantity.units:~P}: {wanted} is needed" if str(quantity.units) != "dimensionless"
+                         else f"{value!r} has no unit: {wanted} is needed")
+    return float(quantity.to(target).magnitude)
+
+
+def Quantity(unit):
+    """Pydantic field type: float in SI `unit`, read from text with a unit."""
+    return Annotated[float, BeforeValidator(lambda value: to_si(value, unit))]

@@ -1,0 +1,65 @@
+"""The variable table: each variable of an FMU declared once, for XML, range checks, result files and axis labels."""
+
+from dataclasses import dataclass
+from math import prod
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of an FMU, scalar or array.
+
+    In FMI 2 an array of shape (n, m) becomes n*m scalars `name[i,j]`, 1-based, j running fastest, with
+    consecutive value references.
+
+    Parameters
+    ----------
+    name : str
+        Name of the field's vocabulary, as in the interface contract.
+    unit : str
+        SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1" for none.
+    causality : {"parameter", "input", "output"}
+        Parameters are tunable never: they are read once, when initialisation ends.
+    description : str
+        One sentence.
+    start : float, int or str
+        Start value (every element of an array). Its type makes the FMI type: float Real, int Integer, str String.
+    nominal : float, optional
+        Typical magnitude [unit], used to scale residuals.
+    minimum, maximum : float, optional
+        Allowed range [unit], both ends included.
+    shape : tuple of int
+        () for a scalar.
+    fixed : bool
+        A parameter that is a property of the built FMU (grid sizes, contract version): readable, never settable.
+    """
+
+    name: str
+    unit: str
+    causality: str
+    description: str
+    start: float | int | str = 0.0
+    nominal: float | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    shape: tuple = ()
+    fixed: bool = False
+
+    @property
+    def size(self):
+        """Number of scalars."""
+        return prod(self.shape)
+
+    @property
+    def type(self):
+        """FMI type name: Real, Integer or String."""
+        return {float: "Real", int: "Integer", str: "String"}[type(self.start)]
+
+    def fault(self, value):
+        """Sentence saying why `value` [unit] is not allowed, or None."""
+        if self.type == "String":
+            return None
+        low = float("-inf") if self.minimum is None else self.minimum
+        high = float("inf") if self.maximum is None else self.maximum
+        if low <= value <= high:
+            return None
+        return f"{self.name} = {value:g} {self.unit}: allowed is {low:g} to {high:g} {self.unit}"

@@ -1,0 +1,1 @@
+"""Cases and data: one folder a case (case.toml, README.md, meshes and the scripts that make them)."""
