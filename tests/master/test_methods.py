@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from master.interface import Interface
-from master.methods import Newton, NotConverged, Relaxation, step_length
+from master.methods import MacroStep, Newton, NotConverged, Relaxation, step_length
 from master.stepping import Predictor, Stepper, StepFailed
 
 STEP, PADS = 1e-4, 7
@@ -20,7 +20,7 @@ def closed_form(h0, step):
 def solve(pair, method):
     interface = Interface(pair.participants, pair.connections)
     saved = {name: p.save() for name, p in pair.participants.items()}
-    return method.solve(interface, interface.read(), 0.0, STEP, saved)
+    return method.solve(MacroStep(interface, 0.0, STEP, saved), interface.read(), method.memory())
 
 
 def test_newton_reaches_the_fixed_point(pair):
