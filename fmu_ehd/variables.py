@@ -1,6 +1,6 @@
 """The variables of the lubrication FMU, each declared once."""
 
-from master.fmi.variables import Variable
+from master.fmi.variables import Variable, constant
 
 CONTRACT_VERSION = 1
 
@@ -49,16 +49,15 @@ def variables(shape, fields=True):
     -------
     list of master.fmi.variables.Variable
     """
-    fixed = dict(unit="1", causality="parameter", fixed=True)
     diagnostic = [
         Variable("pressure", "Pa", "output", "Hydrodynamic pressure, gauge", nominal=1e6, shape=shape),
         Variable("asperity_pressure", "Pa", "output", "Asperity contact pressure", nominal=1e6, shape=shape),
         Variable("film_fraction", "1", "output", "Share of the film filled with oil", 1.0, nominal=1.0, shape=shape),
     ]
     return [
-        Variable("n_circumferential", description="Cells around the skirt", start=shape[0], **fixed),
-        Variable("n_axial", description="Cells along the skirt", start=shape[1], **fixed),
-        Variable("contract_version", description="Version of the lubrication contract", start=CONTRACT_VERSION, **fixed),
+        constant("n_circumferential", shape[0], "Cells around the skirt"),
+        constant("n_axial", shape[1], "Cells along the skirt"),
+        constant("contract_version", CONTRACT_VERSION, "Version of the lubrication contract"),
         *PARAMETERS,
         Variable("film_thickness", "m", "input", "Radial distance bore minus skirt at the end of the step, may be <= 0", 1e-5,
                  nominal=1e-5, shape=shape),

@@ -35,6 +35,7 @@ class Participant(Protocol):
     def start(self, parameters, start_time, stop_time): ...
     def set(self, name, value): ...
     def get(self, name): ...
+    def get_many(self, names): ...
     def step(self, time, step): ...
     def save(self): ...
     def restore(self, saved): ...
@@ -142,6 +143,15 @@ class FmuParticipant:
         references, size, buffer, pointer = self._vector(name)
         self._fmu.fmi2GetReal(self._fmu.component, references, size, pointer)
         return buffer.reshape(field.shape).copy() if field.shape else float(buffer[0])
+
+    def get_many(self, names):
+        """Values of several scalars in two calls: dict of name to float or int."""
+        values = {}
+        for kind, getter in (("Real", self._fmu.getReal), ("Integer", self._fmu.getInteger)):
+            chosen = [name for name in names if self.fields[name].type == kind]
+            if chosen:
+                values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
+        return values
 
     def step(self, time, step):
         """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""

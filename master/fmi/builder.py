@@ -19,9 +19,33 @@ from pythonfmu.builder import FmuBuilder
 EMBEDDED = ("__init__", "errors", "variables", "description", "slave")
 """Modules of master.fmi that a running FMU needs."""
 
-ENTRY = '''"""Entry script of the FMU; the code is in the package {code}."""
+ENTRY = '''"""Entry script of the FMU; its code is the package {code}."""
 
-from {code}.{package}.slave import {slave} as Fmi2Slave
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+
+def code_folder():
+    """A folder that stays where it is, with the code in it, so that what numba compiles is found again next time."""
+    here = Path(__file__).parent
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / "code"
+    try:
+        if not (root / "{code}").exists():
+            root.mkdir(parents=True, exist_ok=True)
+            partial = Path(tempfile.mkdtemp(dir=root))
+            shutil.copytree(here / "{code}", partial / "{code}")
+            os.rename(partial, root / "{code}")
+    except OSError:
+        pass  # another process was faster, or there is no writable cache
+    return root / "{code}" if (root / "{code}").exists() else here
+
+
+sys.path.insert(0, str(code_folder()))
+from {code}.{package}.slave import {slave} as Fmi2Slave  # noqa: E402
 
 
 class Entry(Fmi2Slave):
@@ -89,7 +113,7 @@ def _sources(package):
 
 
 def _digest(contents):
-    digest = hashlib.sha256(pythonfmu.__version__.encode())
+    digest = hashlib.sha256((pythonfmu.__version__ + ENTRY).encode())
     for name in sorted(contents):
         digest.update(name.encode() + b"\0" + hashlib.sha256(contents[name]).digest())
     return digest.hexdigest()[:16]

@@ -51,8 +51,7 @@ class FieldSlave(Fmi2Slave):
         self.resources = Path(self.resources)
         self.options = json.loads((self.resources / "build.json").read_text())
         self.table = self.variables(self.options)
-        self.state = None
-        self.fault = None
+        self.state = self.fault = self.started_with = None
         self._lay_out()
 
     # ---- the participant's part ---------------------------------------------------------------------------------
@@ -95,6 +94,8 @@ class FieldSlave(Fmi2Slave):
             self.views[v.name][...] = v.start
         self.first_product = self.references.get(f"product:{self.derivative_outputs[0]}", len(self.real)) \
             if self.derivative_outputs else len(self.real)
+        self.parameter_elements = np.array([k for v in real if v.causality == "parameter" for k in
+                                            range(self.references[v.name], self.references[v.name] + v.size)], dtype=int)
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
@@ -124,12 +125,20 @@ class FieldSlave(Fmi2Slave):
             faults = self._range_faults()
             if faults:
                 raise BadInput(faults)
-            self.state, outputs = self.start(self._values())
+            self.state, outputs = self._start()
             self._publish(outputs)
         except BadInput as error:
             self._refuse("\n".join(error.faults))
         except Exception:
             self._refuse(traceback.format_exc())
+
+    def _start(self):
+        self.started_with = self._parameters()
+        return self.start(self._values())
+
+    def _parameters(self):
+        """What `start` depends on, comparable: a state that carries other parameters needs a new start."""
+        return self.real[self.parameter_elements].tobytes(), tuple(self.string)
 
     def _refuse(self, text):
         self.fault = text
@@ -221,9 +230,12 @@ class FieldSlave(Fmi2Slave):
         self.string[:] = strings
         if isinstance(state, dict):
             state = self.state_type(**state)
-        if state is not None and self.state is None:
-            self.start(self._values())
         self.state, self.fault = state, None
+        if state is not None and self._parameters() != self.started_with:
+            try:
+                self._start()
+            except Exception:
+                self._refuse(traceback.format_exc())
 
     @staticmethod
     def _fmu_state_to_bytes(saved):

@@ -62,3 +62,8 @@ class Variable:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.name} = {value:g}{unit}: allowed is {low:g} to {high:g}{unit}"
+
+
+def constant(name, value, description):
+    """A property of the built FMU (grid size, contract version): a parameter that allows one value."""
+    return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)
