@@ -7,6 +7,8 @@ import numpy as np
 from . import cavitation, reynolds
 from .blocks import BlockTridiagonal
 
+REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
+
 
 @dataclass(frozen=True)
 class FilmSolution:
@@ -34,6 +36,16 @@ class FilmSolution:
     edge_flow: np.ndarray
     mass_imbalance: float
     iterations: int
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Terms of the film balance: pressure [Pa], film fraction [-], residual and edge flow [m3/s]."""
+
+    pressure: np.ndarray
+    fraction: np.ndarray
+    residual: np.ndarray
+    edge_flow: np.ndarray
 
 
 class FilmStep:
@@ -86,16 +98,26 @@ class FilmStep:
             return reynolds.assemble(pattern, *faces, film.stored, content, rate, *ends)
 
         unknown, full, iterations = cavitation.settle(assemble, self.solver, full)
-        pressure, fraction = np.where(full, unknown, 0.0), np.where(full, 1.0, 1.0 + unknown)  # Eq. (E4)
-        _, edge_flow, gross = reynolds.outflow(pressure, fraction, *faces, *ends)
-        now = fraction * film.stored
-        growth = rate * (now - content)
+        self._last = film, velocity_c, velocity_a, faces, content, rate, ends, full
+        balance, imbalance = self._balance(unknown)
+        if imbalance > REFINE_ABOVE:
+            unknown = unknown + self.solver.solve(balance.residual[None])[0]
+            balance, imbalance = self._balance(unknown)
+        self._pressure, self._fraction = balance.pressure, balance.fraction
+        return FilmSolution(unknown, balance.pressure, balance.fraction, balance.fraction * film.stored, full,
+                            balance.edge_flow, imbalance, iterations)
+
+    def _balance(self, unknown):
+        """Terms of Eq. (E1) for a signed unknown, and the mass imbalance of the whole film."""
+        film, _, _, faces, content, rate, ends, full = self._last
+        pressure, deficit = np.where(full, unknown, 0.0), np.where(full, 0.0, unknown)  # Eq. (E4)
+        out, edge_flow, gross = reynolds.outflow(pressure, 1.0 + deficit, *faces, *ends)
+        growth = rate * (film.stored - content + deficit * film.stored)
         throughput = max(np.abs(edge_flow).sum() + np.abs(growth).sum(), 1e-3 * gross, np.finfo(float).tiny)
         imbalance = abs(edge_flow.sum() - growth.sum()) / throughput
-        self._last = film, velocity_c, velocity_a, rate, ends, pressure, fraction
-        return FilmSolution(unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations)
+        return Balance(pressure, 1.0 + deficit, -out - growth, edge_flow), float(imbalance)
 
-    def tangent(self, dfilm, dvelocity_c, dvelocity_a, full):
+    def tangent(self, dfilm, dvelocity_c, dvelocity_a):
         """Change of pressure and film fraction of the last step, Eq. (E6).
 
         Parameters
@@ -104,15 +126,14 @@ class FilmStep:
             Change of the film.
         dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
             Change of the entrainment velocity [m/s].
-        full : ndarray of bool, shape (n_c, n_a)
-            Pattern of the last step.
 
         Returns
         -------
         dpressure, dfraction : ndarray, shape (n_c, n_a)
             [Pa], [-].
         """
-        film, velocity_c, velocity_a, rate, ends, pressure, fraction = self._last
+        film, velocity_c, velocity_a, _, _, rate, ends, full = self._last
+        pressure, fraction = self._pressure, self._fraction
         out = reynolds.outflow_change((film.conductivity_c, film.transport, velocity_c),
                                       (film.conductivity_a, film.transport, velocity_a),
                                       (dfilm.conductivity_c, dfilm.transport, dvelocity_c),

@@ -2,7 +2,10 @@
 
 Eq. (F1):  tau_v = -mu f V / s - (s/2) dp/dy                 on the skirt, which slides at V relative to the bore
 Eq. (F2):  tau_a = -mu_b p_a V / sqrt(V^2 + v0^2)
+Eq. (F3):  P = sum A V (mu f V / s - (s/2) dp/dy - tau_a)         shear of the film on the bore x sliding velocity
 
+The shear stresses on skirt and bore differ by s dp/dy: the axial part of the pressure on the sloping skirt. The bore is
+the straight surface, so its shear is the whole axial force between the bodies and gives the power that sliding costs.
 f is the film fraction: in the cavitated part only the oil shears [Elrod1981]. dp/dy is the central difference of face
 pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a derivative.
 """
@@ -24,7 +27,7 @@ def _face_pressure(pressure, i, face, lower, upper):
 @njit(cache=True)
 def shear_forces(pressure, fraction, stored, velocity, viscosity, lower, upper, dy,
                  asperity_pressure, boundary_coefficient, rounding_velocity, area):
-    """Viscous and asperity shear force of each cell, Eqs. (F1), (F2).
+    """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1)-(F3).
 
     Parameters
     ----------
@@ -49,17 +52,22 @@ def shear_forces(pressure, fraction, stored, velocity, viscosity, lower, upper, 
     -------
     viscous, boundary : ndarray, shape (n_c, n_a)
         Force on the skirt along +y [N].
+    power : float
+        [W].
     """
     n_c, n_a = pressure.shape
     viscous, boundary = np.empty((n_c, n_a)), np.empty((n_c, n_a))
+    power = 0.0
     for i in range(n_c):
         for j in range(n_a):
             v, s = velocity[i, j], stored[i, j]
             gradient = (_face_pressure(pressure, i, j + 1, lower, upper) - _face_pressure(pressure, i, j, lower, upper)) / dy
-            viscous[i, j] = -area * (viscosity * fraction[i, j] * v / s + 0.5 * s * gradient)  # Eq. (F1)
+            couette, poiseuille = viscosity * fraction[i, j] * v / s, 0.5 * s * gradient
+            viscous[i, j] = -area * (couette + poiseuille)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
             boundary[i, j] = -area * boundary_coefficient * asperity_pressure[i, j] * v / speed  # Eq. (F2)
-    return viscous, boundary
+            power += v * (area * (couette - poiseuille) - boundary[i, j])  # Eq. (F3)
+    return viscous, boundary, power
 
 
 @njit(cache=True)

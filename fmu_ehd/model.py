@@ -127,7 +127,7 @@ class LubricationModel:
         stored = smooth_film(film_thickness, p.viscosity, p.minimum_flow_film)[0]
         state = State(pressure, pressure, stored)
         forces = self._forces(film_thickness, sliding_velocity, pressure, np.ones(p.shape), stored)
-        outputs = self._outputs(forces, film_thickness, sliding_velocity, pressure, np.ones(p.shape))
+        outputs = self._outputs(forces, film_thickness, pressure, np.ones(p.shape))
         return state, outputs | dict(flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0)
 
     def advance(self, state, film_thickness, sliding_velocity, step):
@@ -160,9 +160,9 @@ class LubricationModel:
         solution = self.film_step.solve(film, self._no_velocity, -0.5 * sliding_velocity, state.content, guess, step)
         forces = self._forces(film_thickness, sliding_velocity, solution.pressure, solution.film_fraction, stored)
         self._last = sliding_velocity, stored, dstored, dconductivity, solution, forces
-        outputs = self._outputs(forces, film_thickness, sliding_velocity, solution.pressure, solution.film_fraction)
+        outputs = self._outputs(forces, film_thickness, solution.pressure, solution.film_fraction)
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
-                        mass_imbalance=float(solution.mass_imbalance), solver_iterations=solution.iterations)
+                        mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
         return State(solution.unknown, state.unknown, solution.content), outputs
 
     def tangent(self, dfilm_thickness, dsliding_velocity):
@@ -182,7 +182,7 @@ class LubricationModel:
         dstored = dstored * dfilm_thickness
         dconductivity = dconductivity * dfilm_thickness
         dfilm = FlowFilm(dstored, dstored, dconductivity, dconductivity)
-        dpressure, dfraction = self.film_step.tangent(dfilm, self._no_velocity, -0.5 * dsliding_velocity, solution.full)
+        dpressure, dfraction = self.film_step.tangent(dfilm, self._no_velocity, -0.5 * dsliding_velocity)
         dasperity = slope * dfilm_thickness
         dfriction = friction.shear_force_changes(*self._shear_inputs(solution.pressure, solution.film_fraction, stored, velocity,
                                                                      asperity_pressure),
@@ -196,19 +196,18 @@ class LubricationModel:
                 p.boundary_friction_coefficient, p.friction_rounding_velocity, self.grid.cell_area)
 
     def _forces(self, film_thickness, velocity, pressure, fraction, stored):
-        """Asperity pressure, its slope, contact area fraction, viscous and boundary shear force."""
+        """Asperity pressure, its slope, contact area fraction, viscous and boundary shear force, power."""
         asperity_pressure, slope, area_fraction = asperity.contact(film_thickness, *self._contact)
         shear = friction.shear_forces(*self._shear_inputs(pressure, fraction, stored, velocity, asperity_pressure))
         return asperity_pressure, slope, area_fraction, *shear
 
-    def _outputs(self, forces, film_thickness, velocity, pressure, fraction):
+    def _outputs(self, forces, film_thickness, pressure, fraction):
         """Fields and scalars that every lubrication FMU has, except flows and counters."""
-        asperity_pressure, _, area_fraction, viscous, boundary = forces
+        asperity_pressure, _, area_fraction, viscous, boundary, power = forces
         absolute = pressure + self.parameters.cavitation_pressure
-        friction_force = viscous + boundary
         return dict(nodal_pressure_force=(absolute + asperity_pressure) * self.grid.cell_area,
-                    nodal_friction_force=friction_force, pressure=absolute, asperity_pressure=asperity_pressure,
+                    nodal_friction_force=viscous + boundary, pressure=absolute, asperity_pressure=asperity_pressure,
                     film_fraction=fraction, minimum_film_thickness=float(film_thickness.min()),
                     maximum_pressure=float(absolute.max()), friction_force_hydrodynamic=float(viscous.sum()),
                     friction_force_asperity=float(boundary.sum()),
-                    friction_power=-float((friction_force * velocity).sum()), contact_area_fraction=float(area_fraction))
+                    friction_power=float(power), contact_area_fraction=float(area_fraction))

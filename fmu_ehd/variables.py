@@ -70,7 +70,7 @@ def variables(shape, fields=True):
         Variable("maximum_pressure", "Pa", "output", "Highest hydrodynamic pressure, gauge", nominal=1e6),
         Variable("friction_force_hydrodynamic", "N", "output", "Viscous shear force on the skirt", nominal=10.0),
         Variable("friction_force_asperity", "N", "output", "Asperity friction force on the skirt", nominal=10.0),
-        Variable("friction_power", "W", "output", "Power that friction takes from the sliding skirt", nominal=100.0),
+        Variable("friction_power", "W", "output", "Power that sliding costs", nominal=100.0),
         Variable("flow_lower_edge", "m3/s", "output", "Oil flow into the film over the lower edge", nominal=1e-6),
         Variable("flow_upper_edge", "m3/s", "output", "Oil flow into the film over the upper edge", nominal=1e-6),
         Variable("mass_imbalance", "1", "output", "|inflow - growth of film content| / throughput of the step"),

@@ -1,0 +1,223 @@
+"""Verification of the lubrication model against closed forms and published values.
+
+Each case is a function that yields rows; `checks` chains them. A row is a dict with case, quantity, computed, reference, tolerance,
+kind ("relative", "absolute" or "at most"), source and the reason of the tolerance.
+"""
+
+import numpy as np
+
+from . import asperity
+from .film_step import FilmStep
+from .films import FlowFilm, smooth_film
+from .friction import shear_forces
+from .grid import Edges, Grid
+
+FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
+SECOND_ORDER = "second order in the cell size"
+
+
+def row(case, quantity, computed, reference, tolerance, kind, source, reason):
+    """One line of the verification table."""
+    return dict(case=case, quantity=quantity, computed=float(computed), reference=float(reference), tolerance=tolerance,
+                kind=kind, source=source, reason=reason)
+
+
+def passes(line):
+    """Whether a row's computed value is within its tolerance."""
+    if line["kind"] == "at most":
+        return line["computed"] <= line["tolerance"]
+    scale = abs(line["reference"]) if line["kind"] == "relative" else 1.0
+    return abs(line["computed"] - line["reference"]) <= line["tolerance"] * scale
+
+
+def flow_film(film_thickness, viscosity):
+    """Flow film of smooth surfaces."""
+    stored, conductivity, *_ = smooth_film(film_thickness, viscosity, FLOOR)
+    return FlowFilm(stored, stored, conductivity, conductivity)
+
+
+def steady(grid, film_thickness, sliding, viscosity, edges=None):
+    """Steady film under a surface that slides along +y with velocity `sliding` [m/s], the other at rest."""
+    step = FilmStep(grid, edges or Edges())
+    velocity = np.full(grid.shape, 0.5 * sliding)
+    everywhere = np.ones(grid.shape, dtype=bool)
+    return step.solve(flow_film(film_thickness, viscosity), np.zeros(grid.shape), velocity, film_thickness, everywhere, np.inf)
+
+
+def centres(cells):
+    """Cell centres of the unit interval."""
+    return (np.arange(cells) + 0.5) / cells
+
+
+# ---- sliders without cavitation ---------------------------------------------------------------------------------------
+
+def inclined_pad(cells, ratio=1.0):
+    """Load, drag on the moving surface and highest pressure of the infinite inclined pad h = 1 + K (1 - x), all in units of 1.
+
+    Eq. (V1):  W* = (6/K^2) [ln(1+K) - 2K/(2+K)],  F* = 4 ln(1+K)/K - 6/(2+K),  p*max = 3K / [2 (1+K) (2+K)]
+    """
+    grid = Grid((1, cells), 1.0, 1.0)
+    h = 1.0 + ratio * (1.0 - centres(cells)[None])
+    film = steady(grid, h, 1.0, 1.0)
+    none = np.zeros(grid.shape)
+    _, _, power = shear_forces(film.pressure, film.film_fraction, h, -np.ones(grid.shape), 1.0, 0.0, 0.0, grid.spacing[1],
+                               none, 0.0, 1.0, grid.cell_area)
+    p = film.pressure[0]
+    peak = p.argmax()
+    fit = np.polyfit([-1.0, 0.0, 1.0], p[peak - 1:peak + 2], 2)  # parabola through the three highest cells
+    return p.mean(), power, fit[2] - fit[1]**2 / (4.0 * fit[0])
+
+
+def inclined_pad_rows():
+    """Infinite inclined pad, and its observed order."""
+    exact = 6.0 * (np.log(2.0) - 2.0 / 3.0), 4.0 * np.log(2.0) - 2.0, 0.25  # Eq. (V1)
+    for name, value, reference in zip(("load W*", "drag F*", "highest pressure p*"), inclined_pad(320), exact):
+        yield row("Infinite inclined pad K=1, 320 cells", f"{name} [-]", value, reference, 2e-5, "relative", "closed form",
+                  SECOND_ORDER)
+    errors = [abs(inclined_pad(n)[0] - exact[0]) for n in (40, 80, 160)]
+    yield row("Infinite inclined pad K=1, 40 to 160 cells", "observed order of the load [-]", np.log2(errors[0] / errors[2]) / 2.0,
+              2.0, 0.05, "absolute", "theory", "leading error term alone, checked from 40 cells on")
+
+
+def finite_pad_rows():
+    """Finite inclined pad K=1 with p = 0 on four edges."""
+    for breadth, load, peak, centre in ((4.0, 0.13459, 0.2492, 0.5707), (1.0, 0.06927, 0.1574, 0.5820)):
+        n = 61
+        grid = Grid((n, n), breadth, 1.0, ring=False)
+        h = np.broadcast_to(2.0 - centres(n)[None], grid.shape).copy()
+        p = steady(grid, h, 1.0, 1.0).pressure
+        case = f"Finite inclined pad K=1, B/L={breadth:g}, 61x61"
+        for name, value, reference, tolerance in (("load W*", p.mean(), load, 1e-3), ("highest pressure p*", p.max(), peak, 1e-3),
+                                                  ("centre of pressure x/L", (p * centres(n)).sum() / p.sum(), centre, 3e-4)):
+            yield row(case, f"{name} [-]", value, reference, tolerance, "relative", "re-solved table",
+                      SECOND_ORDER + " and four printed digits")
+
+
+# ---- squeeze ------------------------------------------------------------------------------------------------------------
+
+def squeeze_plate_rows():
+    """Square parallel plates that approach each other with unit velocity."""
+    n = 61
+    grid = Grid((n, n), 1.0, 1.0, ring=False)
+    h, still = np.ones(grid.shape), np.zeros(grid.shape)
+    p = FilmStep(grid, Edges()).solve(flow_film(h, 1.0), still, still, h + 1.0, np.ones(grid.shape, dtype=bool), 1.0).pressure
+    case = "Square parallel squeeze plate, 61x61"
+    yield row(case, "load W h^3/(mu V L^4) [-]", p.mean(), 0.421731, 2e-3, "relative", "closed form (series)", SECOND_ORDER)
+    yield row(case, "highest pressure [-]", p.max(), 0.88404, 1e-3, "relative", "closed form (series)", SECOND_ORDER)
+
+
+def oscillating_squeeze(cells, step, end=0.75):
+    """Film between plates that move as h = 0.375 + 0.125 cos(4 pi t): (h^3 p')' = 2 d(f h)/dt, p = 0.025 at both ends.
+
+    Returns
+    -------
+    times : ndarray, shape (n,)
+        Ends of the steps [-].
+    width : ndarray, shape (n,)
+        Width of the full film at each side [-], 0.5 where the film is full.
+    imbalance : float
+        Largest mass imbalance of a step.
+    """
+    grid = Grid((1, cells), 1.0, 1.0)
+    film_step = FilmStep(grid, Edges(pressure=np.full(4, 0.025)))
+    still = np.zeros(grid.shape)
+    content, full = np.full(grid.shape, 0.5), np.ones(grid.shape, dtype=bool)
+    times = np.arange(1, round(end / step) + 1) * step
+    width, imbalance = np.empty(times.size), 0.0
+    for k, time in enumerate(times):
+        h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
+        film = film_step.solve(flow_film(h, 1.0 / 6.0), still, still, content, full, step)
+        content, full = film.content, film.full
+        width[k] = _full_width(film)
+        imbalance = max(imbalance, film.mass_imbalance)
+    return times, width, imbalance
+
+
+def _full_width(film):
+    """Width of the full film from y = 0, the front cell counted by how far it is filled between its neighbours."""
+    full = film.full[0]
+    if full.all():
+        return 0.5
+    front = int(np.argmin(full))
+    fraction = film.film_fraction[0]
+    beyond = fraction[min(front + 1, full.size - 1)]
+    share = (fraction[front] - beyond) / (1.0 - beyond) if beyond < 1.0 else 0.0
+    return (front + min(max(share, 0.0), 1.0)) / full.size
+
+
+def oscillating_squeeze_rows():
+    """Rupture, width of the full film, complete reformation, mass balance; 80 cells."""
+    times, width, imbalance = oscillating_squeeze(80, 2e-4)
+    case, source = "Oscillating squeeze, 80 cells, step 2e-4", "independent solution of the moving fronts"
+    ruptured = np.flatnonzero(width < 0.5)
+    reason = "one step of 2e-4 and the time a front takes to cross a cell"
+    yield row(case, "rupture time [-]", times[ruptured[0]], 0.25008, 5e-4, "absolute", source, reason)
+    yield row(case, "complete reformation time [-]", times[ruptured[-1]] + 2e-4, 0.7324, 2e-3, "absolute", source, reason)
+    yield row(case, "smallest full width [-]", width.min(), 0.02301, 4e-3, "absolute", source, "a third of a cell")
+    for time, reference in ((0.26, 0.0448), (0.30, 0.0236), (0.50, 0.0391), (0.66, 0.1002), (0.72, 0.2936)):
+        yield row(case, f"full width at t = {time} [-]", np.interp(time, times, width), reference, 4e-3, "absolute", source,
+                  "a third of a cell")
+    yield row(case, "mass imbalance of a step [-]", imbalance, 0.0, 1e-12, "at most", "conservation", "round-off")
+
+
+# ---- cavitation in sliding --------------------------------------------------------------------------------------------
+
+def pocket_slider(cells, sliding=1.0):
+    """Mass-conserving pocket slider, 20 mm long with a pocket from 2 to 5 mm seen from the inlet.
+
+    Returns
+    -------
+    flow, reformation, peak, load : float
+        [m2/s], distance from the inlet [m], [Pa], per width above ambient [N/m].
+    """
+    length, ambient, cavitation_pressure = 20e-3, 100e3, 50e3
+    grid = Grid((1, cells), 1.0, length)
+    x = length * centres(cells)
+    h = np.where((x > 2e-3) & (x < 5e-3), 10e-6, 1e-6)[None]
+    if sliding < 0.0:
+        h = np.ascontiguousarray(h[:, ::-1])
+    film = steady(grid, h, sliding, 0.01, Edges(pressure=np.full(4, ambient - cavitation_pressure)))
+    p = film.pressure[0] + cavitation_pressure
+    fraction, full = film.film_fraction[0], film.full[0]
+    if sliding < 0.0:
+        p, fraction, full = p[::-1], fraction[::-1], full[::-1]
+    front = np.flatnonzero(~full)[-1]  # the last cavitated cell, partly swept by the front
+    share = (fraction[front] - fraction[front - 1]) / (1.0 - fraction[front - 1])
+    reformation = (front + 1.5 - share) * length / cells  # where the straight pressure behind the front meets zero
+    return (abs(film.edge_flow[0]), reformation, p.max(), (p - ambient).sum() * length / cells)
+
+
+def pocket_slider_rows():
+    """Pocket slider in both directions of sliding."""
+    for sliding in (1.0, -1.0):
+        case = f"Pocket slider, 2000 cells, sliding {sliding:+g} m/s"
+        for name, value, reference, tolerance in zip(
+                ("flow [m2/s]", "reformation [m]", "highest pressure [Pa]", "load [N/m]"), pocket_slider(2000, sliding),
+                (5.0020833e-7, 4.212927e-3, 475e3, 2779.753), (2e-6, 1e-3, 3e-3, 5e-3)):
+            yield row(case, name, value, reference, tolerance, "relative", "closed form",
+                      "the film ruptures one cell before the pocket: first order")
+
+
+# ---- contact ------------------------------------------------------------------------------------------------------------
+
+def contact_rows():
+    """Exact integrals of Greenwood and Tripp, and the table built on them."""
+    separations = np.arange(4.0)
+    film = separations[None]
+    for order, references in ((2.5, (6.16634e-1, 8.05623e-2, 5.42371e-3, 1.70873e-4)),
+                              (2.0, (0.5, 7.53398e-2, 5.76873e-3, 2.03435e-4))):
+        for separation, reference in zip(separations, references):
+            yield row("Greenwood-Tripp integral", f"F_{order:g}({separation:g}) [-]", asperity.gaussian_integral(order, separation),
+                      reference, 1e-5, "relative", "numerical quadrature", "six printed digits")
+    offset = film + 1.0 / 3.0  # between the table's points
+    table = asperity.contact(offset, 1.0, 1.0, 1.0, asperity.contact_table())[0]
+    error = np.abs(table / asperity.gaussian_integral(2.5, offset) - 1.0).max()
+    yield row("Greenwood-Tripp table", "largest relative error of F_2.5 [-]", error, 0.0, 1e-7, "at most", "exact integral",
+              "Hermite interpolation, fourth order, H < 4")
+
+
+def checks():
+    """All fast rows, in order."""
+    for case in (inclined_pad_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows, pocket_slider_rows,
+                 contact_rows):
+        yield from case()

@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+
+from fmu_ehd import cavitation, reynolds
+from fmu_ehd.blocks import BlockTridiagonal
+from fmu_ehd.film_step import FilmStep
+from fmu_ehd.grid import Edges, Grid
+from fmu_ehd.verification import flow_film
+
+
+def problem(ring, seed=0, shape=(7, 9)):
+    """A rough, partly starved film with entrainment in both directions."""
+    rng = np.random.default_rng(seed)
+    grid = Grid(shape, 7e-3, 9e-3, ring)
+    edges = Edges(np.array([1e4, 0.0, 2e4, 0.0]), np.array([0.9, 0.6, 1.0, 0.5]))
+    film = 2e-6 * (1.0 + 3.0 * rng.random(shape))
+    velocities = rng.standard_normal((2, *shape))
+    content = film * np.minimum(1.0, 0.7 + 0.5 * rng.random(shape))
+    return grid, edges, film, velocities, content
+
+
+@pytest.mark.parametrize("ring", [True, False])
+def test_every_cell_balances(ring):
+    grid, edges, film, velocities, content = problem(ring)
+    solution = FilmStep(grid, edges).solve(flow_film(film, 0.01), *velocities, content, content >= film, 1e-4)
+    assert 0 < np.count_nonzero(solution.full) < film.size  # both kinds of cells are there
+    flow = flow_film(film, 0.01)
+    faces = reynolds.faces(flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, ring)
+    out, edge_flow, _ = reynolds.outflow(solution.pressure, solution.film_fraction, *faces, edges.pressure,
+                                         edges.film_fraction, ring)
+    growth = grid.cell_area / 1e-4 * (solution.content - content)
+    assert np.abs(out + growth).max() <= 1e-12 * np.abs(growth).max()
+    assert abs(edge_flow.sum() + out.sum()) <= 1e-14 * np.abs(out).sum()
+
+
+@pytest.mark.parametrize("ring", [True, False])
+def test_film_fraction_and_pressure_stay_in_range(ring):
+    grid, edges, film, velocities, content = problem(ring)
+    solution = FilmStep(grid, edges).solve(flow_film(film, 0.01), *velocities, 0.01 * content, content >= film, 1e-4)
+    assert solution.film_fraction.min() >= 0.0
+    assert solution.film_fraction.max() <= 1.0 + cavitation.FRACTION_ROUNDOFF
+    assert solution.pressure.min() >= -cavitation.PRESSURE_ROUNDOFF * solution.pressure.max()
+
+
+@pytest.mark.parametrize("ring", [True, False])
+def test_tangent_is_the_central_difference(ring):
+    grid, edges, film, velocities, content = problem(ring)
+    rng = np.random.default_rng(5)
+    dfilm, dvelocities = 1e-6 * rng.standard_normal(film.shape), rng.standard_normal(velocities.shape)
+    step = FilmStep(grid, edges)
+    size = 1e-5
+    ends = [step.solve(flow_film(film + s * dfilm, 0.01), *(velocities + s * dvelocities), content, content >= film, 1e-4)
+            for s in (size, -size)]
+    middle = step.solve(flow_film(film, 0.01), *velocities, content, content >= film, 1e-4)
+    assert np.array_equal(ends[0].full, ends[1].full)
+    forward, backward = flow_film(film + size * dfilm, 0.01), flow_film(film - size * dfilm, 0.01)
+    change = type(forward)(*((getattr(forward, n) - getattr(backward, n)) / (2.0 * size)
+                             for n in ("stored", "transport", "conductivity_c", "conductivity_a")))
+    dpressure, dfraction = step.tangent(change, *dvelocities)
+    for tangent, name in ((dpressure, "pressure"), (dfraction, "film_fraction")):
+        difference = (getattr(ends[0], name) - getattr(ends[1], name)) / (2.0 * size)
+        assert np.abs(difference - tangent).max() <= 1e-7 * np.abs(tangent).max()  # third derivative x size^2
+    assert middle.iterations >= 1
+
+
+def test_switching_singly_finds_the_same_film():
+    grid, edges, film, velocities, content = problem(True)
+    flow = flow_film(film, 0.01)
+    faces = reynolds.faces(flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, True)
+
+    def assemble(pattern):
+        return reynolds.assemble(pattern, *faces, film, content, grid.cell_area / 1e-4, edges.pressure, edges.film_fraction, True)
+
+    start = np.ones(grid.shape, dtype=bool)
+    together = cavitation.settle(assemble, BlockTridiagonal(grid.shape), start)
+    singly = cavitation.settle(assemble, BlockTridiagonal(grid.shape), start, all_at_once=0)
+    assert singly[2] > together[2]
+    assert np.array_equal(singly[1], together[1])
+    assert np.allclose(singly[0], together[0], rtol=1e-9)
+
+
+def test_a_solution_that_is_not_finite_is_refused():
+    grid, edges, film, velocities, content = problem(True)
+    flow = flow_film(film, 1e-320)
+    with pytest.raises(cavitation.NotConverged):
+        FilmStep(grid, edges).solve(flow, *velocities, content, content >= film, 1e-4)

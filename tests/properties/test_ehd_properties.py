@@ -1,0 +1,105 @@
+"""What must hold for every film: symmetries, scaling laws, repeatability, conservation."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fmu_ehd.model import LubricationModel, Parameters
+
+SHAPE = (8, 10)
+STEP = 1e-4
+quick = settings(max_examples=25, deadline=None)
+
+
+@st.composite
+def cases(draw):
+    """A rough film in three successive shapes, with sliding velocities that may reverse."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    level = draw(st.floats(1e-6, 3e-5))
+    films = level * (1.0 + 0.8 * rng.uniform(-1.0, 1.0, (3, *SHAPE)))
+    speeds = np.array([draw(st.floats(-15.0, 15.0)) for _ in range(3)])
+    return films, speeds[:, None, None] * np.ones(SHAPE)
+
+
+def last(films, velocities, step=STEP, **parameters):
+    """Outputs after two steps."""
+    model = LubricationModel(Parameters(SHAPE, **parameters))
+    state, _ = model.start(films[0], velocities[0])
+    for film, velocity in zip(films[1:], velocities[1:]):
+        state, outputs = model.advance(state, film, velocity, step)
+    return outputs
+
+
+def close(a, b):
+    """Equal up to round-off of the solution, whose condition is some 1e4."""
+    return np.abs(a - b).max() <= 1e-9 * max(np.abs(b).max(), 1e-300)
+
+
+@quick
+@given(cases())
+def test_a_repeated_step_gives_the_same_bits(case):
+    films, velocities = case
+    model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
+    state, _ = model.start(films[0], velocities[0])
+    first = model.advance(state, films[1], velocities[1], STEP)
+    model.advance(first[0], films[2], velocities[2], STEP)
+    again = model.advance(state, films[1], velocities[1], STEP)
+    for name, value in first[1].items():
+        assert np.array_equal(value, again[1][name]), name
+    for name in ("unknown", "unknown_before", "content"):
+        assert getattr(first[0], name).tobytes() == getattr(again[0], name).tobytes()
+
+
+@quick
+@given(cases())
+def test_mirror_of_the_film_about_the_thrust_plane_mirrors_the_answer(case):
+    films, velocities = case
+    straight, mirrored = last(films, velocities), last(films[:, ::-1].copy(), velocities)
+    assert close(mirrored["nodal_pressure_force"], straight["nodal_pressure_force"][::-1])
+    assert close(mirrored["nodal_friction_force"], straight["nodal_friction_force"][::-1])
+
+
+@quick
+@given(cases())
+def test_upside_down_with_reversed_sliding_is_upside_down(case):
+    films, velocities = case
+    straight, turned = last(films, velocities), last(films[:, :, ::-1].copy(), -velocities)
+    assert close(turned["nodal_pressure_force"], straight["nodal_pressure_force"][:, ::-1])
+    assert close(turned["nodal_friction_force"], -straight["nodal_friction_force"][:, ::-1])
+
+
+@quick
+@given(cases(), st.integers(1, SHAPE[0] - 1))
+def test_rotation_of_the_ring_rotates_the_answer(case, cells):
+    films, velocities = case
+    straight, rotated = last(films, velocities), last(np.roll(films, cells, axis=1), velocities)
+    assert close(rotated["nodal_pressure_force"], np.roll(straight["nodal_pressure_force"], cells, axis=0))
+
+
+@quick
+@given(cases())
+def test_double_viscosity_doubles_every_force(case):
+    films, velocities = case
+    single, double = last(films, velocities, viscosity=0.01), last(films, velocities, viscosity=0.02)
+    assert close(double["nodal_pressure_force"], 2.0 * single["nodal_pressure_force"])
+    assert close(double["nodal_friction_force"], 2.0 * single["nodal_friction_force"])
+    assert close(double["film_fraction"], single["film_fraction"])
+
+
+@quick
+@given(cases())
+def test_twice_the_speed_in_half_the_time_doubles_the_pressure(case):
+    films, velocities = case
+    slow, fast = last(films, velocities), last(films, 2.0 * velocities, step=0.5 * STEP)
+    assert close(fast["nodal_pressure_force"], 2.0 * slow["nodal_pressure_force"])
+    assert close(fast["film_fraction"], slow["film_fraction"])
+
+
+@quick
+@given(cases(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_oil_is_conserved_and_the_film_is_never_more_than_full(case, lower, upper):
+    films, velocities = case
+    outputs = last(films, velocities, film_fraction_lower_edge=lower, film_fraction_upper_edge=upper)
+    assert outputs["mass_imbalance"] <= 1e-12
+    assert outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+    assert outputs["pressure"].min() >= -1e-9 * max(outputs["maximum_pressure"], 1.0)
