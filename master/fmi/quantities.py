@@ -11,7 +11,7 @@ def registry():
     """The pint registry, made on first use (it takes 0.3 s), knowing rpm and deg as engine people write them."""
     import pint
 
-    return pint.UnitRegistry()
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
 def to_si(value, unit):

@@ -18,7 +18,8 @@ class Variable:
     unit : str
         SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1" for none.
     causality : {"parameter", "input", "output"}
-        Parameters are tunable never: they are read once, when initialisation ends.
+        Parameters are read once, when initialisation ends; a property of the built FMU (grid sizes) is one with
+        minimum = maximum = start.
     description : str
         One sentence.
     start : float, int or str
@@ -29,8 +30,6 @@ class Variable:
         Allowed range [unit], both ends included.
     shape : tuple of int
         () for a scalar.
-    fixed : bool
-        A parameter that is a property of the built FMU (grid sizes, contract version): readable, never settable.
     """
 
     name: str
@@ -42,7 +41,6 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     shape: tuple = ()
-    fixed: bool = False
 
     @property
     def size(self):
@@ -62,4 +60,10 @@ class Variable:
         high = float("inf") if self.maximum is None else self.maximum
         if low <= value <= high:
             return None
-        return f"{self.name} = {value:g} {self.unit}: allowed is {low:g} to {high:g} {self.unit}"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.name} = {value:g}{unit}: allowed is {low:g} to {high:g}{unit}"
+
+
+def constant(name, value, description):
+    """A property of the built FMU (grid size, contract version): a parameter that allows one value."""
+    return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)

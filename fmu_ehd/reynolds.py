@@ -1,0 +1,303 @@
+"""Mass balance of a thin film on a grid: face flows, five-point matrix, exact tangent.
+
+Eq. (E1):  A (f s - content_n) / H + sum of outward face flows = 0              backward Euler, each cell
+Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b                    flow from cell a to its neighbour b [m3/s]
+Eq. (E3):  K = (w/d) 2 g_a g_b / (g_a + g_b),  T = w U (t_a g_b + t_b g_a) / (g_a + g_b)
+Eq. (E4):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u                      one signed unknown u a cell
+Eq. (E5):  q = c_a u_a + c_b u_b + T,  c_a = K or max(T, 0), c_b = -K or min(T, 0)   where (a, b) is full or cavitated
+Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)                  tangent with the matrix M of the step
+
+A cell area [m2], H time step [s], f film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance
+between cell centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored film [m],
+t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g = h^3 / (12 mu).
+
+The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped film is exact on every grid
+and a smooth one of second order; it stays near the thinner film where the film jumps. Film fraction multiplies the
+same face film upstream, so the flow is continuous when a cell fills or empties, f >= 0, and the
+matrix is a column-dominant M-matrix. Its columns for u <= 0 need no scaling: elimination is indifferent to column scale.
+Edges are half a cell away from the centre (d/2), with the film of their cell.
+
+Arrays have the shape (n_c, n_a) of the grid; faces (n_c + 1, n_a) across i and (n_c, n_a + 1) across j.
+Face i lies between cells i - 1 and i. All functions are pure.
+
+References
+----------
+[Elrod1981] H. G. Elrod, A cavitation algorithm, J. Lubr. Technol. 103 (1981) 350-354 (the film content as unknown).
+[Woloszynski2015] T. Woloszynski, P. Podsiadlo, G. W. Stachowiak, Efficient solution to the cavitation problem in
+hydrodynamic lubrication, Tribol. Lett. 58 (2015) 18 (the complementarity form).
+"""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, inline="always")
+def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
+    """Conductance K and transport T of a face, Eq. (E3)."""
+    total = g_a + g_b
+    return aspect * 2.0 * g_a * g_b / total, width * velocity * (t_a * g_b + t_b * g_a) / total
+
+
+@njit(cache=True, inline="always")
+def _face_tangent(g_a, g_b, t_a, t_b, velocity, aspect, width, dg_a, dg_b, dt_a, dt_b, dvelocity):
+    """Change of K and T, the derivative of Eq. (E3)."""
+    total = g_a + g_b
+    film = (t_a * g_b + t_b * g_a) / total
+    dfilm = (dt_a * g_b + dt_b * g_a + (t_a - t_b) * (g_a * dg_b - g_b * dg_a) / total) / total
+    conductance = aspect * 2.0 * (g_b * g_b * dg_a + g_a * g_a * dg_b) / (total * total)
+    return conductance, width * (dvelocity * film + velocity * dfilm)
+
+
+@njit(cache=True)
+def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx, dy, ring):
+    """Conductances and transports of all faces, Eq. (E3).
+
+    Parameters
+    ----------
+    conductivity_c, conductivity_a : ndarray, shape (n_c, n_a)
+        Conductivity g in the circumferential and axial direction [m3/(Pa s)], > 0.
+    transport : ndarray, shape (n_c, n_a)
+        Transported film t [m], > 0.
+    velocity_c, velocity_a : ndarray, shape (n_c, n_a)
+        Entrainment velocity along i and along j [m/s].
+    dx, dy : float
+        Cell size along i and j [m].
+    ring : bool
+        True if i is periodic.
+
+    Returns
+    -------
+    tuple of ndarray
+        K and T across i, shape (n_c + 1, n_a), K and T across j, shape (n_c, n_a + 1) [m3/(Pa s)], [m3/s].
+    """
+    n_c, n_a = transport.shape
+    k_c, t_c = np.empty((n_c + 1, n_a)), np.empty((n_c + 1, n_a))
+    k_a, t_a = np.empty((n_c, n_a + 1)), np.empty((n_c, n_a + 1))
+    for i in range(n_c + 1):
+        below, above = (i - 1) % n_c, i % n_c
+        if not ring:
+            below, above = max(i - 1, 0), min(i, n_c - 1)
+        aspect = dy / dx if ring or 0 < i < n_c else 2.0 * dy / dx
+        for j in range(n_a):
+            velocity = 0.5 * (velocity_c[below, j] + velocity_c[above, j])
+            k_c[i, j], t_c[i, j] = _face(conductivity_c[below, j], conductivity_c[above, j],
+                                         transport[below, j], transport[above, j], velocity, aspect, dy)
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            below, above = max(j - 1, 0), min(j, n_a - 1)
+            aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
+            velocity = 0.5 * (velocity_a[i, below] + velocity_a[i, above])
+            k_a[i, j], t_a[i, j] = _face(conductivity_a[i, below], conductivity_a[i, above],
+                                         transport[i, below], transport[i, above], velocity, aspect, dx)
+    return k_c, t_c, k_a, t_a
+
+
+@njit(cache=True)
+def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pressure, edge_fraction, ring):
+    """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq. (E5).
+
+    Parameters
+    ----------
+    full : ndarray of bool, shape (n_c, n_a)
+        Pattern: True where u is pressure.
+    k_c, t_c, k_a, t_a : ndarray
+        From `faces`.
+    stored, content : ndarray, shape (n_c, n_a)
+        Stored film s of a full cell at the end of the step, and content f s at its beginning [m].
+    area_per_step : float
+        A / H [m2/s]; 0 for a steady film.
+    edge_pressure, edge_fraction : ndarray, shape (4,)
+        As in `grid.Edges`.
+    ring : bool
+
+    Returns
+    -------
+    stencil : tuple of ndarray, each shape (n_c, n_a)
+        centre, south, north, west, east for `blocks`.
+    right : ndarray, shape (n_c, n_a)
+    """
+    n_c, n_a = full.shape
+    centre, south, north = np.zeros((n_c, n_a)), np.zeros((n_c, n_a)), np.zeros((n_c, n_a))
+    west, east, right = np.zeros((n_c, n_a)), np.zeros((n_c, n_a)), np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            right[i, j] = area_per_step * (content[i, j] - stored[i, j])
+            if not full[i, j]:
+                centre[i, j] = area_per_step * stored[i, j]
+    for i in range(n_c + 1):
+        a, b = (i - 1) % n_c, i % n_c
+        if ring and i == n_c:  # the same face as i = 0
+            break
+        for j in range(n_a):
+            k, t = k_c[i, j], t_c[i, j]
+            c_a = k if full[a, j] else max(t, 0.0)
+            c_b = -k if full[b, j] else min(t, 0.0)
+            if ring or 0 < i < n_c:
+                centre[a, j] += c_a
+                east[a, j] += c_b
+                right[a, j] -= t
+                centre[b, j] -= c_b
+                west[b, j] -= c_a
+                right[b, j] += t
+            elif i == 0:
+                centre[b, j] -= c_b
+                right[b, j] += k * edge_pressure[2] + max(t, 0.0) * edge_fraction[2] + min(t, 0.0)
+            else:
+                centre[a, j] += c_a
+                right[a, j] += k * edge_pressure[3] - max(t, 0.0) - min(t, 0.0) * edge_fraction[3]
+    for i in range(n_c):
+        k, t = k_a[i, 0], t_a[i, 0]
+        centre[i, 0] -= -k if full[i, 0] else min(t, 0.0)
+        right[i, 0] += k * edge_pressure[0] + max(t, 0.0) * edge_fraction[0] + min(t, 0.0)
+        for j in range(1, n_a):
+            k, t = k_a[i, j], t_a[i, j]
+            c_a = k if full[i, j - 1] else max(t, 0.0)
+            c_b = -k if full[i, j] else min(t, 0.0)
+            centre[i, j - 1] += c_a
+            north[i, j - 1] += c_b
+            right[i, j - 1] -= t
+            centre[i, j] -= c_b
+            south[i, j] -= c_a
+            right[i, j] += t
+        k, t = k_a[i, n_a], t_a[i, n_a]
+        centre[i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
+        right[i, n_a - 1] += k * edge_pressure[1] - max(t, 0.0) - min(t, 0.0) * edge_fraction[1]
+    return (centre, south, north, west, east), right
+
+
+@njit(cache=True, inline="always")
+def _flow(k, t, p_a, p_b, f_a, f_b):
+    """Face flow, Eq. (E2)."""
+    return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b
+
+
+@njit(cache=True)
+def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction, ring):
+    """Sum of outward face flows of each cell, and the inward flows over the four edges, Eq. (E2).
+
+    Parameters
+    ----------
+    pressure, fraction : ndarray, shape (n_c, n_a)
+        Pressure above cavitation pressure [Pa] and film fraction [-].
+    k_c, t_c, k_a, t_a : ndarray
+        From `faces`.
+    edge_pressure, edge_fraction : ndarray, shape (4,)
+    ring : bool
+
+    Returns
+    -------
+    out : ndarray, shape (n_c, n_a)
+        [m3/s].
+    edge_flow : ndarray, shape (4,)
+        Flow into the film over lower, upper, first, last edge [m3/s].
+    gross : float
+        Sum of the magnitudes of both terms of Eq. (E2) over the edges [m3/s].
+    """
+    n_c, n_a = pressure.shape
+    out = np.zeros((n_c, n_a))
+    edge_flow = np.zeros(4)
+    gross = 0.0
+    for i in range(n_c):
+        q = _flow(k_a[i, 0], t_a[i, 0], edge_pressure[0], pressure[i, 0], edge_fraction[0], fraction[i, 0])
+        edge_flow[0] += q
+        out[i, 0] -= q
+        for j in range(1, n_a):
+            q = _flow(k_a[i, j], t_a[i, j], pressure[i, j - 1], pressure[i, j], fraction[i, j - 1], fraction[i, j])
+            out[i, j - 1] += q
+            out[i, j] -= q
+        last = n_a - 1
+        q = _flow(k_a[i, n_a], t_a[i, n_a], pressure[i, last], edge_pressure[1], fraction[i, last], edge_fraction[1])
+        edge_flow[1] -= q
+        out[i, last] += q
+        gross += k_a[i, 0] * (pressure[i, 0] + edge_pressure[0]) + abs(t_a[i, 0])
+        gross += k_a[i, n_a] * (pressure[i, last] + edge_pressure[1]) + abs(t_a[i, n_a])
+    last = n_c - 1
+    for j in range(n_a):
+        for i in range(1, n_c):
+            q = _flow(k_c[i, j], t_c[i, j], pressure[i - 1, j], pressure[i, j], fraction[i - 1, j], fraction[i, j])
+            out[i - 1, j] += q
+            out[i, j] -= q
+        if ring:
+            q = _flow(k_c[0, j], t_c[0, j], pressure[last, j], pressure[0, j], fraction[last, j], fraction[0, j])
+            out[last, j] += q
+            out[0, j] -= q
+        else:
+            q = _flow(k_c[0, j], t_c[0, j], edge_pressure[2], pressure[0, j], edge_fraction[2], fraction[0, j])
+            edge_flow[2] += q
+            out[0, j] -= q
+            q = _flow(k_c[n_c, j], t_c[n_c, j], pressure[last, j], edge_pressure[3], fraction[last, j], edge_fraction[3])
+            edge_flow[3] -= q
+            out[last, j] += q
+            gross += k_c[0, j] * (pressure[0, j] + edge_pressure[2]) + abs(t_c[0, j])
+            gross += k_c[n_c, j] * (pressure[last, j] + edge_pressure[3]) + abs(t_c[n_c, j])
+    return out, edge_flow, gross
+
+
+@njit(cache=True, inline="always")
+def _film(film, a, b):
+    """The values of cells a and b that Eq. (E3) takes: conductivity, transport film, velocity."""
+    g, t, u = film
+    return g[a], g[b], t[a], t[b], 0.5 * (u[a] + u[b])
+
+
+@njit(cache=True, inline="always")
+def _flow_change(film, dfilm, p_a, p_b, f_a, f_b, a, b, aspect, width):
+    """Change of the face flow, Eqs. (E2), (E3), at given pressure and film fraction; upstream stays upstream."""
+    g_a, g_b, t_a, t_b, velocity = _film(film, a, b)
+    dg_a, dg_b, dt_a, dt_b, dvelocity = _film(dfilm, a, b)
+    dk, dt = _face_tangent(g_a, g_b, t_a, t_b, velocity, aspect, width, dg_a, dg_b, dt_a, dt_b, dvelocity)
+    return dk * (p_a - p_b) + dt * (f_a if velocity > 0.0 else f_b)
+
+
+@njit(cache=True)
+def outflow_change(film_c, film_a, dfilm_c, dfilm_a, pressure, fraction, dx, dy, edge_pressure, edge_fraction, ring):
+    """Change of the outward flow of each cell for a changed film at given pressure and film fraction, Eq. (E6).
+
+    Parameters
+    ----------
+    film_c, film_a : tuple of ndarray, each shape (n_c, n_a)
+        Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along j.
+    dfilm_c, dfilm_a : tuple of ndarray
+        Their changes.
+    pressure, fraction : ndarray, shape (n_c, n_a)
+        Pressure above cavitation pressure [Pa], film fraction [-].
+    dx, dy : float
+        Cell size [m].
+    edge_pressure, edge_fraction : ndarray, shape (4,)
+    ring : bool
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a)
+        [m3/s].
+    """
+    n_c, n_a = pressure.shape
+    out = np.zeros((n_c, n_a))
+    last = n_a - 1
+    for i in range(n_c):
+        for j in range(1, n_a):
+            a, b = (i, j - 1), (i, j)
+            q = _flow_change(film_a, dfilm_a, pressure[a], pressure[b], fraction[a], fraction[b], a, b, dx / dy, dx)
+            out[a] += q
+            out[b] -= q
+        b = (i, 0)
+        out[b] -= _flow_change(film_a, dfilm_a, edge_pressure[0], pressure[b], edge_fraction[0], fraction[b],
+                               b, b, 2.0 * dx / dy, dx)
+        a = (i, last)
+        out[a] += _flow_change(film_a, dfilm_a, pressure[a], edge_pressure[1], fraction[a], edge_fraction[1],
+                               a, a, 2.0 * dx / dy, dx)
+    last = n_c - 1
+    for j in range(n_a):
+        for i in range(0 if ring else 1, n_c):
+            a, b = ((i - 1) % n_c, j), (i, j)
+            q = _flow_change(film_c, dfilm_c, pressure[a], pressure[b], fraction[a], fraction[b], a, b, dy / dx, dy)
+            out[a] += q
+            out[b] -= q
+        if not ring:
+            b = (0, j)
+            out[b] -= _flow_change(film_c, dfilm_c, edge_pressure[2], pressure[b], edge_fraction[2], fraction[b],
+                                   b, b, 2.0 * dy / dx, dy)
+            a = (last, j)
+            out[a] += _flow_change(film_c, dfilm_c, pressure[a], edge_pressure[3], fraction[a], edge_fraction[3],
+                                   a, a, 2.0 * dy / dx, dy)
+    return out

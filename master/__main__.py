@@ -1,0 +1,5 @@
+"""`python -m master`: the same as `piston-cosim`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,208 @@
+"""Case files: TOML with units -> a checked `Case`, every fault of the file in one message."""
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from .fmi.errors import BadInput
+from .fmi.quantities import to_si
+
+Port = Annotated[str, Field(pattern=r"^\w+\.\w+$")]
+"""A variable of a participant: "participant.variable"."""
+
+
+class Table(BaseModel):
+    """A table of a case file; unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+
+class Time(Table):
+    """Run time and macro step: times, or crank angles together with the input that holds the angular speed."""
+
+    stop: str
+    step: str
+    angular_speed: Port | None = None
+
+
+class ParticipantTable(Table):
+    """A participant: an FMU by path, or a package with options that builds one; and its parameters and input starts."""
+
+    package: str | None = None
+    fmu: str | None = None
+    build: dict[str, Any] = {}
+    parameters: dict[str, str | float | int] = {}
+
+    @model_validator(mode="after")
+    def one_origin(self):
+        if (self.package is None) == (self.fmu is None):
+            raise ValueError("give either package (to build an FMU) or fmu (a file)")
+        return self
+
+
+class Wire(Table):
+    """A field that goes from an output to an input.
+
+    tolerance : largest difference between output and input in a converged step; text with the field's unit, or a
+    number that multiplies its nominal value. largest_decrease : no Newton update may bring the field's smallest element
+    down by more than this share of itself.
+    """
+
+    source: Port = Field(alias="from")
+    target: Port = Field(alias="to")
+    tolerance: str | float = 1e-6
+    largest_decrease: float | None = Field(None, gt=0, lt=1)
+
+
+class Coupling(Table):
+    """How a macro step is brought to its fixed point.
+
+    method : newton (directional derivatives and GMRES), aitken, or constant relaxation. order : the order in which the
+    participants step; the wires that run against it are the unknowns. relaxation : factor of constant relaxation, first
+    factor of Aitken's. largest_krylov_space : products per Newton update at most. halvings : how often a macro step that
+    fails may be halved.
+    """
+
+    method: Literal["newton", "aitken", "constant"] = "newton"
+    order: list[str]
+    max_iterations: int = Field(20, ge=1)
+    relaxation: float = Field(0.5, gt=0, le=1)
+    largest_krylov_space: int = Field(120, ge=1)
+    halvings: int = Field(6, ge=0)
+
+
+class Record(Table):
+    """What goes into the results file: all scalar outputs every macro step, `fields` every so many."""
+
+    fields: list[Port] = []
+    every: int = Field(1, ge=1)
+
+
+class Picture(Table):
+    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a panel each."""
+
+    file: str
+    title: str
+    kind: Literal["lines", "map"]
+    x: Port | None = None
+    y: list[list[Port]] = []
+    fields: list[Port] = []
+    time: str | None = None
+    units: dict[str, str] = {}
+
+
+class Case(Table):
+    """A whole case file.
+
+    summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
+    monitor : the same, shown while running. variants : name -> {dotted key: value} changes that make a further run.
+    """
+
+    title: str
+    time: Time
+    participants: dict[str, ParticipantTable]
+    wires: list[Wire]
+    coupling: Coupling
+    record: Record = Record()
+    summary: dict[str, str] = {}
+    monitor: dict[str, str] = {}
+    pictures: list[Picture] = []
+    variants: dict[str, dict[str, Any]] = {}
+
+    @field_validator("summary", "monitor")
+    @classmethod
+    def reductions(cls, entries):
+        for name, text in entries.items():
+            words = text.split()
+            if len(words) != 2 or words[0] not in ("min", "max", "mean", "last") or words[1].count(".") != 1:
+                raise ValueError(f"{name} = {text!r}: write 'min|max|mean|last participant.variable'")
+        return entries
+
+    @model_validator(mode="after")
+    def names_exist(self):
+        ports = [p for w in self.wires for p in (w.source, w.target)] + self.record.fields
+        ports += [self.time.angular_speed] if self.time.angular_speed else []
+        ports += [p for pic in self.pictures for p in [pic.x, *pic.fields, *sum(pic.y, [])] if p]
+        ports += [text.split()[1] for text in (self.summary | self.monitor).values()]
+        unknown = sorted({p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants))
+        unknown = [name for name in unknown if name not in self.participants]
+        if unknown:
+            raise ValueError(f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}")
+        if sorted(self.coupling.order) != sorted(self.participants):
+            raise ValueError(f"coupling.order must name each participant once: {', '.join(self.participants)}")
+        return self
+
+
+def case_names():
+    """Names of the cases that come with the tool: folders of `models` with a case.toml."""
+    return sorted(p.name for p in files("models").iterdir() if (p / "case.toml").is_file())
+
+
+def find_case(name):
+    """Path of a case file, by its path, its folder, or the name of a case that comes with the tool."""
+    for candidate in (Path(name), Path(name) / "case.toml", Path(str(files("models"))) / name / "case.toml"):
+        if candidate.is_file():
+            return candidate.resolve()
+    raise BadInput(f"no case {name!r}: neither a file nor one of {', '.join(case_names())}")
+
+
+def read_tree(path, changes=()):
+    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it.
+
+    Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
+    """
+    try:
+        tree = tomllib.loads(Path(path).read_text())
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{path}: {error}") from None
+    faults = [fault for key, value in changes if (fault := _change(tree, key, value))]
+    if faults:
+        raise BadInput(faults)
+    return tree
+
+
+def _change(tree, key, value):
+    """Set a dotted key; the tables on its way must exist. Returns a fault or None."""
+    *parents, last = key.split(".")
+    node = tree
+    for k, part in enumerate(parents):
+        node = node.get(part) if isinstance(node, dict) else None
+        if not isinstance(node, dict):
+            return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+    node[last] = value
+    return None
+
+
+def check_case(tree, path):
+    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the file."""
+    try:
+        return Case.model_validate(tree)
+    except ValidationError as error:
+        raise BadInput([f"{path}: {_sentence(fault)}" for fault in error.errors()]) from None
+
+
+def _sentence(fault):
+    where = ".".join(str(part) for part in fault["loc"]) or "case"
+    if fault["type"] == "extra_forbidden":
+        return f"{where}: unknown key"
+    given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
+    return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
+
+
+def times(case, speed):
+    """Stop time and macro step [s]; `speed` [rad/s] turns angles into times."""
+    faults, values = [], []
+    for key in ("stop", "step"):
+        text = getattr(case.time, key)
+        try:
+            values.append(to_si(text, "rad") / speed if speed is not None else to_si(text, "s"))
+            if not values[-1] > 0:
+                faults.append(f"time.{key} = {text}: must be positive")
+        except (ValueError, ZeroDivisionError) as error:
+            faults.append(f"time.{key}: {error}")
+    if faults:
+        raise BadInput(faults)
+    return values

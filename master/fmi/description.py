@@ -1,0 +1,101 @@
+"""modelDescription.xml of FMI 2.0, complete: units, ranges, nominals, structure, and what pythonfmu leaves out."""
+
+import hashlib
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import numpy as np
+
+VENDOR = "piston-cosim"
+"""Name of the VendorAnnotations tool entry that lists the reserved directional-derivative references."""
+
+BASE_UNITS = {
+    "m": {"m": 1}, "kg": {"kg": 1}, "s": {"s": 1}, "rad": {"rad": 1}, "K": {"K": 1}, "m2": {"m": 2}, "1/s": {"s": -1},
+    "m/s": {"m": 1, "s": -1}, "rad/s": {"rad": 1, "s": -1}, "m/s2": {"m": 1, "s": -2}, "m3/s": {"m": 3, "s": -1},
+    "kg/m3": {"kg": 1, "m": -3}, "kg.m": {"kg": 1, "m": 1}, "kg.m2": {"kg": 1, "m": 2}, "Hz": {"s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}, "Pa.s": {"kg": 1, "m": -1, "s": -1},
+    "N.m": {"kg": 1, "m": 2, "s": -2}, "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2},
+    "N/m": {"kg": 1, "s": -2}, "N.s/m": {"kg": 1, "s": -1}, "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "1/Pa": {"kg": -1, "m": 1, "s": 2}, "1/K": {"K": -1}, "m/K": {"m": 1, "K": -1}, "1/m2": {"m": -2},
+    "Pa/m": {"kg": 1, "m": -2, "s": -2}, "m/Pa": {"kg": -1, "m": 2, "s": 2},
+}
+"""Exponents of the SI base units for every unit a table may use ("1" is declared by leaving the unit out)."""
+
+
+def model_description(slave, options):
+    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its content."""
+    root = Element("fmiModelDescription", {
+        "fmiVersion": "2.0", "modelName": slave.name, "guid": "", "description": slave.description,
+        "generationTool": "piston-cosim", "variableNamingConvention": "structured"})
+    SubElement(root, "CoSimulation", {
+        "modelIdentifier": slave.name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"})
+    _units(SubElement(root, "UnitDefinitions"), slave.table)
+    categories = SubElement(root, "LogCategories")
+    for name, text in slave.log_categories.items():
+        SubElement(categories, "Category", {"name": name, "description": text})
+    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave)
+    _variables(SubElement(root, "ModelVariables"), slave)
+    _structure(SubElement(root, "ModelStructure"), slave.table)
+    root.set("guid", "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}")
+    return root
+
+
+def _units(parent, table):
+    for unit in sorted({v.unit for v in table if v.type == "Real" and v.unit != "1"}):
+        node = SubElement(parent, "Unit", {"name": unit})
+        SubElement(node, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[unit].items()})
+
+
+def _vendor_annotations(parent, slave):
+    """First reserved value reference of each seed and product field; present only if the slave has derivatives."""
+    tool = SubElement(SubElement(parent, "Tool", {"name": VENDOR}), "DirectionalDerivative")
+    for kind, names in (("seed", slave.derivative_inputs), ("product", slave.derivative_outputs)):
+        for name in names:
+            SubElement(tool, kind.capitalize(), {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])})
+
+
+def _variables(parent, slave):
+    from .slave import element_names
+
+    for v in slave.table:
+        common = _scalar_attributes(v)
+        typed = _type_attributes(v)
+        for k, name in enumerate(element_names(v)):
+            node = SubElement(parent, "ScalarVariable", {
+                "name": name, "valueReference": str(slave.references[v.name] + k), **common})
+            SubElement(node, v.type, typed)
+
+
+def _scalar_attributes(v):
+    kind = {"parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+            "input": {"causality": "input", "variability": "continuous" if v.type == "Real" else "discrete"},
+            "output": {"causality": "output", "variability": "continuous" if v.type == "Real" else "discrete",
+                       "initial": "calculated"}}[v.causality]
+    return {"description": v.description, **kind}
+
+
+def _type_attributes(v):
+    attributes = {}
+    if v.causality != "output":
+        attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.start)
+    if v.type == "Real" and v.unit != "1":
+        attributes["unit"] = v.unit
+    if v.type == "Real" and v.nominal is not None:
+        attributes["nominal"] = repr(float(v.nominal))
+    for key, limit in (("min", v.minimum), ("max", v.maximum)):
+        if limit is not None and np.isfinite(limit):
+            attributes[key] = repr(float(limit)) if v.type == "Real" else str(limit)
+    return attributes
+
+
+def _structure(parent, table):
+    """Outputs and initial unknowns, both with empty dependencies: no output follows an input without a step."""
+    index, outputs = 1, []
+    for v in table:
+        if v.causality == "output":
+            outputs += range(index, index + v.size)
+        index += v.size
+    for section in ("Outputs", "InitialUnknowns"):
+        node = SubElement(parent, section)
+        for k in outputs:
+            SubElement(node, "Unknown", {"index": str(k), "dependencies": ""})

@@ -1,0 +1,272 @@
+"""The slave every FMU of this project is made of: one variable table, whole-object state, fields moved as slices.
+
+pythonfmu calls the methods of `FieldSlave`; a participant derives from it and writes three: `start`, `advance` and
+`directional_derivative`. What is stored where:
+
+- `real`: one array [variables of type Real | seeds | products]; a value reference is an index into it, and each
+  declared array is a view of it. Seeds and products are the reserved references of the directional derivative.
+- `integer`, `string`: likewise for the two other types.
+- `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings, state); Integer outputs
+  count work done, which no rollback undoes, so they are not part of it.
+
+Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host later. A step that
+cannot be taken is logged and answered with False (fmi2Discard).
+"""
+
+import json
+import traceback
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from .description import model_description
+from .errors import BadInput, Discard
+
+
+class FieldSlave(Fmi2Slave):
+    """Base of every slave; see the module text for what lies where.
+
+    A participant defines
+
+    - `name`, `description`: model identifier and one sentence;
+    - `state_type`: the frozen dataclass (of arrays and floats) that `start` and `advance` return;
+    - `variables(options)`: its table, a list of `Variable`;
+    - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every fault;
+    - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it cannot;
+    - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`: optional.
+    """
+
+    name = "slave"
+    description = ""
+    state_type = None
+    derivative_inputs = ()
+    derivative_outputs = ()
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.modelName, self.description = self.name, type(self).description
+        self.resources = Path(self.resources)
+        self.options = json.loads((self.resources / "build.json").read_text())
+        self.table = self.variables(self.options)
+        self.state = self.fault = self.started_with = None
+        self._lay_out()
+
+    # ---- the participant's part ---------------------------------------------------------------------------------
+
+    @staticmethod
+    def variables(options):
+        """Variable table for the build `options`."""
+        raise NotImplementedError
+
+    def start(self, values):
+        """State and outputs at the start time for the parameters and inputs in `values`."""
+        raise NotImplementedError
+
+    def advance(self, state, values, time, step):
+        """State and outputs at time + step [s]; inputs in `values` hold end-of-step values."""
+        raise NotImplementedError
+
+    def directional_derivative(self, seeds):
+        """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its inputs."""
+        raise NotImplementedError
+
+    # ---- storage ------------------------------------------------------------------------------------------------
+
+    def _lay_out(self):
+        """Allocate storage, give every variable its view, and copy the start values in."""
+        self.views, self.references = {}, {}
+        real = [v for v in self.table if v.type == "Real"]
+        shapes = {v.name: v.shape for v in real}
+        self.real_count = sum(v.size for v in real)
+        reserved = [(f"seed:{n}", shapes[n]) for n in self.derivative_inputs]
+        reserved += [(f"product:{n}", shapes[n]) for n in self.derivative_outputs]
+        self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in reserved))
+        integer = [v for v in self.table if v.type == "Integer"]
+        self.integer = np.zeros(sum(v.size for v in integer), dtype=np.int64)
+        self._place(self.real, [(v.name, v.shape) for v in real] + reserved)
+        self._place(self.integer, [(v.name, v.shape) for v in integer])
+        self.string = [v.start for v in self.table if v.type == "String"]
+        self.references |= {v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")}
+        for v in real + integer:
+            self.views[v.name][...] = v.start
+        self.first_product = self.references.get(f"product:{self.derivative_outputs[0]}", len(self.real)) \
+            if self.derivative_outputs else len(self.real)
+        self.parameter_elements = np.array([k for v in real if v.causality == "parameter" for k in
+                                            range(self.references[v.name], self.references[v.name] + v.size)], dtype=int)
+        self.products_due = False
+        self.all_references = list(range(len(self.real)))
+
+    def _place(self, storage, entries):
+        offset = 0
+        for name, shape in entries:
+            size = int(np.prod(shape))
+            self.references[name] = offset
+            self.views[name] = storage[offset:offset + size].reshape(shape)
+            offset += size
+
+    def _values(self):
+        """Parameters and inputs as the participant sees them: floats, ints, texts, arrays (copies)."""
+        strings = {v.name: self.string[self.references[v.name]] for v in self.table if v.type == "String"}
+        return strings | {v.name: self.views[v.name].copy() if v.shape else self.views[v.name].item()
+                          for v in self.table if v.causality != "output" and v.type != "String"}
+
+    def _publish(self, outputs):
+        for name, value in outputs.items():
+            self.views[name][...] = value
+
+    # ---- what pythonfmu calls -----------------------------------------------------------------------------------
+
+    def exit_initialization_mode(self):
+        """Check every parameter range, start the participant; a fault is logged and every later step discarded."""
+        try:
+            faults = self._range_faults()
+            if faults:
+                raise BadInput(faults)
+            self.state, outputs = self._start()
+            self._publish(outputs)
+        except BadInput as error:
+            self._refuse("\n".join(error.faults))
+        except Exception:
+            self._refuse(traceback.format_exc())
+
+    def _start(self):
+        self.started_with = self._parameters()
+        return self.start(self._values())
+
+    def _parameters(self):
+        """What `start` depends on, comparable: a state that carries other parameters needs a new start."""
+        return self.real[self.parameter_elements].tobytes(), tuple(self.string)
+
+    def _refuse(self, text):
+        self.fault = text
+        self.log(text, Fmi2Status.error)
+
+    def _range_faults(self):
+        """Sentences on all parameters and inputs that are not finite or out of range (the first element of each)."""
+        faults = []
+        for v in self.table:
+            if v.causality == "output" or v.type == "String":
+                continue
+            values = np.atleast_1d(self.views[v.name]).ravel()
+            low = -np.inf if v.minimum is None else v.minimum
+            high = np.inf if v.maximum is None else v.maximum
+            bad = np.flatnonzero(~((values >= low) & (values <= high)) | ~np.isfinite(values))
+            if bad.size:
+                faults.append(v.fault(values[bad[0]]) or f"{v.name} = {values[bad[0]]}: must be finite")
+        return faults
+
+    def do_step(self, current_time, step_size):
+        """One step; False (fmi2Discard) with a log line where it cannot be taken, the state untouched."""
+        try:
+            self._check_step(step_size)
+            self.state, outputs = self.advance(self.state, self._values(), current_time, step_size)
+            self._publish(outputs)
+            return True
+        except Discard as refusal:
+            self.log(str(refusal), Fmi2Status.discard)
+        except Exception:
+            self.log(traceback.format_exc(), Fmi2Status.error)
+        return False
+
+    def _check_step(self, step_size):
+        if self.fault:
+            raise Discard(f"not initialised: {self.fault}")
+        if not 0 < step_size < np.inf:
+            raise Discard(f"step size = {step_size:g} s: must be positive and finite")
+        for v in self.table:
+            if v.causality == "input" and v.type == "Real" and not np.isfinite(self.views[v.name]).all():
+                k = int(np.flatnonzero(~np.isfinite(np.atleast_1d(self.views[v.name]).ravel()))[0])
+                raise Discard(f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: must be finite")
+
+    def set_real(self, vrs, values):
+        first, last = vrs[0], vrs[-1] + 1
+        if vrs == self.all_references[first:last]:
+            self.real[first:last] = values
+        else:
+            self.real[vrs] = values
+        self.products_due = self.products_due or last > self.real_count
+
+    def get_real(self, vrs):
+        first, last = vrs[0], vrs[-1] + 1
+        if last > self.first_product and self.products_due:
+            self._update_products()
+        if vrs == self.all_references[first:last]:
+            return self.real[first:last].tolist()
+        return self.real[vrs].tolist()
+
+    def _update_products(self):
+        try:
+            products = self.directional_derivative({n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs})
+            self._publish({f"product:{name}": value for name, value in products.items()})
+        except Exception:
+            self.log(traceback.format_exc(), Fmi2Status.error)
+            self.real[self.first_product:] = np.nan
+        self.products_due = False
+
+    def set_integer(self, vrs, values):
+        self.integer[vrs] = values
+
+    def get_integer(self, vrs):
+        return self.integer[vrs].tolist()
+
+    def set_string(self, vrs, values):
+        for reference, value in zip(vrs, values):
+            self.string[reference] = value
+
+    def get_string(self, vrs):
+        return [self.string[reference] for reference in vrs]
+
+    # ---- state --------------------------------------------------------------------------------------------------
+
+    def _get_fmu_state(self):
+        return self.real[:self.real_count].copy(), tuple(self.string), self.state
+
+    def _set_fmu_state(self, saved):
+        real, strings, state = saved
+        self.real[:self.real_count] = real
+        self.string[:] = strings
+        if isinstance(state, dict):
+            state = self.state_type(**state)
+        self.state, self.fault = state, None
+        if state is not None and self._parameters() != self.started_with:
+            try:
+                self._start()
+            except Exception:
+                self._refuse(traceback.format_exc())
+
+    @staticmethod
+    def _fmu_state_to_bytes(saved):
+        real, strings, state = saved
+        members = {} if state is None else {f.name: np.asarray(getattr(state, f.name)) for f in fields(state)}
+        arrays = {"": real} | members
+        header = {"strings": strings, "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
+                  "started": state is not None}
+        text = json.dumps(header).encode()
+        return b"".join([len(text).to_bytes(8, "little"), text, *(np.ascontiguousarray(a).tobytes() for a in arrays.values())])
+
+    @staticmethod
+    def _fmu_state_from_bytes(data):
+        data = bytes(data)
+        end = 8 + int.from_bytes(data[:8], "little")
+        header, arrays = json.loads(data[8:end]), {}
+        for name, dtype, shape in header["arrays"]:
+            array = np.frombuffer(data, dtype, int(np.prod(shape)), end).reshape(shape).copy()
+            end += array.nbytes
+            arrays[name] = array if shape else array.item()
+        real = arrays.pop("")
+        return real, tuple(header["strings"]), arrays if header["started"] else None
+
+    # ---- model description --------------------------------------------------------------------------------------
+
+    def to_xml(self, model_options=None):
+        return model_description(self, model_options or {})
+
+
+def element_names(variable):
+    """FMI names of a variable's scalars: `name`, or `name[i,j]`, 1-based, last index fastest."""
+    if not variable.shape:
+        return [variable.name]
+    return [f"{variable.name}[{','.join(str(k + 1) for k in index)}]" for index in np.ndindex(*variable.shape)]

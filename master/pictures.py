@@ -1,0 +1,102 @@
+"""Pictures of one or several runs side by side, as the case file describes them. Units converted here, at the edge."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+from .fmi.quantities import registry, to_si  # noqa: E402
+
+PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a")
+
+
+def draw(case, runs, folder):
+    """Draw every picture of the case.
+
+    Parameters
+    ----------
+    case : Case
+    runs : dict of str to Results
+        Label -> results, all drawn into the same pictures.
+    folder : Path
+
+    Returns
+    -------
+    list of Path
+        The PNG files.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    drawn = []
+    for picture in case.pictures:
+        figure = (draw_lines if picture.kind == "lines" else draw_maps)(picture, runs)
+        figure.suptitle(picture.title)
+        drawn.append(Path(folder) / picture.file)
+        figure.savefig(drawn[-1], dpi=130)
+        plt.close(figure)
+    return drawn
+
+
+def scaled(values, unit, wanted):
+    """`values` from SI `unit` in the unit the picture asks for, and its label."""
+    if not wanted:
+        return values, "" if unit == "1" else unit
+    quantity = registry().Quantity(1.0, "dimensionless" if unit == "1" else unit.replace(".", "*"))
+    return np.asarray(values) * quantity.to(wanted).magnitude, wanted
+
+
+def _label(text, unit):
+    return f"{text} [{unit}]" if unit else text
+
+
+def draw_lines(picture, runs):
+    """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style."""
+    figure, panels = plt.subplots(len(picture.y), 1, sharex=True, squeeze=False, layout="constrained",
+                                  figsize=(9, 1.2 + 2.3 * len(picture.y)))
+    for panel, ports in zip(panels[:, 0], picture.y):
+        for colour, (label, results) in zip(PALETTE, runs.items()):
+            x, x_unit, x_text = results.series(picture.x)
+            x, x_unit = scaled(x, x_unit, picture.units.get(picture.x))
+            for style, port in zip(("-", "--", ":"), ports):
+                y, unit, text = results.series(port)
+                y, unit = scaled(y, unit, picture.units.get(port))
+                name = label if len(ports) == 1 else f"{label}, {port.split('.')[1].replace('_', ' ')}"
+                panel.plot(x, y, style, color=colour, lw=1.2, label=name)
+        heading = port.split(".")[1].replace("_", " ") if len(ports) == 1 else _common(ports)
+        panel.set_ylabel(_label(heading, unit))
+        panel.grid(alpha=0.3)
+        panel.margins(x=0)
+        panel.legend(fontsize="small", frameon=False, ncols=2)
+    panels[-1, 0].set_xlabel(_label(picture.x.split(".")[1].replace("_", " "), x_unit))
+    return figure
+
+
+def _common(ports):
+    """Longest common beginning of the variables' names, at a word's end."""
+    words = [port.split(".")[1].split("_") for port in ports]
+    shared = [column[0] for column in zip(*words) if len(set(column)) == 1]
+    return " ".join(shared) or ", ".join(port.split(".")[1].replace("_", " ") for port in ports)
+
+
+def draw_maps(picture, runs):
+    """One row per field, one column per run, one colour scale per row; axes are the field's two indices as fractions."""
+    figure, panels = plt.subplots(len(picture.fields), len(runs), squeeze=False, layout="constrained",
+                                  figsize=(1.5 + 4.6 * len(runs), 1 + 3.1 * len(picture.fields)))
+    instant = to_si(picture.time, "s")
+    for row, port in zip(panels, picture.fields):
+        found = [results.field(port, instant) for results in runs.values()]
+        images = [scaled(f[0], f[2], picture.units.get(port)) for f in found]
+        low, high = min(i.min() for i, _ in images), max(i.max() for i, _ in images)
+        for panel, label, (image, unit), (_, time, _, _) in zip(row, runs, images, found):
+            shown = panel.imshow(image.T, origin="lower", aspect="auto", extent=(0, 360, 0, 1), vmin=low, vmax=high,
+                                 cmap="viridis", interpolation="nearest")
+            panel.contour(np.linspace(0, 360, image.shape[0]), np.linspace(0, 1, image.shape[1]), image.T, 8,
+                          colors="white", linewidths=0.4, vmin=low, vmax=high) if image.max() > image.min() else None
+            panel.set_title(f"{label}, t = {time * 1e3:.2f} ms", fontsize="medium")
+            panel.set_xticks([0, 90, 180, 270, 360], ["0", "90\nthrust", "180", "270\nanti-thrust", "360"])
+            panel.set_xlabel("angle from the pin axis [deg]")
+            panel.set_ylabel("height / skirt length")
+        figure.colorbar(shown, ax=list(row), label=_label(port.split(".")[1].replace("_", " "), unit))
+    return figure

@@ -1,0 +1,132 @@
+"""Results file: HDF5 with units, the resolved case inside, readable up to the last step whatever happens to the run.
+
+Layout
+    /                       attributes: title, case (resolved TOML tree as JSON), versions, summary (JSON, when finished)
+    /time                   end of every macro step [s]
+    /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
+    /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
+    /fields/time            instants of the recorded fields [s]
+    /fields/<participant>/<name>   shape (instants, *field shape)
+"""
+
+import json
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class Recorder:
+    """Writes `<path>` as `<path>.partial` while the run goes on, flushed every `flush_every` steps.
+
+    Parameters
+    ----------
+    path : Path
+    participants : dict of str to Participant
+    record : case.Record
+    attributes : dict of str to str
+        Goes to the root.
+    """
+
+    def __init__(self, path, participants, record, attributes, flush_every=20):
+        self.path, self.partial = Path(path), Path(f"{path}.partial")
+        self.participants, self.record, self.flush_every = participants, record, flush_every
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.file = h5py.File(self.partial, "w", libver="latest")
+        self.file.attrs.update(attributes)
+        self.scalars = {name: [f for f in p.fields.values() if f.causality == "output" and not f.shape and f.type != "String"]
+                        for name, p in participants.items()}
+        self.rows = 0
+        self._make_datasets()
+        self.file.swmr_mode = True
+
+    def _make_datasets(self):
+        self._series("time", "s", "end of the macro step")
+        for name, fields in self.scalars.items():
+            for field in fields:
+                self._series(f"{name}/{field.name}", field.unit, field.description)
+        for name, text in (("iterations", "sweeps of the macro step"), ("derivative_products", "directional derivatives"),
+                           ("residual", "largest residual / tolerance of the accepted step")):
+            self._series(f"coupling/{name}", "1", text)
+        self._series("fields/time", "s", "instants of the recorded fields")
+        for port in self.record.fields:
+            owner, name = port.split(".")
+            field = self.participants[owner].fields[name]
+            self._series(f"fields/{owner}/{name}", field.unit, field.description, field.shape)
+
+    def _series(self, name, unit, description, shape=()):
+        chunk = (1, *shape) if shape else (1024,)
+        dataset = self.file.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=float, chunks=chunk,
+                                           compression="lzf" if shape else None)
+        dataset.attrs.update({"unit": unit, "description": description})
+
+    def _append(self, name, value):
+        dataset = self.file[name]
+        dataset.resize(dataset.shape[0] + 1, axis=0)
+        dataset[-1] = value
+
+    def write(self, time, solution=None):
+        """Add a row for `time` [s] from the participants' outputs as they are now."""
+        values = {name: self.participants[name].get_many([f.name for f in fields]) for name, fields in self.scalars.items()}
+        self._append("time", time)
+        for name, row in values.items():
+            for key, value in row.items():
+                self._append(f"{name}/{key}", value)
+        self._append("coupling/iterations", solution.iterations if solution else 0)
+        self._append("coupling/derivative_products", solution.products if solution else 0)
+        self._append("coupling/residual", solution.history[-1] if solution else 0.0)
+        if self.rows % self.record.every == 0:
+            self._append("fields/time", time)
+            for port in self.record.fields:
+                owner, name = port.split(".")
+                self._append(f"fields/{owner}/{name}", self.participants[owner].get(name))
+        self.rows += 1
+        if self.rows % self.flush_every == 0:
+            self.file.flush()
+        return values
+
+    def finish(self, summary):
+        """Close, add the summary and give the file its final name."""
+        self.close()
+        with h5py.File(self.partial, "a") as file:
+            file.attrs["summary"] = json.dumps(summary)
+        os.replace(self.partial, self.path)
+
+    def close(self):
+        """Close; the partial file stays."""
+        if self.file:
+            self.file.close()
+            self.file = None
+
+
+class Results:
+    """A results file, read: `time`, `series(port)`, `field(port, time)`, units and descriptions."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        self.file = h5py.File(self.path, "r", libver="latest", swmr=self.path.suffix == ".partial")
+        self.time = self.file["time"][:]
+
+    @property
+    def title(self):
+        return self.file.attrs["title"]
+
+    @property
+    def case(self):
+        """Resolved TOML tree of the run."""
+        return json.loads(self.file.attrs["case"])
+
+    def series(self, port):
+        """Values, unit and description of a scalar output "participant.name"."""
+        dataset = self.file[port.replace(".", "/")]
+        return dataset[:], dataset.attrs["unit"], dataset.attrs["description"]
+
+    def field(self, port, time):
+        """Recorded field nearest to `time` [s], its instant [s], unit and description."""
+        dataset, instants = self.file["fields/" + port.replace(".", "/")], self.file["fields/time"][:]
+        k = int(np.argmin(np.abs(instants - time)))
+        return dataset[k], float(instants[k]), dataset.attrs["unit"], dataset.attrs["description"]
+
+    def close(self):
+        self.file.close()

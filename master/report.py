@@ -1,0 +1,41 @@
+"""What a run says on the screen: a progress line while it goes, a one-screen summary at its end."""
+
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from .fmi.quantities import registry
+
+
+def short(value, unit):
+    """A value with a unit of handy size: 5.2e-6 m -> "5.2 um"."""
+    if unit == "1":
+        return f"{value:.3g}"
+    if unit == "rad":
+        return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
+    return f"{registry().Quantity(float(value), unit.replace('.', '*')).to_compact():.3g~P}"
+
+
+@contextmanager
+def watching(console, label):
+    """Progress bar; gives the `watch` callable of `run`."""
+    columns = (TextColumn("{task.description}"), BarColumn(20), TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
+    with Progress(*columns, console=console, refresh_per_second=5) as progress:
+        task = progress.add_task(label, total=1.0, state="")
+
+        def watch(time, stop, solution, monitored):
+            parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
+            parts.append(f"{solution.iterations} iterations, residual/tolerance {solution.history[-1]:.1e}")
+            progress.update(task, completed=time / stop, state="  ".join(parts))
+
+        yield watch
+
+
+def print_summary(console, summaries):
+    """Table of the runs' summaries, a column each."""
+    table = Table("", *summaries, box=None)
+    for key in next(iter(summaries.values())):
+        values = [summary[key] for summary in summaries.values()]
+        table.add_row(key, *(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values))
+    console.print(table)

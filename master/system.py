@@ -1,0 +1,167 @@
+"""From a case to participants and wires, with every fault of wiring, units, shapes and capabilities found before the run."""
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from .case import times
+from .fmi.builder import build_fmu
+from .fmi.errors import BadInput
+from .fmi.quantities import to_si
+from .participant import FmuParticipant
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A wire ready for use: both ends, shape, and in SI its nominal and tolerance."""
+
+    source: tuple
+    target: tuple
+    shape: tuple
+    unit: str
+    nominal: float
+    tolerance: float
+    largest_decrease: float | None
+
+
+@dataclass(frozen=True)
+class System:
+    """Participants in stepping order, connections, parameters in SI, stop time and macro step [s]."""
+
+    participants: dict
+    connections: tuple
+    parameters: dict
+    stop: float
+    step: float
+
+
+def open_system(case, folder, progress):
+    """Build or open every FMU of the case and check the whole before anything runs.
+
+    Raises
+    ------
+    BadInput
+        With every fault that could be found: build options of all participants first, then parameters, wires, recorded
+        names and time.
+    """
+    faults, participants = [], {}
+    for name in case.coupling.order:
+        try:
+            participants[name] = FmuParticipant(name, _fmu(case.participants[name], folder, progress))
+        except BadInput as error:
+            faults += [f"participants.{name}: {line}" for line in error.faults]
+    if faults:
+        raise BadInput(faults)
+    parameters = {name: _parameters(participants[name], case.participants[name].parameters, faults) for name in participants}
+    connections = tuple(c for wire in case.wires if (c := _connection(wire, participants, faults)))
+    _check_capabilities(participants, faults)
+    _check_ports(case, participants, faults)
+    stop = step = None
+    try:
+        stop, step = times(case, _angular_speed(case, parameters))
+    except BadInput as error:
+        faults += error.faults
+    if faults:
+        raise BadInput(faults)
+    return System(participants, connections, parameters, stop, step)
+
+
+def _fmu(table, folder, progress):
+    if table.package:
+        return build_fmu(table.package, table.build, folder, progress)
+    path = folder / table.fmu
+    if not path.is_file():
+        raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
+    return path
+
+
+def _parameters(participant, given, faults):
+    """Parameters and input start values in SI; faults are appended."""
+    values = {}
+    for name, text in given.items():
+        where = f"participants.{participant.name}.parameters.{name}"
+        field = participant.fields.get(name)
+        if field is None or field.causality not in ("parameter", "input"):
+            settable = [f.name for f in participant.fields.values() if f.causality in ("parameter", "input")]
+            faults.append(f"{where}: the FMU has no such parameter or input{_near(name, settable)}")
+            continue
+        try:
+            values[name] = _value(field, text)
+        except ValueError as error:
+            faults.append(f"{where}: {error}")
+    return values
+
+
+def _value(field, text):
+    """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
+    if field.type == "String":
+        return str(text)
+    value = to_si(text, field.unit)
+    low = float("-inf") if field.minimum is None else field.minimum
+    high = float("inf") if field.maximum is None else field.maximum
+    if not low <= value <= high:
+        unit = "" if field.unit == "1" else f" {field.unit}"
+        raise ValueError(f"{text} is {value:g}{unit}, allowed is {low:g} to {high:g}{unit}")
+    if field.type == "Integer" and value != int(value):
+        raise ValueError(f"{text} must be a whole number")
+    return int(value) if field.type == "Integer" else value
+
+
+def _near(name, known):
+    close = get_close_matches(name, known, 1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def _field(port, causalities, participants, where, faults):
+    owner, name = port.split(".")
+    field = participants[owner].fields.get(name)
+    known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
+    if field is None or field.causality not in causalities:
+        faults.append(f"{where}: {port} is no {' or '.join(causalities)} of the FMU{_near(name, known)}")
+        return None
+    return field
+
+
+def _connection(wire, participants, faults):
+    where = f"wire {wire.source} -> {wire.target}"
+    source = _field(wire.source, ("output",), participants, where, faults)
+    target = _field(wire.target, ("input",), participants, where, faults)
+    if source is None or target is None:
+        return None
+    if source.shape != target.shape:
+        faults.append(f"{where}: shapes differ, {source.shape} and {target.shape} (build both FMUs with the same grid)")
+    if source.unit != target.unit:
+        faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
+    nominal = target.nominal or source.nominal or 1.0
+    try:
+        tolerance = wire.tolerance * nominal if isinstance(wire.tolerance, float) else to_si(wire.tolerance, target.unit)
+    except ValueError as error:
+        faults.append(f"{where}: tolerance: {error}")
+        return None
+    return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, target.unit, nominal,
+                      tolerance, wire.largest_decrease)
+
+
+def _check_capabilities(participants, faults):
+    for participant in participants.values():
+        if not participant.can_redo:
+            faults.append(f"participant {participant.name}: {participant.path.name} cannot save and restore its state, "
+                          "so no step can be repeated")
+
+
+def _check_ports(case, participants, faults):
+    outputs = ("output", "input", "parameter", "local")
+    for port in case.record.fields:
+        _field(port, outputs, participants, "record.fields", faults)
+    for table in ("summary", "monitor"):
+        for name, text in getattr(case, table).items():
+            _field(text.split()[1], ("output",), participants, f"{table}.{name}", faults)
+
+
+def _angular_speed(case, parameters):
+    """Start value [rad/s] of the input that turns angles into times; None if the case is in times."""
+    if case.time.angular_speed is None:
+        return None
+    owner, name = case.time.angular_speed.split(".")
+    if name not in parameters[owner]:
+        raise BadInput(f"time.angular_speed = {case.time.angular_speed}: give it a value in participants.{owner}.parameters")
+    return parameters[owner][name]

@@ -1,0 +1,116 @@
+"""Case files: every fault at once, units at the edge, variants and changes by dotted key."""
+
+import pytest
+
+from master.case import check_case, read_tree, times
+from master.cli import parse_change, parse_grid, variant_trees
+from master.fmi.errors import BadInput
+from master.fmi.quantities import to_si
+
+GOOD = """
+title = "two"
+[time]
+stop = "720 deg"
+step = "1 deg"
+angular_speed = "a.speed"
+[participants.a]
+fmu = "a.fmu"
+parameters = { speed = "3000 rpm" }
+[participants.b]
+fmu = "b.fmu"
+[[wires]]
+from = "a.y"
+to = "b.u"
+tolerance = "1 nm"
+[coupling]
+order = ["a", "b"]
+[variants.slow]
+"participants.a.parameters.speed" = "300 rpm"
+"""
+
+
+@pytest.fixture
+def case_file(tmp_path):
+    def write(text):
+        path = tmp_path / "case.toml"
+        path.write_text(text)
+        return path
+    return write
+
+
+def faults_of(path):
+    with pytest.raises(BadInput) as caught:
+        check_case(read_tree(path), path)
+    return caught.value.faults
+
+
+def test_every_fault_is_listed_with_its_place(case_file):
+    text = GOOD.replace("title =", "tittle =").replace("[coupling]", "[coupling]\nmax_iteration = 3\nrelaxation = -1.0")
+    faults = "\n".join(faults_of(case_file(text)))
+    assert "tittle: unknown key" in faults
+    assert "title: Field required" in faults
+    assert "coupling.max_iteration: unknown key" in faults
+    assert "coupling.relaxation" in faults and "-1.0" in faults
+
+
+def test_unknown_participant_is_named(case_file):
+    assert "no participant c" in faults_of(case_file(GOOD.replace('to = "b.u"', 'to = "c.u"')))[0]
+
+
+def test_broken_toml_says_where(case_file):
+    with pytest.raises(BadInput, match="line 2"):
+        read_tree(case_file("title = 1\nstop = = 3"))
+
+
+def test_change_of_a_missing_table_is_refused(case_file):
+    with pytest.raises(BadInput, match="no table participants.zz"):
+        read_tree(case_file(GOOD), [("participants.zz.fmu", "x")])
+
+
+def test_angles_become_times(case_file):
+    path = case_file(GOOD)
+    case = check_case(read_tree(path), path)
+    stop, step = times(case, to_si("3000 rpm", "rad/s"))
+    assert stop == pytest.approx(0.04, rel=1e-12)
+    assert step == pytest.approx(1 / 18000, rel=1e-12)
+
+
+def test_times_in_the_wrong_dimension_are_refused(case_file):
+    path = case_file(GOOD.replace('stop = "720 deg"', 'stop = "7 bar"').replace('step = "1 deg"', 'step = "-1 deg"'))
+    case = check_case(read_tree(path), path)
+    with pytest.raises(BadInput) as caught:
+        times(case, 1.0)
+    assert len(caught.value.faults) == 2
+
+
+def test_variants_are_changed_cases(case_file):
+    path = case_file(GOOD)
+    trees = variant_trees(path, [("time.step", "2 deg")], None)
+    assert list(trees) == ["base", "slow"]
+    assert trees["slow"]["participants"]["a"]["parameters"]["speed"] == "300 rpm"
+    assert trees["base"]["participants"]["a"]["parameters"]["speed"] == "3000 rpm"
+    assert trees["slow"]["time"]["step"] == "2 deg"
+
+
+@pytest.mark.parametrize("value, unit, si", [("25 um", "m", 25e-6), ("3000 rpm", "rad/s", 314.1592653589793),
+                                             ("1 deg", "rad", 0.017453292519943295), ("12 mPa s", "Pa.s", 0.012),
+                                             (0.3, "1", 0.3), ("50 degC", "K", 323.15)])
+def test_quantities(value, unit, si):
+    assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
+
+
+@pytest.mark.parametrize("value, unit", [("25", "m"), (25, "m"), ("25 Pa", "m"), ("many", "m"), ("3 um", "1"), (True, "1")])
+def test_quantities_refused(value, unit):
+    with pytest.raises(ValueError, match="."):
+        to_si(value, unit)
+
+
+def test_command_line_values():
+    assert parse_change("a.b=3") == ("a.b", 3)
+    assert parse_change("a.b='12 mPa s'") == ("a.b", "12 mPa s")
+    assert parse_change("a.b=12 mPa s") == ("a.b", "12 mPa s")
+    assert parse_grid("60x30") == [60, 30]
+    with pytest.raises(BadInput):
+        parse_grid("60")
+    with pytest.raises(BadInput):
+        parse_change("novalue")

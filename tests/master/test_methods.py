@@ -1,0 +1,108 @@
+"""Newton, Aitken and constant relaxation on a stiff pair with a known fixed point."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from master.interface import Interface
+from master.methods import Newton, NotConverged, Relaxation, step_length
+from master.stepping import Predictor, Stepper, StepFailed
+
+STEP, PADS = 1e-4, 7
+
+
+def closed_form(h0, step):
+    """Film after one backward-Euler step of one mass on its film, by bracketing."""
+    from_force = lambda h: h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)  # noqa: E731
+    return brentq(from_force, h0 * 1e-3, h0, xtol=1e-18, rtol=1e-14)
+
+
+def solve(pair, method):
+    interface = Interface(pair.participants, pair.connections)
+    saved = {name: p.save() for name, p in pair.participants.items()}
+    return method.solve(interface, interface.read(), 0.0, STEP, saved)
+
+
+def test_newton_reaches_the_fixed_point(pair):
+    start = pair.participants["film"].state.copy()
+    solution = solve(pair, Newton())
+    reference = [closed_form(h, STEP) for h in start]
+    # the wires agree to 1e-9 m and 1e-6 N; the film's error is smaller still, by the film's stiffness
+    assert np.allclose(solution.x[:PADS], reference, atol=1e-9, rtol=0)
+    assert solution.iterations <= 4
+    assert solution.history[-1] <= 1.0
+
+
+def test_linear_sweep_matches_differences(pair):
+    interface = Interface(pair.participants, pair.connections)
+    saved = {name: p.save() for name, p in pair.participants.items()}
+    x = interface.read()
+    direction = np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0) * 1e-4
+    _, high = interface.sweep(x + direction, 0, STEP, saved, sequential=True)
+    _, low = interface.sweep(x - direction, 0, STEP, saved, sequential=True)
+    interface.sweep(x, 0, STEP, saved, sequential=True)
+    product = interface.linear_sweep(direction, np.zeros(interface.size))
+    # central differences: error of third order in the direction, relative 1e-6 here
+    assert np.allclose((high - low) / 2, product, rtol=1e-5, atol=1e-12)
+
+
+def test_constant_relaxation_fails_and_says_where(pair):
+    with pytest.raises(NotConverged, match=r"worst .*\[\d\].*tolerance"):
+        solve(pair, Relaxation(0.5, False, 30))
+
+
+@pytest.mark.parametrize("method", [Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000)])
+def test_small_relaxation_and_aitken_agree_with_newton(pair, method):
+    saved = {name: p.save() for name, p in pair.participants.items()}
+    newton = solve(pair, Newton()).x
+    for name, p in pair.participants.items():
+        p.restore(saved[name])
+    relaxed = solve(pair, method).x
+    assert np.allclose(relaxed[:PADS], newton[:PADS], atol=2e-9, rtol=0)  # each is within 1e-9 m of the fixed point
+    assert np.allclose(relaxed[PADS:], newton[PADS:], atol=1e-3, rtol=0)  # 1e-9 m times the film's stiffness
+
+
+def test_step_length_limits_the_thinnest_film(pair):
+    interface = Interface(pair.participants, pair.connections)
+    x = interface.read()
+    change = np.zeros_like(x)
+    change[0] = -x[0]
+    share = step_length(interface, x, change)
+    assert share == pytest.approx(0.3)
+    change[0] = -0.1 * x[0]
+    assert step_length(interface, x, change) == 1.0
+
+
+def test_discarded_step_is_halved_and_counted(pair):
+    pair.participants["film"].refuse = 1
+    seen = []
+    stepper = Stepper(pair, Newton(), 3, lambda time, solution: seen.append(time))
+    stepper.advance(0.0, STEP)
+    assert stepper.counters.halved_steps == 1
+    assert seen == pytest.approx([STEP / 2, STEP])
+    assert "refused on purpose" in stepper.failures[0]
+
+
+def test_no_halving_left_stops_and_leaves_the_accepted_state(pair):
+    stepper = Stepper(pair, Newton(), 0)
+    stepper.advance(0.0, STEP)
+    before = pair.participants["film"].save()
+    pair.participants["film"].refuse = 5
+    with pytest.raises(StepFailed, match="refused on purpose"):
+        stepper.advance(STEP, STEP)
+    after = pair.participants["film"].save()
+    assert (before[0] == after[0]).all()
+    assert stepper.counters.steps == 1
+
+
+def test_nan_is_never_accepted(pair):
+    pair.participants["mass"].load = np.nan
+    with pytest.raises(NotConverged, match="not finite"):
+        solve(pair, Newton())
+
+
+def test_predictor_is_exact_for_a_parabola():
+    predictor = Predictor()
+    for t in (0.0, 0.1, 0.25):
+        predictor.keep(t, np.array([1 + 2 * t + 3 * t**2]))
+    assert predictor(0.5)[0] == pytest.approx(1 + 1 + 0.75, rel=1e-12)
