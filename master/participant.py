@@ -40,165 +40,48 @@ class Participant(Protocol):
     def save(self): ...
     def restore(self, saved): ...
     def serialise(self, saved): ...
-    def derivative(self, seeds): ...
-    def close(self): ...
-
-
-class FmuParticipant:
-    """An FMI 2.0 co-simulation FMU.
-
-    Parameters
-    ----------
-    name : str
-        Its name in the system.
-    path : Path
-        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled for it is kept.
-
-    Raises
-    ------
-    BadInput
-        If the file is no FMU for co-simulation.
-    """
-
-    def __init__(self, name, path):
-        self.name, self.path = name, Path(path)
-        try:
-            self.description = fmpy.read_model_description(str(path), validate=False)
-        except Exception as error:
-            raise BadInput(f"participant {name}: {path} cannot be read as an FMU: {error}") from None
-        if self.description.coSimulation is None or not self.description.fmiVersion.startswith("2"):
-            raise BadInput(f"participant {name}: {path} is no FMI 2.0 FMU for co-simulation")
-        self.fields = gather_fields(self.description)
-        self.folder = unpack(self.path)
-        self.log = []
-        self._references, self._derivative = {}, self._reserved_references()
-        self._fmu = None
-
-    @property
-    def has_derivatives(self):
-        """Whether the FMU names reserved references for its directional derivative."""
-        return bool(self._derivative)
-
-    @property
-    def can_redo(self):
-        """Whether the FMU can save and restore its state."""
-        return bool(self.description.coSimulation.canGetAndSetFMUstate)
-
-    def start(self, parameters, start_time, stop_time):
-        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start values for the rest.
-
-        Raises BadInput with what the FMU logged if it refuses.
-        """
-        identifier = self.description.coSimulation.modelIdentifier
-        self._fmu = fmi2.FMU2Slave(guid=self.description.guid, unzipDirectory=str(self.folder), modelIdentifier=identifier,
-                                   instanceName=self.name)
-        self._callbacks = fmi2.fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
-        self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        self.log.clear()
-        try:
-            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-            self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
-            for name, value in parameters.items():
-                self.set(name, value)
-            self._fmu.enterInitializationMode()
-            self._fmu.exitInitializationMode()
-        except Exception as error:
-            raise BadInput([f"{self.name}: {error}", *(text for _, text in self.log)]) from error
-        refusals = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
-        if refusals:
-            raise BadInput(refusals)
-
-    def _note(self, _environment, _instance, status, _category, message):
-        self.log.append((status, message.decode(errors="replace") if message else ""))
-
-    def _vector(self, name):
-        """ctypes references and a NumPy buffer with its pointer for a field, made once."""
-        if name not in self._references:
-            references = self.fields[name].references
-            buffer = np.empty(len(references))
-            self._references[name] = ((ctypes.c_uint * len(references))(*references), len(references), buffer,
-                                      buffer.ctypes.data_as(REAL))
-        return self._references[name]
-
-    def set(self, name, value):
-        """Set a field (array of its shape), or a scalar of any type."""
-        field = self.fields[name]
-        if field.type == "Real":
-            references, size, buffer, pointer = self._vector(name)
-            buffer[:] = np.ravel(value)
-            self._fmu.fmi2SetReal(self._fmu.component, references, size, pointer)
-        else:
-            setter = self._fmu.setString if field.type == "String" else self._fmu.setInteger
-            setter(list(field.references), [value] * field.size)
-
-    def get(self, name):
-        """Value of a field: array of its shape, or a Python scalar."""
-        field = self.fields[name]
-        if field.type != "Real":
-            getter = self._fmu.getString if field.type == "String" else self._fmu.getInteger
-            value = getter(list(field.references))[0]
-            return value.decode() if isinstance(value, bytes) else value
-        references, size, buffer, pointer = self._vector(name)
-        self._fmu.fmi2GetReal(self._fmu.component, references, size, pointer)
-        return buffer.reshape(field.shape).copy() if field.shape else float(buffer[0])
-
-    def get_many(self, names):
-        """Values of several scalars in two calls: dict of name to float or int."""
-        values = {}
-        for kind, getter in (("Real", self._fmu.getReal), ("Integer", self._fmu.getInteger)):
-            chosen = [name for name in names if self.fields[name].type == kind]
-            if chosen:
-                values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
-        return values
-
-    def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""
-        self.log.clear()
-        try:
-            self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
-        except FMICallException as failure:
-            text = "\n".join(text for _, text in self.log) or str(failure)
-            if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
-                raise RuntimeError(f"{self.name}: {text}") from None
-            raise Discard(f"{self.name}: {text}") from None
-
-    def save(self):
-        """A handle on the FMU's state; `free` it when it is no longer needed."""
-        return self._fmu.getFMUstate()
-
-    def restore(self, saved):
-        self._fmu.setFMUstate(saved)
-
-    def free(self, saved):
-        self._fmu.freeFMUstate(saved)
-
-    def serialise(self, saved):
-        """The saved state as bytes."""
-        return bytes(self._fmu.serializeFMUstate(saved))
-
-    def derivative(self, seeds):
+    def derivative(self, seeds, products):
         """Directional derivative of the last step.
 
         Parameters
         ----------
         seeds : dict of str to ndarray
             Change of input fields; inputs left out are zero.
+        products : iterable of str
+            Output fields whose change is wanted.
 
         Returns
         -------
         dict of str to ndarray
-            Change of all output fields that depend on them.
+            Their change.
         """
-        write, read = self._derivative["seed"], self._derivative["product"]
-        buffer = write["buffer"]
-        buffer[:] = 0.0
+        if not self._standard_derivative:
+            return self._reserved_derivative(seeds)
+        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
-            buffer[write["slices"][name]] = np.ravel(value)
-        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(buffer), write["pointer"])
+            known["buffer"][known["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown["references"], len(unknown["buffer"]),
+                                               known["references"], len(known["buffer"]), known["pointer"], unknown["pointer"])
+        return self._cut(unknown)
+
+    def _pair(self, names):
+        """References of several fields in one array, with a buffer; made once."""
+        if names not in self._pairs:
+            self._pairs[names] = _block({name: self.fields[name].references for name in names})
+        return self._pairs[names]
+
+    def _cut(self, block):
+        return {name: block["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in block["slices"].items()}
+
+    def _reserved_derivative(self, seeds):
+        """The same through the reserved references of an FMU without the standard call."""
+        write, read = self._derivative["seed"], self._derivative["product"]
+        write["buffer"][:] = 0.0
+        for name, value in seeds.items():
+            write["buffer"][write["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(write["buffer"]), write["pointer"])
         self._fmu.fmi2GetReal(self._fmu.component, read["references"], len(read["buffer"]), read["pointer"])
-        return {name: read["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in read["slices"].items()}
+        return self._cut(read)
 
     def _reserved_references(self):
         """Reference arrays and buffers of all seeds and all products, from the FMU's vendor annotation."""
@@ -206,21 +89,11 @@ class FmuParticipant:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         found = {}
         for kind in ("seed", "product"):
-            references, slices = [], {}
-            for node in root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/DirectionalDerivative/{kind.capitalize()}"):
-                first, size = int(node.get("valueReference")), self.fields[node.get("name")].size
-                slices[node.get("name")] = slice(len(references), len(references) + size)
-                references += range(first, first + size)
-            if references:
-                buffer = np.zeros(len(references))
-                found[kind] = {"references": (ctypes.c_uint * len(references))(*references), "slices": slices,
-                               "buffer": buffer, "pointer": buffer.ctypes.data_as(REAL)}
+            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/DirectionalDerivative/{kind.capitalize()}")
+            first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+            if first:
+                found[kind] = _block({name: range(k, k + self.fields[name].size) for name, k in first.items()})
         return found
-
-    @property
-    def derivative_fields(self):
-        """Names of the input and of the output fields that the directional derivative knows."""
-        return {kind: tuple(part["slices"]) for kind, part in self._derivative.items()}
 
     def close(self):
         """Terminate and free the instance."""
@@ -228,6 +101,17 @@ class FmuParticipant:
             self._fmu.terminate()
             self._fmu.freeInstance()
             self._fmu = None
+
+
+def _block(references):
+    """References of several fields (name -> sequence) in one C array, their places in it, and a buffer of values."""
+    slices, together = {}, []
+    for name, own in references.items():
+        slices[name] = slice(len(together), len(together) + len(own))
+        together += own
+    buffer = np.zeros(len(together))
+    return {"references": (ctypes.c_uint * len(together))(*together), "slices": slices, "buffer": buffer,
+            "pointer": buffer.ctypes.data_as(REAL)}
 
 
 def unpack(path):
