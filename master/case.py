@@ -47,13 +47,15 @@ class Wire(Table):
     """A field that goes from an output to an input.
 
     tolerance : largest difference between output and input in a converged step; text with the field's unit, or a
-    number that multiplies its nominal value. largest_decrease : no Newton update may bring the field's smallest element
+    number that multiplies its nominal value. relative_tolerance : root mean square of the
+    difference, as a share of the field's, that is converged too. largest_decrease : no Newton update may bring the field's smallest element
     down by more than this share of itself.
     """
 
     source: Port = Field(alias="from")
     target: Port = Field(alias="to")
     tolerance: str | float = 1e-6
+    relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from .solution import NotConverged, Solution, measure, step_length
+from .solution import NotConverged, Solution, step_length
 
 
 @dataclass(frozen=True)
@@ -42,19 +42,19 @@ class Newton:
         for jacobians in range(self.max_iterations):
             _, y = macro_step.sweep(x, sequential=False)
             residual = y - x
-            history.append(measure(interface, residual))
+            history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
                 return Solution(x, tuple(history), jacobians, products)
             if not np.isfinite(history[-1]):
-                raise NotConverged("a participant's output is not finite", interface, residual, history)
+                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             if len(history) > 3 and history[-1] > 1e3 * min(history):
-                raise NotConverged("the residual grows", interface, residual, history)
-            change, count = self._update(interface, residual)
+                raise NotConverged("the residual grows", interface, residual, y, history)
+            change, count = self._update(interface, residual, interface.allowed(y))
             products += count
             x = x + step_length(interface, x, change) * change
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, history)
+        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
-    def _update(self, interface, residual):
+    def _update(self, interface, residual, allowed):
         """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
         feedback, nothing = interface.feedback, np.zeros(interface.size)
         scale, products = interface.nominal[feedback], 0
@@ -70,7 +70,7 @@ class Newton:
             return reduced - sweep(reduced, nothing)[feedback] / scale
 
         right = sweep(np.zeros(scale.size), residual)[feedback] / scale
-        tight = self.accuracy * np.min(interface.tolerance[feedback] / scale)
+        tight = self.accuracy * np.min(allowed[feedback] / scale)
         solution, _ = gmres(LinearOperator((right.size, right.size), apply, dtype=float), right, rtol=0.0,
                             atol=max(tight, self.forcing * np.linalg.norm(right)), restart=self.largest_krylov_space, maxiter=1)
         change = sweep(solution, residual)

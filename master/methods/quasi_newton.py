@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .solution import NotConverged, Solution, measure, step_length
+from .solution import NotConverged, Solution, step_length
 
 
 @dataclass
@@ -76,12 +76,12 @@ class QuasiNewton:
             used, y = macro_step.sweep(x, sequential=True)
             residual = np.where(feedback, y - used, np.inf if before is None else used - before)
             before = used
-            history.append(measure(interface, residual))
+            history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
                 memory.close(self.windows)
                 return Solution(used, tuple(history))
             if not np.isfinite(y).all():
-                raise NotConverged("a participant's output is not finite", interface, residual, history)
+                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             r, result = (y - used)[feedback] / scale, y[feedback] / scale
             if last is not None:
                 memory.now.insert(0, (r - last[0], result - last[1]))
@@ -89,7 +89,7 @@ class QuasiNewton:
             change = np.zeros(interface.size)
             change[feedback] = self._update(memory.columns(), r, 1.0 / np.sqrt(shares)) * scale
             x = used + step_length(interface, used, change) * change
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, history)
+        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
     def _update(self, columns, r, weight):
         """x_{k+1} - x_k in nominals, Eq. (C4)."""

@@ -48,7 +48,7 @@ def test_linear_sweep_matches_differences(pair):
 
 
 def test_constant_relaxation_fails_and_says_where(pair):
-    with pytest.raises(NotConverged, match=r"worst .*\[\d\].*tolerance"):
+    with pytest.raises(NotConverged, match=r"worst .*\[\d\].*allowed"):
         solve(pair, Relaxation(0.5, False, 30))
 
 
