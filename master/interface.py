@@ -23,7 +23,6 @@ class Interface:
         self.parts = [slice(end - size, end) for end, size in zip(ends, sizes)]
         self.size = int(ends[-1]) if sizes else 0
         self.nominal = np.repeat([c.nominal for c in connections], sizes)
-        self.tolerance = np.repeat([c.tolerance for c in connections], sizes)
         position = {name: k for k, name in enumerate(participants)}
         against = [position[c.target[0]] <= position[c.source[0]] for c in connections]
         self.feedback = np.repeat(against, sizes)
@@ -42,23 +41,22 @@ class Interface:
                 y[part] = np.ravel(participant.get(field))
         return y
 
-    def sweep(self, x, time, step, saved, sequential):
-        """Step every participant once from its saved state.
+    def sweep(self, x, time, step, saved):
+        """Step every participant once from its saved state, later ones reading what earlier ones have just computed.
 
         Parameters
         ----------
         x : ndarray, shape (size,)
-            What the inputs are set to.
+            Iterate; the inputs are set to its feedback elements.
         time, step : float
             Start and length of the macro step [s].
         saved : dict of str to saved state
-        sequential : bool
-            True: participants that come later read what earlier ones have just computed; False: all read x.
 
         Returns
         -------
-        used, y : ndarray, shape (size,)
-            What the inputs were set to, and what the outputs are at time + step.
+        used, y, residual : ndarray, shape (size,)
+            What the inputs were set to, what the outputs are at time + step, and how far the iterate is off: y - used on
+            the feedback wires; used - x on the others, which agree by the order of stepping but may have moved since.
         """
         used, y = x.copy(), np.empty(self.size)
         for name, participant in self.participants.items():
@@ -68,41 +66,49 @@ class Interface:
             participant.step(time, step)
             for field, part, _ in self.outputs[name]:
                 y[part] = np.ravel(participant.get(field))
-                if sequential and not self.feedback[part.start]:
+                if not self.feedback[part.start]:
                     used[part] = y[part]
-        return used, y
+        return used, y, np.where(self.feedback, y - used, used - x)
 
-    def linear_sweep(self, change, source):
-        """Linearised sequential sweep at the last step of every participant.
+    def linear_sweep(self, change):
+        """The sweep linearised at the last step of every participant.
 
         Parameters
         ----------
         change : ndarray, shape (size,)
-            Change of the inputs; only its feedback elements are read.
-        source : ndarray, shape (size,)
-            Added to every output on its way (a residual, or zero).
+            Change of the iterate; only its feedback elements are read.
 
         Returns
         -------
         ndarray, shape (size,)
-            Change of all outputs, source included.
+            Change of all outputs.
         """
-        seen = np.where(self.feedback, change, 0.0)
-        result = source.copy()
+        seen, result = np.where(self.feedback, change, 0.0), np.zeros(self.size)
         for name, participant in self.participants.items():
             if not self.outputs[name]:
                 continue
-            seeds = {field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]}
-            products = participant.derivative(seeds)
+            products = participant.derivative({field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]})
             for field, part, _ in self.outputs[name]:
-                result[part] += np.ravel(products[field])
+                result[part] = np.ravel(products[field])
                 if not self.feedback[part.start]:
                     seen[part] = result[part]
         return result
 
-    def worst(self, residual):
-        """Sentence naming the element with the largest residual relative to its tolerance."""
-        k = int(np.nanargmax(np.abs(residual) / self.tolerance)) if np.isfinite(residual).any() else 0
-        c, part = next((c, p) for c, p in zip(self.connections, self.parts) if p.start <= k < p.stop)
-        index = ",".join(str(i + 1) for i in np.unravel_index(k - part.start, c.shape)) if c.shape else ""
-        return f"{c.target[0]}.{c.target[1]}[{index}]: {residual[k]:.3g} {c.unit} (tolerance {c.tolerance:.3g})"
+    def allowed(self, values):
+        """Residual that counts as converged, per element, for given values; shape (size,)."""
+        return np.concatenate([np.full(part.stop - part.start, c.allowed(values[part]))
+                               for c, part in zip(self.connections, self.parts)])
+
+    def measure(self, residual, values):
+        """Largest measure of a wire, Eq. (C0): converged at 1 and below, NaN if any element is not finite."""
+        return float(np.max([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]))
+
+    def worst(self, residual, values):
+        """Sentence naming the worst wire and its largest residual."""
+        measures = [c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]
+        k = int(np.argmax(np.where(np.isnan(measures), np.inf, measures)))
+        c, r = self.connections[k], residual[self.parts[k]]
+        element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
+        index = ",".join(str(i + 1) for i in np.unravel_index(element, c.shape)) if c.shape else ""
+        return (f"{c.target[0]}.{c.target[1]}[{index}]: {r[element]:.3g} {c.unit} "
+                f"(allowed {c.allowed(values[self.parts[k]]):.3g})")

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+import numpy as np
+
 from .case import times
 from .fmi.builder import build_fmu
 from .fmi.errors import BadInput
@@ -21,13 +23,33 @@ class Connection:
     nominal: float
     tolerance: float
     largest_decrease: float | None
+    relative_tolerance: float = 0.0
+
+    def allowed(self, values):
+        """Size of an element's residual that counts as converged, for given values of the field."""
+        return max(self.tolerance, self.relative_tolerance * _rms(values))
+
+    def measure(self, residual, values):
+        """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
+
+        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)))
+        """
+        share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
+        if self.relative_tolerance:
+            share = np.minimum(share, _rms(residual) / max(self.relative_tolerance * _rms(values), np.finfo(float).tiny))
+        return float(share)
+
+
+def _rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 @dataclass(frozen=True)
 class System:
-    """Participants in stepping order, connections, parameters in SI, stop time and macro step [s]."""
+    """Participants in the order they start, stepping order, connections, parameters in SI, stop time and macro step [s]."""
 
     participants: dict
+    order: tuple
     connections: tuple
     parameters: dict
     stop: float
@@ -44,7 +66,7 @@ def open_system(case, folder, progress):
         names and time.
     """
     faults, participants = [], {}
-    for name in case.coupling.order:
+    for name in case.participants:
         try:
             participants[name] = FmuParticipant(name, _fmu(case.participants[name], folder, progress))
         except BadInput as error:
@@ -62,7 +84,7 @@ def open_system(case, folder, progress):
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    return System(participants, connections, parameters, stop, step)
+    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step)
 
 
 def _fmu(table, folder, progress):
@@ -138,7 +160,7 @@ def _connection(wire, participants, faults):
         faults.append(f"{where}: tolerance: {error}")
         return None
     return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, target.unit, nominal,
-                      tolerance, wire.largest_decrease)
+                      tolerance, wire.largest_decrease, wire.relative_tolerance)
 
 
 def _check_capabilities(participants, faults):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solution import NotConverged, Solution, measure, step_length
+from .solution import NotConverged, Solution, step_length
 
 
 @dataclass(frozen=True)
@@ -37,20 +37,18 @@ class Relaxation:
 
     def solve(self, macro_step, guess, memory=None):
         interface, x, factor, history = macro_step.interface, guess, self.factor, []
-        feedback, previous, before = interface.feedback, None, None
+        feedback, previous = interface.feedback, None
         for _ in range(self.max_iterations):
-            used, y = macro_step.sweep(x, sequential=True)
-            residual = np.where(feedback, y - used, np.inf if before is None else used - before)
-            before = used
-            history.append(measure(interface, residual))
+            used, y, residual = macro_step.sweep(x)
+            history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
                 return Solution(used, tuple(history))
             if not np.isfinite(y).all():
-                raise NotConverged("a participant's output is not finite", interface, residual, history)
+                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             r = ((y - used) / interface.nominal)[feedback]
             if self.dynamic and previous is not None:
                 difference = r - previous
                 factor *= -(previous @ difference) / (difference @ difference)      # Eq. (C3)
             previous, change = r, np.where(feedback, factor * (y - used), 0.0)      # Eq. (C2)
             x = used + step_length(interface, used, change) * change
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, history)
+        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)

@@ -16,17 +16,17 @@ class MacroStep:
     step: float
     saved: dict
 
-    def sweep(self, x, sequential):
+    def sweep(self, x):
         """`Interface.sweep` of this step."""
-        return self.interface.sweep(x, self.time, self.step, self.saved, sequential)
+        return self.interface.sweep(x, self.time, self.step, self.saved)
 
 
 @dataclass(frozen=True)
 class Solution:
     """A converged macro step.
 
-    x : what the inputs were set to; history : largest residual / tolerance of every iteration; jacobians :
-    linearisations; products : directional derivatives of the whole sweep.
+    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians : linearisations;
+    products : directional derivatives of the whole sweep.
     """
 
     x: np.ndarray
@@ -42,15 +42,10 @@ class Solution:
 class NotConverged(RuntimeError):
     """The macro step did not reach its fixed point; says where the worst residual is and how the residual went."""
 
-    def __init__(self, reason, interface, residual, history):
+    def __init__(self, reason, interface, residual, values, history):
         self.iterations = len(history)
         trail = " ".join(f"{value:.2g}" for value in history)
-        super().__init__(f"{reason}; worst {interface.worst(residual)}; residual/tolerance per iteration: {trail}")
-
-
-def measure(interface, residual):
-    """Largest residual in units of its tolerance; NaN if any element is not finite."""
-    return float(np.max(np.abs(residual) / interface.tolerance)) if residual.size else 0.0
+        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; residual/tolerance per iteration: {trail}")
 
 
 def step_length(interface, x, change):
