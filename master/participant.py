@@ -40,6 +40,148 @@ class Participant(Protocol):
     def save(self): ...
     def restore(self, saved): ...
     def serialise(self, saved): ...
+    def derivative(self, seeds, products): ...
+    def close(self): ...
+
+
+class FmuParticipant:
+    """An FMI 2.0 co-simulation FMU.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the system.
+    path : Path
+        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled for it is kept.
+
+    Raises
+    ------
+    BadInput
+        If the file is no FMU for co-simulation.
+    """
+
+    def __init__(self, name, path):
+        self.name, self.path = name, Path(path)
+        try:
+            self.description = fmpy.read_model_description(str(path), validate=False)
+        except Exception as error:
+            raise BadInput(f"participant {name}: {path} cannot be read as an FMU: {error}") from None
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith("2"):
+            raise BadInput(f"participant {name}: {path} is no FMI 2.0 FMU for co-simulation")
+        self.fields = gather_fields(self.description)
+        self.folder = unpack(self.path)
+        self.log = []
+        self._references, self._pairs, self._derivative = {}, {}, self._reserved_references()
+        self._standard_derivative = bool(self.description.coSimulation.providesDirectionalDerivative)
+        self._fmu = None
+
+    @property
+    def has_derivatives(self):
+        """Whether the FMU answers the standard directional derivative, or names reserved references for one."""
+        return self._standard_derivative or bool(self._derivative)
+
+    @property
+    def can_redo(self):
+        """Whether the FMU can save and restore its state."""
+        return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    def start(self, parameters, start_time, stop_time):
+        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start values for the rest.
+
+        Raises BadInput with what the FMU logged if it refuses.
+        """
+        identifier = self.description.coSimulation.modelIdentifier
+        self._fmu = fmi2.FMU2Slave(guid=self.description.guid, unzipDirectory=str(self.folder), modelIdentifier=identifier,
+                                   instanceName=self.name)
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
+        self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        self.log.clear()
+        try:
+            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+            for name, value in parameters.items():
+                self.set(name, value)
+            self._fmu.enterInitializationMode()
+            self._fmu.exitInitializationMode()
+        except Exception as error:
+            raise BadInput(self._refusals() or [f"{self.name}: {error}"]) from error
+        refusals = self._refusals()
+        if refusals:
+            raise BadInput(refusals)
+
+    def _refusals(self):
+        return [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+
+    def _note(self, _environment, _instance, status, _category, message):
+        self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
+
+    def _vector(self, name):
+        """ctypes references and a NumPy buffer with its pointer for a field, made once."""
+        if name not in self._references:
+            references = self.fields[name].references
+            buffer = np.empty(len(references))
+            self._references[name] = ((ctypes.c_uint * len(references))(*references), len(references), buffer,
+                                      buffer.ctypes.data_as(REAL))
+        return self._references[name]
+
+    def set(self, name, value):
+        """Set a field (array of its shape), or a scalar of any type."""
+        field = self.fields[name]
+        if field.type == "Real":
+            references, size, buffer, pointer = self._vector(name)
+            buffer[:] = np.ravel(value)
+            self._fmu.fmi2SetReal(self._fmu.component, references, size, pointer)
+        else:
+            setter = self._fmu.setString if field.type == "String" else self._fmu.setInteger
+            setter(list(field.references), [value] * field.size)
+
+    def get(self, name):
+        """Value of a field: array of its shape, or a Python scalar."""
+        field = self.fields[name]
+        if field.type != "Real":
+            getter = self._fmu.getString if field.type == "String" else self._fmu.getInteger
+            value = getter(list(field.references))[0]
+            return value.decode() if isinstance(value, bytes) else value
+        references, size, buffer, pointer = self._vector(name)
+        self._fmu.fmi2GetReal(self._fmu.component, references, size, pointer)
+        return buffer.reshape(field.shape).copy() if field.shape else float(buffer[0])
+
+    def get_many(self, names):
+        """Values of several scalars in two calls: dict of name to float or int."""
+        values = {}
+        for kind, getter in (("Real", self._fmu.getReal), ("Integer", self._fmu.getInteger)):
+            chosen = [name for name in names if self.fields[name].type == kind]
+            if chosen:
+                values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
+        return values
+
+    def step(self, time, step):
+        """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""
+        self.log.clear()
+        try:
+            self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
+        except FMICallException as failure:
+            text = "\n".join(text for _, text in self.log) or str(failure)
+            if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+                raise RuntimeError(f"{self.name}: {text}") from None
+            raise Discard(f"{self.name}: {text}") from None
+
+    def save(self):
+        """A handle on the FMU's state; `free` it when it is no longer needed."""
+        return self._fmu.getFMUstate()
+
+    def restore(self, saved):
+        self._fmu.setFMUstate(saved)
+
+    def free(self, saved):
+        self._fmu.freeFMUstate(saved)
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return bytes(self._fmu.serializeFMUstate(saved))
+
     def derivative(self, seeds, products):
         """Directional derivative of the last step.
 

@@ -140,7 +140,8 @@ def pack_fmu(module, slave, packages, options, files, progress):
     code = f"code_{_digest(sources | contents | {'entry': (ENTRY + module).encode()})}"
     contents["python.txt"] = sys.executable.encode()
     front = front_sources("2.0") if compiler() else {"stock": pythonfmu.__version__.encode()}
-    fmu = cache_folder("fmus") / f"{packages[0]}-{_digest({'code': code.encode()} | contents | front)}.fmu"
+    packing = {name: (Path(__file__).parent / name).read_bytes() for name in ("builder.py", "compiler.py", "description.py")}
+    fmu = cache_folder("fmus") / f"{packages[0]}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
         entry = ENTRY.format(code=code, module=module, slave=slave).encode()

@@ -63,9 +63,9 @@ static int promote(struct dl_phdr_info *info, size_t size, void *found)
 
 static void *python_in_process(void)
 {
-    void *library = NULL;
-    if (dlsym(RTLD_DEFAULT, "Py_IsInitialized"))
-        return RTLD_DEFAULT;
+    void *library = NULL, *everything = dlopen(NULL, RTLD_NOW);
+    if (dlsym(everything, "Py_IsInitialized"))
+        return everything;
     dl_iterate_phdr(promote, &library);
     return library;
 }
