@@ -231,7 +231,7 @@ class FmuParticipant:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         found = {}
         for kind in ("seed", "product"):
-            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/DirectionalDerivative/{kind.capitalize()}")
+            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
             first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
             if first:
                 found[kind] = _block({name: range(k, k + self.fields[name].size) for name, k in first.items()})

@@ -63,12 +63,11 @@ def _units(parent, table):
 
 def _vendor_annotations(parent, slave, any_host):
     """What the FMU needs of its host; without the front also the first reserved reference of each seed and product."""
-    tool = SubElement(parent, "Tool", {"name": VENDOR})
-    SubElement(tool, "Needs", {"hosts": "any on Linux x86-64" if any_host else "Python only", "python": ">=3.11",
-                               "packages": " ".join(PACKAGES)})
+    needs = SubElement(SubElement(parent, "Tool", {"name": VENDOR}), "Needs", {
+        "hosts": "any on Linux x86-64" if any_host else "Python only", "python": ">=3.11", "packages": " ".join(PACKAGES)})
     if any_host or not slave.derivative_inputs:
         return
-    node = SubElement(tool, "DirectionalDerivative")
+    node = SubElement(needs, "DirectionalDerivative")
     for kind, names in (("seed", slave.derivative_inputs), ("product", slave.derivative_outputs)):
         for name in names:
             SubElement(node, kind.capitalize(), {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])})
