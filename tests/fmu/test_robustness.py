@@ -61,7 +61,7 @@ import numpy as np
 from master.participant import FmuParticipant
 sizes = []
 before = len(sys.path)
-for k in range({count}):
+for k in range(50):
     p = FmuParticipant("cycle", {fmu!r})
     p.start({{"film_thickness": np.full((12, 10), 3e-5)}}, 0.0, 1.0)
     p.step(0.0, 5e-5)
@@ -71,18 +71,18 @@ for k in range({count}):
     p.close()
     gc.collect()
     sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-print(len(sys.path) - before, (sizes[-1] - sizes[{count} // 5]) / ({count} * 0.8))
+print(len(sys.path) - before, (sizes[-1] - sizes[9]) / 40)
 """
 
 
-@pytest.mark.parametrize(("front", "count"), [(True, 50), (False, 10)])     # pythonfmu's library fails at exit after 50
-def test_many_instances_one_after_the_other(fmu, stock_fmu, front, count):
-    script = CYCLES.format(path=sys.path, fmu=str(fmu if front else stock_fmu), count=count)
+def test_fifty_instances_one_after_the_other(fmu):
+    """With the front; pythonfmu's own library corrupts the heap in this test (found at exit, after 10 to 50 instances)."""
+    script = CYCLES.format(path=sys.path, fmu=str(fmu))
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stderr
     paths, kilobytes = map(float, run.stdout.split())
-    assert paths == 0 or not front      # pythonfmu's own library adds one entry an instance
-    assert kilobytes < 40 or not front  # an instance holds more: nothing of it stays
+    assert paths == 0
+    assert kilobytes < 40      # an instance holds more: nothing of it stays
 
 
 @pytest.fixture(scope="session")
