@@ -89,9 +89,9 @@ def cache_folder(kind):
     return folder
 
 
-def slave_name(package):
-    """Class in `package`.slave that is the slave: fmu_ehd -> Ehd."""
-    return package.removeprefix("fmu_").capitalize()
+def slave_of(package):
+    """Where a participant package has its slave: fmu_ehd -> fmu_ehd.slave:Ehd."""
+    return f"{package}.slave:{package.removeprefix('fmu_').capitalize()}"
 
 
 def build_fmu(package, options, folder, progress=lambda text: None):
@@ -120,16 +120,20 @@ def build_fmu(package, options, folder, progress=lambda text: None):
         With every fault of the options.
     """
     resolved, files = importlib.import_module(f"{package}.build").prepare(options, Path(folder), progress)
-    return pack_fmu(f"{package}.slave", slave_name(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress)
+    return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress)
 
 
-def pack_fmu(module, slave, packages, options, files, progress):
-    """FMU of the class `slave` in `module`, from the cache if the same was packed before.
+def pack_fmu(name, slave, packages, options, files, progress):
+    """FMU of a slave, from the cache if the same was packed before.
 
     Parameters
     ----------
+    name : str
+        Begins the file's name.
+    slave : str
+        "module:class".
     packages : list of str
-        All packages the slave's code is in; `master.fmi` comes by itself.
+        What of the project the slave's code needs: packages, or single modules of `master`; `master.fmi` comes by itself.
     options : dict
         Becomes build.json.
     files : dict of str to bytes
@@ -137,14 +141,14 @@ def pack_fmu(module, slave, packages, options, files, progress):
     """
     sources = _sources(packages)
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
-    code = f"code_{_digest(sources | contents | {'entry': (ENTRY + module).encode()})}"
+    code = f"code_{_digest(sources | contents | {'entry': (ENTRY + slave).encode()})}"
     contents["python.txt"] = sys.executable.encode()
     front = front_sources("2.0") if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in ("builder.py", "compiler.py", "description.py")}
-    fmu = cache_folder("fmus") / f"{packages[0]}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
+    fmu = cache_folder("fmus") / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
-        entry = ENTRY.format(code=code, module=module, slave=slave).encode()
+        entry = ENTRY.format(code=code, module=slave.split(":")[0], slave=slave.split(":")[1]).encode()
         contents |= {f"{code}/__init__.py": b""} | {f"{code}/{name}": data for name, data in sources.items()}
         contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
         contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
@@ -156,10 +160,12 @@ def pack_fmu(module, slave, packages, options, files, progress):
 def _sources(packages):
     """Relative path -> bytes of all code the FMU carries, absolute imports of this project turned into relative ones."""
     own = Path(__file__).parent
-    paths = {f"master/fmi/{name}.py": own / f"{name}.py" for name in EMBEDDED} | {"master/__init__.py": own.parent / "__init__.py"}
+    paths = {f"master/fmi/{name}.py": own / f"{name}.py" for name in EMBEDDED}
+    paths["master/__init__.py"] = own.parent / "__init__.py"
     for package in packages:
-        home = Path(importlib.import_module(package).__file__).parent
-        paths |= {f"{package}/{path.relative_to(home).as_posix()}": path for path in home.rglob("*.py")}
+        home, folder = Path(importlib.import_module(package).__file__), package.replace(".", "/")
+        found = home.parent.rglob("*.py") if home.name == "__init__.py" else []
+        paths |= {f"{folder}/{path.relative_to(home.parent).as_posix()}": path for path in found} or {f"{folder}.py": home}
     return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 ..master.", path.read_bytes()) for name, path in paths.items()}
 
 

@@ -36,7 +36,8 @@ def compile_front(version):
     with tempfile.TemporaryDirectory() as scratch:
         library = Path(scratch) / "front.so"
         files = [str(HOME / name) for name in SOURCES[version]]
-        done = subprocess.run([compiler(), *FLAGS, *files, "-ldl", "-lpthread", "-o", str(library)], capture_output=True, text=True)
+        command = [compiler(), *FLAGS, *files, "-ldl", "-lpthread", "-o", str(library)]
+        done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise RuntimeError(f"{compiler()} could not compile the FMU's front:\n{done.stderr}")
         return library.read_bytes()

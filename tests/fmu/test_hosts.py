@@ -9,6 +9,7 @@ import pytest
 from fmpy import fmi2
 
 STEP, STEPS = 5e-5, 3
+CELL = ("nodal_pressure_force[3,4]", "film_thickness[3,4]")
 
 
 def ask(host, *fmus, **environment):
@@ -21,12 +22,12 @@ def ask(host, *fmus, **environment):
 
 @pytest.fixture(scope="module")
 def film(fmu, unpack, tmp_path_factory):
-    return unpack(fmu, tmp_path_factory.mktemp("film")).arguments("film_thickness[3,4]", 2e-5, "nodal_pressure_force[3,4]", "film_thickness[3,4]")
+    return unpack(fmu, tmp_path_factory.mktemp("film")).arguments("film_thickness[3,4]", 2e-5, *CELL)
 
 
 @pytest.fixture(scope="module")
 def bodies(bodies_fmu, unpack, tmp_path_factory):
-    return unpack(bodies_fmu, tmp_path_factory.mktemp("bodies")).arguments("crank_speed", 300.0, "film_thickness[3,4]", "nodal_pressure_force[3,4]")
+    return unpack(bodies_fmu, tmp_path_factory.mktemp("bodies")).arguments("crank_speed", 300.0, *reversed(CELL))
 
 
 def in_python(arguments):
@@ -83,13 +84,13 @@ def test_missing_packages_are_a_clean_refusal_with_the_pip_line(host, film, tmp_
 @pytest.mark.parametrize("name", ["with blank", "Kolben-Öl-油", "per%20cent"])
 def test_any_unzip_path(host, fmu, unpack, tmp_path, name):
     unpacked = unpack(fmu, tmp_path / name)
-    code, _, errors = ask(host, unpacked.arguments("film_thickness[1,1]", 2e-5, "nodal_pressure_force[1,1]", "film_thickness[1,1]"))
+    code, _, errors = ask(host, unpacked.arguments("film_thickness[1,1]", 2e-5, *CELL))
     assert code == 0, errors
 
 
 def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_path):
     unpacked = unpack(fmu, tmp_path)
-    code, _, errors = ask(host, unpacked.arguments("viscosity", -1.0, "nodal_pressure_force[1,1]", "film_thickness[1,1]"))
+    code, _, errors = ask(host, unpacked.arguments("viscosity", -1.0, *CELL))
     assert code == 1
     assert "fmi2ExitInitializationMode answered 3" in errors
     assert "viscosity = -1 Pa.s: allowed is" in errors
@@ -97,6 +98,6 @@ def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_pa
 
 def test_bad_step_is_a_discard(host, fmu, unpack, tmp_path):
     unpacked = unpack(fmu, tmp_path)
-    code, _, errors = ask(host, unpacked.arguments("film_thickness[2,5]", np.nan, "nodal_pressure_force[1,1]", "film_thickness[1,1]"))
+    code, _, errors = ask(host, unpacked.arguments("film_thickness[2,5]", np.nan, *CELL))
     assert code == 1
     assert "film_thickness" in errors
