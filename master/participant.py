@@ -25,6 +25,10 @@ REAL = ctypes.POINTER(ctypes.c_double)
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
+class ParticipantFault(RuntimeError):
+    """A bug inside a participant: its traceback, as it logged it."""
+
+
 class Participant(Protocol):
     """What the master needs of a participant; `fields` maps names to objects with the attributes of `Field`."""
 
@@ -106,13 +110,16 @@ class FmuParticipant:
             self._fmu.enterInitializationMode()
             self._fmu.exitInitializationMode()
         except Exception as error:
-            raise BadInput(self._refusals() or [f"{self.name}: {error}"]) from error
-        refusals = self._refusals()
-        if refusals:
-            raise BadInput(refusals)
+            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+        if refusal := self._refusal():
+            raise refusal
 
-    def _refusals(self):
-        return [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+    def _refusal(self):
+        """What the log says against a start: a bug, bad input, or None."""
+        if any(text.startswith("Traceback") for _, text in self.log):
+            return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
+        lines = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+        return BadInput(lines) if lines else None
 
     def _note(self, _environment, _instance, status, _category, message):
         self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
@@ -158,14 +165,14 @@ class FmuParticipant:
         return values
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""
+        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
         self.log.clear()
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
             text = "\n".join(text for _, text in self.log) or str(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
-                raise RuntimeError(f"{self.name}: {text}") from None
+                raise ParticipantFault(f"{self.name}: {text}") from None
             raise Discard(f"{self.name}: {text}") from None
 
     def save(self):
