@@ -15,7 +15,7 @@ def test_mass_balances_in_every_step_of_a_motored_cycle():
 
 
 @pytest.mark.parametrize("changes", [
-    dict(roughness_rms=1e-6), dict(film_fraction_lower_edge=0.3, film_fraction_upper_edge=0.3),
+    dict(roughness_rms=1e-6), dict(film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8),
     dict(pressure_upper_edge=2e5, cavitation_pressure=-5e4)], ids=["contact", "starved", "edge pressure"])
 def test_tangent_is_the_central_difference(changes):
     assert tangent_error(Parameters(SHAPE, **changes)) <= 1e-7  # third derivative x (1e-5)^2
