@@ -47,29 +47,38 @@ class Wire(Table):
     """A field that goes from an output to an input.
 
     tolerance : largest difference between output and input in a converged step; text with the field's unit, or a
-    number that multiplies its nominal value. largest_decrease : no Newton update may bring the field's smallest element
+    number that multiplies its nominal value. relative_tolerance : root mean square of the
+    difference, as a share of the field's, that is converged too. largest_decrease : no Newton update may bring the field's smallest element
     down by more than this share of itself.
     """
 
     source: Port = Field(alias="from")
     target: Port = Field(alias="to")
     tolerance: str | float = 1e-6
+    relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
 
 
 class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
-    method : newton (directional derivatives and GMRES), aitken, or constant relaxation. order : the order in which the
-    participants step; the wires that run against it are the unknowns. relaxation : factor of constant relaxation, first
-    factor of Aitken's. largest_krylov_space : products per Newton update at most. halvings : how often a macro step that
-    fails may be halved.
+    method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
+    order : the order in which the participants step; the wires that run against it are the unknowns.
+    relaxation : factor of constant relaxation, first factor of the others.
+    mixing : share taken of what the secants of iqn_ils leave unexplained.
+    windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
+    largest_krylov_space : products per Newton update at most.
+    halvings : how often a macro step that fails may be halved.
     """
 
-    method: Literal["newton", "aitken", "constant"] = "newton"
+    method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
     order: list[str]
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
+    mixing: float = Field(1.0, gt=0, le=1)
+    windows: int = Field(3, ge=0)
+    filter: Literal["QR1", "QR2"] = "QR2"
+    filter_limit: float = Field(1e-2, gt=0, lt=1)
     largest_krylov_space: int = Field(120, ge=1)
     halvings: int = Field(6, ge=0)
 

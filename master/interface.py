@@ -23,7 +23,6 @@ class Interface:
         self.parts = [slice(end - size, end) for end, size in zip(ends, sizes)]
         self.size = int(ends[-1]) if sizes else 0
         self.nominal = np.repeat([c.nominal for c in connections], sizes)
-        self.tolerance = np.repeat([c.tolerance for c in connections], sizes)
         position = {name: k for k, name in enumerate(participants)}
         against = [position[c.target[0]] <= position[c.source[0]] for c in connections]
         self.feedback = np.repeat(against, sizes)
@@ -100,9 +99,21 @@ class Interface:
                     seen[part] = result[part]
         return result
 
-    def worst(self, residual):
-        """Sentence naming the element with the largest residual relative to its tolerance."""
-        k = int(np.nanargmax(np.abs(residual) / self.tolerance)) if np.isfinite(residual).any() else 0
-        c, part = next((c, p) for c, p in zip(self.connections, self.parts) if p.start <= k < p.stop)
-        index = ",".join(str(i + 1) for i in np.unravel_index(k - part.start, c.shape)) if c.shape else ""
-        return f"{c.target[0]}.{c.target[1]}[{index}]: {residual[k]:.3g} {c.unit} (tolerance {c.tolerance:.3g})"
+    def allowed(self, values):
+        """Residual that counts as converged, per element, for given values; shape (size,)."""
+        return np.concatenate([np.full(part.stop - part.start, c.allowed(values[part]))
+                               for c, part in zip(self.connections, self.parts)])
+
+    def measure(self, residual, values):
+        """Largest measure of a wire, Eq. (C0): converged at 1 and below, NaN if any element is not finite."""
+        return float(np.max([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]))
+
+    def worst(self, residual, values):
+        """Sentence naming the worst wire and its largest residual."""
+        measures = [c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]
+        k = int(np.argmax(np.where(np.isnan(measures), np.inf, measures)))
+        c, r = self.connections[k], residual[self.parts[k]]
+        element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
+        index = ",".join(str(i + 1) for i in np.unravel_index(element, c.shape)) if c.shape else ""
+        return (f"{c.target[0]}.{c.target[1]}[{index}]: {r[element]:.3g} {c.unit} "
+                f"(allowed {c.allowed(values[self.parts[k]]):.3g})")

@@ -54,7 +54,7 @@ def _label(text, unit):
 def draw_lines(picture, runs):
     """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style."""
     figure, panels = plt.subplots(len(picture.y), 1, sharex=True, squeeze=False, layout="constrained",
-                                  figsize=(9, 1.2 + 2.3 * len(picture.y)))
+                                  figsize=(11, 1.2 + 2.3 * len(picture.y)))
     for panel, ports in zip(panels[:, 0], picture.y):
         for colour, (label, results) in zip(PALETTE, runs.items()):
             x, x_unit, x_text = results.series(picture.x)
@@ -68,7 +68,7 @@ def draw_lines(picture, runs):
         panel.set_ylabel(_label(heading, unit))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
-        panel.legend(fontsize="small", frameon=False, ncols=2)
+        panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1, 0].set_xlabel(_label(picture.x.split(".")[1].replace("_", " "), x_unit))
     return figure
 
@@ -92,8 +92,8 @@ def draw_maps(picture, runs):
         for panel, label, (image, unit), (_, time, _, _) in zip(row, runs, images, found):
             shown = panel.imshow(image.T, origin="lower", aspect="auto", extent=(0, 360, 0, 1), vmin=low, vmax=high,
                                  cmap="viridis", interpolation="nearest")
-            panel.contour(np.linspace(0, 360, image.shape[0]), np.linspace(0, 1, image.shape[1]), image.T, 8,
-                          colors="white", linewidths=0.4, vmin=low, vmax=high) if image.max() > image.min() else None
+            centres = [(np.arange(n) + 0.5) / n for n in image.shape]
+            panel.contour(360 * centres[0], centres[1], image.T, np.linspace(low, high, 10)[1:-1], colors="white", linewidths=0.4)
             panel.set_title(f"{label}, t = {time * 1e3:.2f} ms", fontsize="medium")
             panel.set_xticks([0, 90, 180, 270, 360], ["0", "90\nthrust", "180", "270\nanti-thrust", "360"])
             panel.set_xlabel("angle from the pin axis [deg]")

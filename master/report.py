@@ -2,8 +2,8 @@
 
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Column, Table
 
 from .fmi.quantities import registry
 
@@ -20,13 +20,13 @@ def short(value, unit):
 @contextmanager
 def watching(console, label):
     """Progress bar; gives the `watch` callable of `run`."""
-    columns = (TextColumn("{task.description}"), BarColumn(20), TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
+    columns = (TextColumn("{task.description}", Column(min_width=len(label))), BarColumn(8), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=5) as progress:
         task = progress.add_task(label, total=1.0, state="")
 
         def watch(time, stop, solution, monitored):
             parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
-            parts.append(f"{solution.iterations} iterations, residual/tolerance {solution.history[-1]:.1e}")
+            parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
             progress.update(task, completed=time / stop, state="  ".join(parts))
 
         yield watch

@@ -6,7 +6,7 @@ import numpy as np
 
 from .fmi.errors import Discard
 from .interface import Interface
-from .methods import NotConverged, step_length
+from .methods import MacroStep, NotConverged, step_length
 
 
 class StepFailed(RuntimeError):
@@ -71,7 +71,7 @@ class Stepper:
     def __init__(self, system, method, halvings, accepted=lambda time, solution: None):
         self.interface = Interface(system.participants, system.connections)
         self.method, self.halvings, self.accepted = method, halvings, accepted
-        self.counters, self.failures = Counters(), []
+        self.counters, self.failures, self.memory = Counters(), [], method.memory()
         self.predictor = Predictor()
         self.predictor.keep(0.0, self.interface.read())
 
@@ -92,6 +92,7 @@ class Stepper:
             for name, p in participants.items():
                 p.restore(saved[name])
             self.predictor.clear()
+            self.memory = self.method.memory()
             if halvings == 0:
                 raise StepFailed(self.failures[-1]) from failure
             self.counters.halved_steps += 1
@@ -109,4 +110,4 @@ class Stepper:
         start = self.predictor.past[-1][1]
         change = self.predictor(time + step) - start
         guess = start + step_length(self.interface, start, change) * change
-        return self.method.solve(self.interface, guess, time, step, saved)
+        return self.method.solve(MacroStep(self.interface, time, step, saved), guess, self.memory)

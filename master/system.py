@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+import numpy as np
+
 from .case import times
 from .fmi.builder import build_fmu
 from .fmi.errors import BadInput
@@ -21,6 +23,25 @@ class Connection:
     nominal: float
     tolerance: float
     largest_decrease: float | None
+    relative_tolerance: float = 0.0
+
+    def allowed(self, values):
+        """Size of an element's residual that counts as converged, for given values of the field."""
+        return max(self.tolerance, self.relative_tolerance * _rms(values))
+
+    def measure(self, residual, values):
+        """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
+
+        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)))
+        """
+        share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
+        if self.relative_tolerance:
+            share = np.minimum(share, _rms(residual) / max(self.relative_tolerance * _rms(values), np.finfo(float).tiny))
+        return float(share)
+
+
+def _rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 @dataclass(frozen=True)
@@ -138,7 +159,7 @@ def _connection(wire, participants, faults):
         faults.append(f"{where}: tolerance: {error}")
         return None
     return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, target.unit, nominal,
-                      tolerance, wire.largest_decrease)
+                      tolerance, wire.largest_decrease, wire.relative_tolerance)
 
 
 def _check_capabilities(participants, faults):

@@ -5,7 +5,8 @@ import pytest
 from scipy.optimize import brentq
 
 from master.interface import Interface
-from master.methods import Newton, NotConverged, Relaxation, step_length
+from master.methods import MacroStep, Newton, NotConverged, QuasiNewton, Relaxation, step_length
+from master.methods.quasi_newton import filtered
 from master.stepping import Predictor, Stepper, StepFailed
 
 STEP, PADS = 1e-4, 7
@@ -20,7 +21,7 @@ def closed_form(h0, step):
 def solve(pair, method):
     interface = Interface(pair.participants, pair.connections)
     saved = {name: p.save() for name, p in pair.participants.items()}
-    return method.solve(interface, interface.read(), 0.0, STEP, saved)
+    return method.solve(MacroStep(interface, 0.0, STEP, saved), interface.read(), method.memory())
 
 
 def test_newton_reaches_the_fixed_point(pair):
@@ -37,7 +38,7 @@ def test_linear_sweep_matches_differences(pair):
     interface = Interface(pair.participants, pair.connections)
     saved = {name: p.save() for name, p in pair.participants.items()}
     x = interface.read()
-    direction = np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0) * 1e-4
+    direction = np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0) * 1e-4 * interface.nominal
     _, high = interface.sweep(x + direction, 0, STEP, saved, sequential=True)
     _, low = interface.sweep(x - direction, 0, STEP, saved, sequential=True)
     interface.sweep(x, 0, STEP, saved, sequential=True)
@@ -47,12 +48,13 @@ def test_linear_sweep_matches_differences(pair):
 
 
 def test_constant_relaxation_fails_and_says_where(pair):
-    with pytest.raises(NotConverged, match=r"worst .*\[\d\].*tolerance"):
+    with pytest.raises(NotConverged, match=r"worst .*\[\d\].*allowed"):
         solve(pair, Relaxation(0.5, False, 30))
 
 
-@pytest.mark.parametrize("method", [Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000)])
-def test_small_relaxation_and_aitken_agree_with_newton(pair, method):
+@pytest.mark.parametrize("method", [Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000), QuasiNewton(0.001, 0.001),
+                                    QuasiNewton(0.001, 0.001, rule="QR1", limit=1e-6)])
+def test_fixed_point_methods_agree_with_newton(pair, method):
     saved = {name: p.save() for name, p in pair.participants.items()}
     newton = solve(pair, Newton()).x
     for name, p in pair.participants.items():
@@ -106,3 +108,19 @@ def test_predictor_is_exact_for_a_parabola():
     for t in (0.0, 0.1, 0.25):
         predictor.keep(t, np.array([1 + 2 * t + 3 * t**2]))
     assert predictor(0.5)[0] == pytest.approx(1 + 1 + 0.75, rel=1e-12)
+
+
+def test_quasi_newton_reuses_secants(pair):
+    stepper = Stepper(pair, QuasiNewton(0.001, 0.001), 0)
+    for k in range(5):
+        stepper.advance(k * STEP, STEP)
+    assert len(stepper.memory.past) == 3
+    assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
+
+
+def test_filter_drops_what_adds_nothing():
+    a, b = np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
+    for rule in ("QR1", "QR2"):
+        chosen, q, triangle = filtered([a, b, a + 1e-9 * b], 1e-6, rule)
+        assert chosen == [0, 1]
+        assert np.allclose(q @ triangle, np.array([a, b]).T, atol=1e-15)

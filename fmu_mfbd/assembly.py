@@ -1,0 +1,82 @@
+"""From reduced bodies (.npz) and parameters to the model that runs."""
+
+import numpy as np
+
+from .film import Film, Skirt, bore_splines
+from .floating_frame import FlexibleBody
+from .model import Block, PistonInBore
+from .profile import barrel, ovality
+from .slider_crank import Mechanism
+from .surface import cell_centres
+
+
+def damping(omega, ratio, high_ratio, transition):
+    """Modal damping: `ratio` below the transition frequency [Hz], `high_ratio` above.
+
+    Eq. (V1):  D = 2 zeta omega
+
+    Parameters
+    ----------
+    omega : ndarray, shape (k,)
+        [rad/s]
+    ratio, high_ratio, transition : float
+        [-], [-], [Hz]
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        [rad/s]
+    """
+    return 2 * np.where(omega < 2 * np.pi * transition, ratio, high_ratio) * omega                              # Eq. (V1)
+
+
+def faults(p, piston, block, options):
+    """Sentences about parameters that do not fit each other: rod too short, skirt leaving the bore."""
+    offset = abs(options["piston"]["pin_offset"] - p["crank_offset"])
+    reach = p["rod_length"] ** 2 - (p["crank_radius"] + offset) ** 2
+    if reach <= 0.0:
+        return [f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, {p['crank_radius'] + offset:g} m"]
+    out = []
+    if p["rod_centre"] > p["rod_length"]:
+        out.append(f"rod_centre = {p['rod_centre']:g} m: must lie within rod_length = {p['rod_length']:g} m")
+    turn = np.linspace(0.0, 2 * np.pi, 721)
+    A = p["crank_radius"] * np.cos(turn) + np.sqrt(p["rod_length"] ** 2 - (options["piston"]["pin_offset"] - p["crank_offset"]
+                                                                         + p["crank_radius"] * np.sin(turn)) ** 2)
+    low, high = A.min() + options["piston"]["skirt_lower"], A.max() + options["piston"]["skirt_upper"]
+    if low < block["heights"][0] or high > block["heights"][-1]:
+        out.append(f"crank_radius, rod_length: the skirt travels from {low:g} to {high:g} m above the crank axis, the bore reaches from "
+                   f"{block['heights'][0]:g} to {block['heights'][-1]:g} m")
+    if piston["radius"] >= block["radius"]:
+        out.append(f"piston mesh: skirt radius {piston['radius']:g} m is not smaller than the bore radius {block['radius']:g} m")
+    return out
+
+
+def assemble(piston, block, options, p):
+    """The model.
+
+    Parameters
+    ----------
+    piston, block : mapping of ndarray
+        Reduced bodies, see `reduction`.
+    options : dict
+        Of the build (SI).
+    p : dict
+        Parameters by name (SI), see `variables.parameters`.
+
+    Returns
+    -------
+    PistonInBore
+    """
+    strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"])
+    low, high, offset = (options["piston"][key] for key in ("skirt_lower", "skirt_upper", "pin_offset"))
+    angle, height = cell_centres(*options["grid"], low, high)
+    gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
+    radius = float(block["radius"])
+    skirt = Skirt(angle, height, gap, radius, offset, np.ascontiguousarray(piston["radial"]), np.ascontiguousarray(piston["axial"]))
+    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
+                        piston["omega"] ** 2, damping(piston["omega"], *strong))
+    mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
+                          p["rod_centre"] / p["rod_length"], p["pin_mass"])
+    film = Film(skirt, bore_splines(block["heights"], block["radial"], block["axial"]))
+    return PistonInBore(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, film,
+                        np.pi * radius**2, piston["gas_force"], p["spectral_radius"])

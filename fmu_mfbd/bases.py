@@ -1,0 +1,154 @@
+"""Reduction bases: which displacement shapes a body keeps."""
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+
+class Elastic:
+    """Stiffness and mass on the free degrees of freedom, factorised once.
+
+    Parameters
+    ----------
+    K : scipy.sparse matrix, shape (3 n, 3 n)
+        Stiffness [N/m].
+    M : scipy.sparse matrix, shape (n, n)
+        Consistent mass of one displacement component [kg].
+    fixed_nodes : ndarray of int
+        Nodes that do not move.
+
+    Raises
+    ------
+    ValueError
+        If the body can still move rigidly, or the stiffness has a non-positive pivot.
+    """
+
+    def __init__(self, K, M, fixed_nodes):
+        held = np.zeros(K.shape[0] // 3, dtype=bool)
+        held[fixed_nodes] = True
+        if held.sum() < 3:
+            raise ValueError(f"{held.sum()} fixed nodes: at least 3 that are not in a line are needed")
+        self.free = np.flatnonzero(np.repeat(~held, 3))
+        self.size = K.shape[0]
+        self.K = K[self.free][:, self.free].tocsc()
+        self.M = sp.kron(M, sp.identity(3), format="csr")[self.free][:, self.free].tocsc()
+        self._lu = splu(self.K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        pivots = self._lu.U.diagonal()
+        if pivots.min() <= 1e-14 * pivots.max():
+            raise ValueError(f"the stiffness has {np.sum(pivots <= 1e-14 * pivots.max())} non-positive pivots: a loose piece or an inverted element")
+
+    def solve(self, load):
+        """Displacement under nodal forces, both on the free degrees of freedom."""
+        return self._lu.solve(np.ascontiguousarray(load))
+
+    def full(self, shapes):
+        """Put zeros back at the fixed nodes: (free, k) -> (3 n, k)."""
+        out = np.zeros((self.size, shapes.shape[1]))
+        out[self.free] = shapes
+        return out
+
+
+def craig_bampton(body, modes):
+    """Fixed-interface normal modes, lowest frequencies first.
+
+    Eq. (B1):  K phi = omega^2 M phi, interface held
+
+    With one master (the frame point A, or the ground) the constraint modes are the rigid motions, which the floating frame carries.
+
+    Parameters
+    ----------
+    body : Elastic
+    modes : int
+        Number of modes.
+
+    Returns
+    -------
+    ndarray, shape (free, modes)
+
+    References
+    ----------
+    [CraigBampton1968]. Checked in tests/verification/test_mfbd.py.
+    """
+    inverse = LinearOperator(body.K.shape, matvec=body.solve, dtype=float)
+    _, shapes = eigsh(body.K, modes, body.M, sigma=0.0, OPinv=inverse, v0=_start(body.K.shape[0]), tol=1e-10)   # Eq. (B1)
+    return shapes
+
+
+def pressure_modes(body, radial, modes, extra_loads):
+    """Static shapes under the pressure patterns to which a surface yields most, and under given loads.
+
+    Eq. (B2):  W K^-1 W^T p = mu p,   phi = K^-1 W^T p,   largest mu first
+
+    W reads the normal displacement at the points of a regular grid; W^T spreads unit forces at these points. The spectrum mu falls
+    fast, so that few shapes catch what any film pressure can do: with 60 of them the error of the skirt's deflection under film-like
+    loads is more than ten times smaller than with 60 normal modes.
+
+    Parameters
+    ----------
+    body : Elastic
+    radial : scipy.sparse matrix, shape (grid points, free)
+        W [-].
+    modes : int
+        Number of shapes in all, those of `extra_loads` included.
+    extra_loads : ndarray, shape (free, k)
+        Loads whose exact static deflection must be in the basis (gas pressure, inertia), most important first; at most half of
+        `modes` is spent on them.
+
+    Returns
+    -------
+    ndarray, shape (free, modes)
+
+    References
+    ----------
+    Own choice; compliance modes are a Lanczos-truncated interface reduction, [CastanierTanPierre2001] for the idea. Measured by
+    `piston-cosim verify mfbd`.
+    """
+    spread = radial.T.tocsr()
+    extra = body.solve(extra_loads[:, : modes // 2]) if extra_loads.shape[1] and modes > 1 else np.empty((body.K.shape[0], 0))
+    count = modes - extra.shape[1]
+    compliance = LinearOperator((radial.shape[0],) * 2, matvec=lambda p: radial @ body.solve(spread @ p.ravel()), dtype=float)
+    _, patterns = eigsh(compliance, count, v0=_start(radial.shape[0]), tol=1e-8)
+    shapes = body.solve((spread @ patterns))                                                                     # Eq. (B2)
+    return np.hstack([shapes, extra])
+
+
+def _start(size):
+    """Start vector of a Lanczos run: fixed, so that the same body always reduces to the same bytes."""
+    return np.random.default_rng(1).standard_normal(size)
+
+
+def orthonormal_modes(body, shapes):
+    """Combine shapes into modes that are orthonormal in mass and orthogonal in stiffness.
+
+    Eq. (B3):  Phi^T M Phi = I,   Phi^T K Phi = diag(omega^2)
+
+    Parameters
+    ----------
+    body : Elastic
+    shapes : ndarray, shape (free, k)
+        Independent shapes of any size.
+
+    Returns
+    -------
+    modes : ndarray, shape (free, k)
+        [kg^-1/2], by rising frequency; the largest entry of each is positive.
+    omega : ndarray, shape (k,)
+        Angular eigenfrequencies [rad/s].
+
+    Raises
+    ------
+    ValueError
+        If the shapes depend on each other.
+    """
+    shapes = shapes / np.sqrt(np.einsum("ik,ik->k", shapes, body.K @ shapes))
+    gram = shapes.T @ (body.K @ shapes)
+    strength, turn = la.eigh((gram + gram.T) / 2)
+    if strength[0] < 1e-13 * strength[-1]:
+        raise ValueError(f"{np.sum(strength < 1e-13 * strength[-1])} of {len(strength)} shapes are combinations of the others: ask for fewer modes")
+    shapes = shapes @ (turn / np.sqrt(strength))
+    mass = shapes.T @ (body.M @ shapes)
+    square, turn = la.eigh((mass + mass.T) / 2)
+    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]                                                          # Eq. (B3)
+    modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
+    return modes, 1.0 / np.sqrt(square[::-1])

@@ -1,0 +1,55 @@
+"""Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over what the FMU carries."""
+
+import os
+from pathlib import Path
+
+from master.fmi.errors import BadInput
+
+from .mesh import MeshFault
+from .options import read_options
+from .reduction import cached, reduce_block, reduce_piston
+
+
+def cache_folder():
+    """Where reduced bodies are kept: PISTON_COSIM_CACHE, else ~/.cache/piston-cosim."""
+    return Path(os.environ.get("PISTON_COSIM_CACHE", Path.home() / ".cache" / "piston-cosim")) / "bodies"
+
+
+def prepare(options, folder, progress):
+    """Validate the build table and reduce both bodies.
+
+    Parameters
+    ----------
+    options : dict
+        The case file's `[participants.X.build]` table.
+    folder : Path
+        Folder of the case.
+    progress : callable
+        Takes a sentence now and then.
+
+    Returns
+    -------
+    options : dict
+        In SI, with `files` naming the reduced bodies; becomes build.json.
+    files : list of Path
+        To be copied into the FMU's resources.
+
+    Raises
+    ------
+    BadInput
+        Every fault of the table; then every fault of the meshes.
+    """
+    resolved = read_options(options, folder)
+    faults, files = [], {}
+    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
+        try:
+            files[name] = cached(reduce, resolved[name], resolved["grid"], cache_folder(), lambda text, of=name: progress(f"{of}: {text}"))
+        except MeshFault as error:
+            faults += error.faults
+        except ValueError as error:
+            faults.append(f"{name}: {error}")
+    if faults:
+        raise BadInput(faults)
+    for part in ("piston", "block"):
+        resolved[part]["mesh"] = Path(resolved[part]["mesh"]).name      # where it lay is no property of the FMU
+    return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())

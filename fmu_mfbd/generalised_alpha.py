@@ -1,0 +1,78 @@
+"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of motion here."""
+
+from typing import NamedTuple
+
+
+class Coefficients(NamedTuple):
+    """What a step of the generalised-alpha method needs; see `coefficients`."""
+
+    step: float
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+
+    @property
+    def rate(self):
+        """Change of the end velocity with the end acceleration [s]."""
+        return self.step * self.gamma * (1 - self.alpha_f) / (1 - self.alpha_m)
+
+    @property
+    def place(self):
+        """Change of the end position with the end acceleration [s2]."""
+        return self.step**2 * self.beta * (1 - self.alpha_f) / (1 - self.alpha_m)
+
+
+def coefficients(step, spectral_radius):
+    """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
+
+    Eq. (G1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma + 1/2)^2 / 4
+
+    Parameters
+    ----------
+    step : float
+        Step [s], > 0.
+    spectral_radius : float
+        rho at infinite frequency [-], 0 (annihilates it in one step) to 1 (keeps all energy).
+
+    Returns
+    -------
+    Coefficients
+
+    References
+    ----------
+    [ChungHulbert1993]. Order 2 is checked in tests/verification/test_mfbd.py.
+    """
+    rho = spectral_radius
+    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)                                               # Eq. (G1)
+    gamma = 0.5 + alpha_f - alpha_m
+    return Coefficients(step, alpha_m, alpha_f, (gamma + 0.5) ** 2 / 4, gamma)
+
+
+def predict(c, place, rate, acceleration, auxiliary):
+    """End position, velocity and auxiliary acceleration if the end acceleration were zero.
+
+    Eq. (G2):  (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) q''_1 + alpha_f q''_0
+               q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)
+               q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta) a_0 + beta a_1)
+
+    The equation of motion holds exactly at the end of the step, with the end-of-step forces; `Coefficients.rate` and `.place` add
+    the part of q''_1.
+
+    Parameters
+    ----------
+    c : Coefficients
+    place, rate, acceleration, auxiliary : ndarray, shape (n,)
+        q_0, q'_0, q''_0, a_0.
+
+    Returns
+    -------
+    place, rate, auxiliary : ndarray, shape (n,)
+
+    References
+    ----------
+    [ArnoldBruels2007]
+    """
+    a = (c.alpha_f * acceleration - c.alpha_m * auxiliary) / (1 - c.alpha_m)                                    # Eq. (G2)
+    return (place + c.step * rate + c.step**2 * ((0.5 - c.beta) * auxiliary + c.beta * a),
+            rate + c.step * ((1 - c.gamma) * auxiliary + c.gamma * a), a)

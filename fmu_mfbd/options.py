@@ -1,0 +1,97 @@
+"""What a case file may say about the bodies: the `[participants.X.build]` table."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from master.fmi.errors import BadInput
+from master.fmi.quantities import Quantity
+
+Count = Annotated[int, Field(ge=4, le=400)]
+
+
+class Body(BaseModel):
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+    mesh: str
+    mesh_unit: Annotated[Quantity("m"), Field(gt=0)] = 1.0
+    density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)]
+    young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)]
+    poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
+    basis: Literal["pressure_modes", "craig_bampton"] = "pressure_modes"
+    modes: Annotated[int, Field(ge=0, le=200)] = 60
+
+
+class Piston(Body):
+    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`."""
+
+    skirt_lower: Quantity("m")
+    skirt_upper: Quantity("m")
+    pin_offset: Quantity("m") = 0.0
+
+
+class Block(Body):
+    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`."""
+
+    bore_lower: Quantity("m")
+    bore_upper: Quantity("m")
+    stations: Annotated[int, Field(ge=8, le=400)] = 64
+
+
+class Build(BaseModel):
+    """The whole table. `grid`: cells around and along the skirt."""
+
+    model_config = ConfigDict(extra="forbid")
+    grid: tuple[Count, Count] = (40, 40)
+    piston: Piston
+    block: Block
+
+
+def read_options(options, folder):
+    """Validate a build table.
+
+    Parameters
+    ----------
+    options : dict
+        As in the case file, units as text.
+    folder : Path
+        Where mesh paths start.
+
+    Returns
+    -------
+    dict
+        In SI, mesh paths absolute.
+
+    Raises
+    ------
+    BadInput
+        With every fault: path, value, what is allowed.
+    """
+    try:
+        build = Build.model_validate(options)
+    except ValidationError as error:
+        raise BadInput([_sentence(fault) for fault in error.errors()]) from None
+    resolved = build.model_dump(mode="json")
+    faults = []
+    for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
+        part = resolved[body]
+        part["mesh"] = str((Path(folder) / part["mesh"]).resolve())
+        if not Path(part["mesh"]).is_file():
+            faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
+        if part[low] >= part[high]:
+            faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
+    if faults:
+        raise BadInput(faults)
+    return resolved
+
+
+def _sentence(fault):
+    """One pydantic fault as a sentence."""
+    path = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return f"{path}: unknown key"
+    if fault["type"] == "missing":
+        return f"{path}: is missing"
+    return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}"

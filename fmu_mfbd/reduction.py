@@ -1,0 +1,148 @@
+"""Offline: a mesh and a material in, a small exact body out."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+
+from .bases import Elastic, craig_bampton, orthonormal_modes, pressure_modes
+from .finite_element import consistent_mass, face_load, stiffness
+from .mesh import read_mesh
+from .surface import cell_centres, interpolation, radial_and_axial
+
+VERSION = 1       # part of the cache key: raise it when the numbers in the .npz change their meaning
+Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
+P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
+
+
+def floating_frame_integrals(M, position, modes):
+    """Everything that the inertia of a flexible body needs in planar motion, from its consistent mass matrix.
+
+    Eq. (I1):  m = 1^T M 1,  S = E^T M r,  I0 = r^T M P r,  T = E^T M Phi,  b = Phi^T M P r,  B = Phi^T M P Phi,
+               g = Phi^T M Z r,  G = Phi^T M Z Phi          Z = e_z x,  P: projection onto x, y,  E: unit motions along x and y
+
+    Parameters
+    ----------
+    M : scipy.sparse matrix, shape (n, n)
+        Consistent mass of one displacement component [kg].
+    position : ndarray, shape (n, 3)
+        Nodes in the body frame, origin at A [m].
+    modes : ndarray, shape (n, 3, k)
+        Mode shapes in the body frame [kg^-1/2].
+
+    Returns
+    -------
+    dict
+        mass [kg], S (2,) [kg m], I0 [kg m2], T (2, k), b (k,), B (k, k), g (k,), G (k, k), in the units that follow.
+
+    References
+    ----------
+    [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in tests/mfbd/test_floating_frame.py.
+    """
+    flat = modes.reshape(-1, modes.shape[2])
+
+    def weigh(field):
+        """Apply the full mass matrix to nodal vectors (n, 3, ...)."""
+        return (M @ field.reshape(len(position), -1)).reshape(field.shape)
+
+    turned = np.einsum("ab,nbk->nak", Z, modes)
+    planar = np.einsum("ab,nbk->nak", P, modes)
+    # Eq. (I1)
+    return {"mass": float(M.sum()), "S": weigh(position).sum(axis=0)[:2], "I0": float(np.sum(weigh(position @ P) * position)),
+            "T": weigh(modes).sum(axis=0)[:2], "b": flat.T @ weigh(position @ P).ravel(), "g": flat.T @ weigh(position @ Z.T).ravel(),
+            "B": flat.T @ weigh(planar).reshape(flat.shape), "G": flat.T @ weigh(turned).reshape(flat.shape)}
+
+
+def reduce_piston(options, grid, progress=print):
+    """Reduced piston: mass properties, modes and their values on the skirt grid.
+
+    Parameters
+    ----------
+    options : dict
+        mesh (path), density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A], pin_offset [m].
+    grid : (int, int)
+        Cells around and along the skirt.
+    progress : callable
+        Takes a sentence now and then.
+
+    Returns
+    -------
+    dict of ndarray
+        `floating_frame_integrals` and omega (k,) [rad/s], gas_force (k,) [N/Pa scaled to a unit total], radial, axial
+        (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
+    """
+    mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"])
+    M = consistent_mass(mesh.points, mesh.tets, options["density"])
+    position = mesh.points - np.array([options["pin_offset"], 0.0, 0.0])
+    radius = float(np.hypot(*mesh.points[mesh.nodes("skirt")][:, [0, 2]].T).mean())
+    angle, height = cell_centres(*grid, options["skirt_lower"], options["skirt_upper"])
+    radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["skirt"], angle, height, radius), angle, grid[1])
+    gas = face_load(mesh.points, mesh.faces["crown"])
+    gas /= -gas[:, 1].sum()                                             # unit resultant along -y
+    inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
+    loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
+    modes, omega = _modes(mesh, M, options, mesh.nodes("pin_bore"), radial, loads, progress)
+    return floating_frame_integrals(M, position, modes.reshape(len(position), 3, -1)) | {
+        "omega": omega, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius}
+
+
+def reduce_block(options, grid, progress=print):
+    """Reduced cylinder block: modes and their values on a table of the bore (angles of the film grid x `stations` heights).
+
+    Parameters
+    ----------
+    options : dict
+        mesh (path), density, young, poisson, basis, modes, bore_lower, bore_upper [m above the mesh origin], stations.
+    grid : (int, int)
+        Film grid; its angles are the table's.
+    progress : callable
+
+    Returns
+    -------
+    dict of ndarray
+        omega (k,) [rad/s], radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
+    """
+    mesh = read_mesh(options["mesh"], ["bore", "bolts"])
+    M = consistent_mass(mesh.points, mesh.tets, options["density"])
+    radius = float(np.hypot(*mesh.points[mesh.nodes("bore")][:, [0, 2]].T).mean())
+    angle, _ = cell_centres(*grid, 0.0, 1.0)
+    heights = np.linspace(options["bore_lower"], options["bore_upper"], options["stations"])
+    radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["bore"], angle, heights, radius), angle, len(heights))
+    modes, omega = _modes(mesh, M, options, mesh.nodes("bolts"), radial, np.empty((3 * len(mesh.points), 0)), progress)
+    table = (grid[0], len(heights), len(omega))
+    return {"omega": omega, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
+            "heights": heights, "radius": radius, "mass": float(M.sum())}
+
+
+def _modes(mesh, M, options, fixed, radial, loads, progress):
+    """Mode shapes on all degrees of freedom and their angular frequencies, by the chosen basis."""
+    if options["modes"] == 0:
+        return np.empty((3 * len(mesh.points), 0)), np.empty(0)
+    progress(f"factorising {3 * len(mesh.points)} degrees of freedom")
+    body = Elastic(stiffness(mesh.points, mesh.tets, options["young"], options["poisson"]), M, fixed)
+    progress(f"{options['modes']} modes, basis {options['basis']}")
+    if options["basis"] == "craig_bampton":
+        shapes = craig_bampton(body, options["modes"])
+    else:
+        shapes = pressure_modes(body, radial[:, body.free], options["modes"], loads[body.free])
+    modes, omega = orthonormal_modes(body, shapes)
+    return body.full(modes), omega
+
+
+def cached(reduce, options, grid, folder, progress=print):
+    """Path of the reduced body's .npz, made unless one of the same mesh bytes, options and code version lies in `folder`.
+
+    The file is written under another name and moved into place, so that an interrupted run leaves nothing half-written.
+    """
+    content = hashlib.sha256(Path(options["mesh"]).read_bytes()).hexdigest()
+    what = {k: v for k, v in options.items() if k != "mesh"} | {"grid": list(grid), "mesh": content, "version": VERSION, "of": reduce.__name__}
+    key = hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
+    path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{key}.npz"
+    if not path.exists():
+        body = reduce(options, grid, progress)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_suffix(".partial.npz")
+        np.savez(partial, **body)
+        partial.replace(path)
+    return path

@@ -1,0 +1,23 @@
+"""Ways to the fixed point of a macro step.
+
+A method is a value with `memory()` and `solve(macro_step, guess, memory)`. `solve` returns a `Solution` in which every
+element of every wire agrees to its tolerance, or raises `NotConverged`; it never returns anything else. `memory()` makes
+what the method carries from one macro step to the next (None if nothing); the stepper drops it after a failure.
+"""
+
+from .newton import Newton
+from .quasi_newton import QuasiNewton
+from .relaxation import Relaxation
+from .solution import MacroStep, NotConverged, Solution, step_length
+
+__all__ = ["MacroStep", "Newton", "NotConverged", "QuasiNewton", "Relaxation", "Solution", "method_of", "step_length"]
+
+
+def method_of(coupling):
+    """The method a case's coupling table asks for."""
+    if coupling.method == "newton":
+        return Newton(coupling.max_iterations, coupling.largest_krylov_space)
+    if coupling.method == "iqn_ils":
+        return QuasiNewton(coupling.relaxation, coupling.mixing, coupling.windows, coupling.filter_limit,
+                           coupling.filter, coupling.max_iterations)
+    return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
