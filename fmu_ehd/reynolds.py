@@ -165,6 +165,25 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     return (centre, south, north, west, east), right
 
 
+@njit(cache=True)
+def hold(fixed, value, centre, south, north, west, east, right):
+    """Replace the balance of fixed cells by u = value; in place.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n_c, n_a)
+    value : float
+        Signed unknown of fixed cells.
+    centre, south, north, west, east, right : ndarray, shape (n_c, n_a)
+        From `assemble`.
+    """
+    for i in range(fixed.shape[0]):
+        for j in range(fixed.shape[1]):
+            if fixed[i, j]:
+                centre[i, j], right[i, j] = 1.0, value
+                south[i, j] = north[i, j] = west[i, j] = east[i, j] = 0.0
+
+
 @njit(cache=True, inline="always")
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""

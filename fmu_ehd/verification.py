@@ -33,16 +33,16 @@ def passes(line):
 
 def flow_film(film_thickness, viscosity):
     """Flow film of smooth surfaces."""
-    stored, conductivity, *_ = smooth_film(film_thickness, viscosity, FLOOR)
-    return FlowFilm(stored, stored, conductivity, conductivity)
+    return FlowFilm(*smooth_film(film_thickness, np.full_like(film_thickness, viscosity), FLOOR)[0])
 
 
 def steady(grid, film_thickness, sliding, viscosity, edges=None):
     """Steady film under a surface that slides along +y with velocity `sliding` [m/s], the other at rest."""
-    step = FilmStep(grid, edges or Edges())
+    step = FilmStep(grid)
     velocity = np.full(grid.shape, 0.5 * sliding)
     everywhere = np.ones(grid.shape, dtype=bool)
-    return step.solve(flow_film(film_thickness, viscosity), np.zeros(grid.shape), velocity, film_thickness, everywhere, np.inf)
+    return step.solve(flow_film(film_thickness, viscosity), np.zeros(grid.shape), velocity, edges or Edges(),
+                      film_thickness, everywhere, np.inf)
 
 
 def centres(cells):
@@ -60,13 +60,13 @@ def inclined_pad(cells, ratio=1.0):
     grid = Grid((1, cells), 1.0, 1.0)
     h = 1.0 + ratio * (1.0 - centres(cells)[None])
     film = steady(grid, h, 1.0, 1.0)
-    none = np.zeros(grid.shape)
-    _, _, power = shear_forces(film.pressure, film.film_fraction, h, -np.ones(grid.shape), 1.0, 0.0, 0.0, grid.spacing[1],
-                               none, 0.0, 1.0, grid.cell_area)
+    flow, none = flow_film(h, 1.0), np.zeros(grid.shape)
+    _, _, power = shear_forces(film.pressure, film.film_fraction, -np.ones(grid.shape), flow.couette, flow.drag,
+                               flow.poiseuille, 0.0, 0.0, grid.spacing[1], none, 1.0, np.full(grid.shape, grid.cell_area))
     p = film.pressure[0]
     peak = p.argmax()
     fit = np.polyfit([-1.0, 0.0, 1.0], p[peak - 1:peak + 2], 2)  # parabola through the three highest cells
-    return p.mean(), power, fit[2] - fit[1]**2 / (4.0 * fit[0])
+    return p.mean(), power.sum(), fit[2] - fit[1]**2 / (4.0 * fit[0])
 
 
 def inclined_pad_rows():
@@ -101,7 +101,7 @@ def squeeze_plate_rows():
     n = 61
     grid = Grid((n, n), 1.0, 1.0, ring=False)
     h, still = np.ones(grid.shape), np.zeros(grid.shape)
-    p = FilmStep(grid, Edges()).solve(flow_film(h, 1.0), still, still, h + 1.0, np.ones(grid.shape, dtype=bool), 1.0).pressure
+    p = FilmStep(grid).solve(flow_film(h, 1.0), still, still, Edges(), h + 1.0, np.ones(grid.shape, dtype=bool), 1.0).pressure
     case = "Square parallel squeeze plate, 61x61"
     yield row(case, "load W h^3/(mu V L^4) [-]", p.mean(), 0.421731, 2e-3, "relative", "closed form (series)", SECOND_ORDER)
     yield row(case, "highest pressure [-]", p.max(), 0.88404, 1e-3, "relative", "closed form (series)", SECOND_ORDER)
@@ -120,14 +120,14 @@ def oscillating_squeeze(cells, step, end=0.75):
         Largest mass imbalance of a step.
     """
     grid = Grid((1, cells), 1.0, 1.0)
-    film_step = FilmStep(grid, Edges(pressure=np.full(4, 0.025)))
+    film_step, edges = FilmStep(grid), Edges(pressure=np.full(4, 0.025))
     still = np.zeros(grid.shape)
     content, full = np.full(grid.shape, 0.5), np.ones(grid.shape, dtype=bool)
     times = np.arange(1, round(end / step) + 1) * step
     width, imbalance = np.empty(times.size), 0.0
     for k, time in enumerate(times):
         h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
-        film = film_step.solve(flow_film(h, 1.0 / 6.0), still, still, content, full, step)
+        film = film_step.solve(flow_film(h, 1.0 / 6.0), still, still, edges, content, full, step)
         content, full = film.content, film.full
         width[k] = _full_width(film)
         imbalance = max(imbalance, film.mass_imbalance)
@@ -212,7 +212,7 @@ def contact_rows():
                       asperity.gaussian_integral(order, separation), reference, 1e-5, "relative", "numerical quadrature",
                       "six printed digits")
     offset = film + 1.0 / 3.0  # between the table's points
-    table = asperity.contact(offset, 1.0, 1.0, 1.0, asperity.contact_table())[0]
+    table = asperity.contact(offset, 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())[0]
     error = np.abs(table / asperity.gaussian_integral(2.5, offset) - 1.0).max()
     yield row("Greenwood-Tripp table", "largest relative error of F_2.5 [-]", error, 0.0, 1e-7, "at most", "exact integral",
               "Hermite interpolation, fourth order, H < 4")
