@@ -23,7 +23,7 @@ class FilmSolution:
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
-        |inflow - growth of content| / throughput [-].
+        |inflow - growth of content| / throughput [-]; throughput = edge flows + growth, at least 1e-4 of the content a step.
     iterations : int
         Number of factorisations.
     """
@@ -141,7 +141,9 @@ class FilmStep:
             growth[self.open_cells] = residual[self.open_cells] = 0.0
             inflow += out[self.open_cells].sum()
             throughput += np.abs(out[self.open_cells]).sum()
-        throughput = max(throughput + np.abs(growth).sum(), 1e-3 * gross, np.finfo(float).tiny)
+        # round-off of pressures and contents says nothing about a film in which next to nothing moves
+        floor = max(1e-3 * gross, 1e-4 * s.rate * s.content.sum(), np.finfo(float).tiny)
+        throughput = max(throughput + np.abs(growth).sum(), floor)
         return _Balance(pressure, 1.0 + deficit, residual, edge_flow, float(abs(inflow - growth.sum()) / throughput))
 
     def tangent(self, dfilm, dvelocity_c, dvelocity_a):

@@ -21,7 +21,8 @@ from .roughness import TABLE_END
 class FlowFilm(NamedTuple):
     """Film seen by flow and shear, each an ndarray of shape (n_c, n_a).
 
-    stored, transport [m]; conductivity_c, conductivity_a across i and j [m3/(Pa s)]; couette c and drag d [Pa s/m], poiseuille b [m].
+    stored, transport [m]; conductivity_c, conductivity_a across i and j [m3/(Pa s)]; couette c, drag d [Pa s/m];
+    poiseuille b [m].
     """
 
     stored: np.ndarray

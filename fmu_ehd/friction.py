@@ -4,9 +4,10 @@ Eq. (F1):  tau_v = -f (c - d) V - b dp/dy                    on the skirt, which
 Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
 Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]       shear of the film on the bore x sliding velocity
 
-tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth surfaces: mu/h, 0, h/2). f is the film fraction: in the cavitated part only the
-oil shears [Elrod1981]; `full_cavity` counts it as full instead. dp/dy is the central difference of face pressures (mean of
-both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a derivative.
+tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth surfaces: mu/h, 0, h/2).
+f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with `cavity_shear = full_film` f = 1 there.
+dp/dy is the central difference of face pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at
+rest, so that friction has a derivative.
 
 The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the sloping skirt. The bore is
 the straight surface, so its shear is the whole axial force between the bodies and gives the power that sliding costs.

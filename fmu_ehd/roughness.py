@@ -9,8 +9,8 @@ Eq. (R6):  phi_fp = 1 - D exp(-s H)
 
 Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along, < 1 grooves across.
 The factors are published for seven values of gamma from 1/9 to 9; between them the factors (not their
-coefficients, whose formula changes at gamma = 1) are interpolated linearly in ln gamma. Below the published range of H, which starts
-between 0.5 and 1, phi_x and phi_fp keep their value there; the others go on by their formula, which ends well at H = 0.
+coefficients, whose formula changes at gamma = 1) are interpolated linearly in ln gamma. Below the published range of H,
+which starts between 0.5 and 1, phi_x and phi_fp keep their value; the others go on by their formula, which ends well at H = 0.
 
 References
 ----------
