@@ -42,7 +42,7 @@ def faults(p, piston, block, options):
     turn = np.linspace(0.0, 2 * np.pi, 721)
     A = p["crank_radius"] * np.cos(turn) + np.sqrt(p["rod_length"] ** 2 - (options["piston"]["pin_offset"] - p["crank_offset"]
                                                                          + p["crank_radius"] * np.sin(turn)) ** 2)
-    low, high = A.min() + options["piston"]["skirt_lower"], A.max() + options["piston"]["skirt_upper"]
+    low, high = A.min() + piston["skirt_lower"], A.max() + piston["skirt_upper"]
     if low < block["heights"][0] or high > block["heights"][-1]:
         out.append(f"crank_radius, rod_length: the skirt travels from {low:g} to {high:g} m above the crank axis, the bore reaches from "
                    f"{block['heights'][0]:g} to {block['heights'][-1]:g} m")
@@ -68,7 +68,7 @@ def assemble(piston, block, options, p):
     PistonInBore
     """
     strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"])
-    low, high, offset = (options["piston"][key] for key in ("skirt_lower", "skirt_upper", "pin_offset"))
+    low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
     radius = float(block["radius"])

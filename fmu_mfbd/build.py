@@ -1,18 +1,13 @@
 """Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over what the FMU carries."""
 
-import os
 from pathlib import Path
 
+from master.fmi.builder import cache_folder
 from master.fmi.errors import BadInput
 
 from .mesh import MeshFault
 from .options import read_options
 from .reduction import cached, reduce_block, reduce_piston
-
-
-def cache_folder():
-    """Where reduced bodies are kept: PISTON_COSIM_CACHE, else ~/.cache/piston-cosim."""
-    return Path(os.environ.get("PISTON_COSIM_CACHE", Path.home() / ".cache" / "piston-cosim")) / "bodies"
 
 
 def prepare(options, folder, progress):
@@ -43,7 +38,7 @@ def prepare(options, folder, progress):
     faults, files = [], {}
     for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
         try:
-            files[name] = cached(reduce, resolved[name], resolved["grid"], cache_folder(), lambda text, of=name: progress(f"{of}: {text}"))
+            files[name] = cached(reduce, resolved[name], resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
         except MeshFault as error:
             faults += error.faults
         except ValueError as error:

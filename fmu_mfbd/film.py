@@ -52,6 +52,24 @@ class Bore(NamedTuple):
     axial: np.ndarray
 
 
+class FilmForces(NamedTuple):
+    """Generalised forces of the film.
+
+    Parameters
+    ----------
+    lateral, axial, moment : float
+        On the piston along x and y, and about A [N], [N], [N m].
+    piston, block : ndarray
+        Modal forces [kg^-1/2 N].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+    piston: np.ndarray
+    block: np.ndarray
+
+
 def bore_splines(heights, radial, axial):
     """Cubic spline through tabulated bore modes.
 
@@ -148,17 +166,16 @@ class Film:
 
     def thickness(self, window, lateral, angle, piston, block):
         """Film thickness (c, a) [m] at x_A [m], rocking angle [rad] and modal coordinates."""
-        opening = self._opening(window, lateral, angle, piston, block)
-        return self.skirt.gap + opening                                                                         # Eq. (H1)
+        return self.skirt.gap + self.opening(window, lateral, angle, piston, block)                                                                         # Eq. (H1)
 
-    def _opening(self, window, lateral, angle, piston, block):
-        """Linear part of the film thickness (c, a)."""
+    def opening(self, window, lateral, angle, piston, block):
+        """Linear part of the film thickness (c, a) [m], or its rate [m/s] from the coordinates' rates."""
         rigid = (angle * self.skirt.height - lateral) * self.sine
         return rigid - (self.skirt.radial @ piston).reshape(self.shape) + (window.value @ window.read(window.radial, block)).T
 
     def opening_rate(self, window, height_rate, lateral_rate, angle_rate, piston_rate, block, block_rate):
         """Rate of film thickness at the moving skirt points (c, a) [m/s]; height_rate is that of A [m/s]."""
-        steady = self._opening(window, lateral_rate, angle_rate, piston_rate, block_rate)
+        steady = self.opening(window, lateral_rate, angle_rate, piston_rate, block_rate)
         return steady + height_rate * (window.slope @ window.read(window.radial, block)).T
 
     def sliding(self, window, height_rate, angle_rate, piston_rate, block_rate):
@@ -177,17 +194,14 @@ class Film:
 
         Returns
         -------
-        lateral, axial, moment : float
-            [N], [N], [N m] on the piston, about A.
-        piston, block : ndarray
-            Modal forces [kg^-1/2 N].
+        FilmForces
         """
         around = pressure_force.sum(axis=1)
         lateral = -(self.sine[:, 0] @ around)
         moment = self.sine[:, 0] @ (pressure_force @ self.skirt.height) + self.arm[:, 0] @ friction_force.sum(axis=1)
         piston = friction_force.ravel() @ self.skirt.axial - pressure_force.ravel() @ self.skirt.radial
         block = window.spread(window.radial, pressure_force) - window.spread(window.axial, friction_force)
-        return float(lateral), float(friction_force.sum()), float(moment), piston, block
+        return FilmForces(float(lateral), float(friction_force.sum()), float(moment), piston, block)
 
     def lift(self, window, pressure_force, block):
         """Force on the piston along y from pressure on a bore that is not straight [N]: sum F dh/dY."""

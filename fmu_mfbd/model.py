@@ -100,10 +100,10 @@ class PistonInBore:
         State, dict
             And its outputs.
         """
-        place, nothing = np.zeros(self.coordinates), np.zeros(self.coordinates)
+        nothing = np.zeros(self.coordinates)
+        place = nothing.copy()
         place[:2] = lateral, angle
-        instant = coefficients(0.0, self.spectral_radius)
-        return self._solve(instant, place, nothing, nothing, crank_angle, inputs, nothing, auxiliary=lambda a: a)
+        return self._settle(coefficients(0.0, self.spectral_radius), place, nothing, nothing, nothing, 1.0, crank_angle, inputs)
 
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
@@ -127,28 +127,31 @@ class PistonInBore:
         c = coefficients(step, self.spectral_radius)
         place, rate, auxiliary = predict(c, state.place, state.rate, state.acceleration, state.auxiliary)
         weight = (1 - c.alpha_f) / (1 - c.alpha_m)
-        return self._solve(c, place, rate, state.acceleration, state.crank_angle + step * inputs.crank_speed, inputs, auxiliary,
-                           auxiliary=lambda a: auxiliary + weight * a)
+        crank_angle = state.crank_angle + step * inputs.crank_speed
+        return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank_angle, inputs)
 
-    def _solve(self, c, place, rate, guess, crank_angle, inputs, _, auxiliary):
-        """End accelerations from places and rates predicted without them; then state and outputs."""
+    def _settle(self, c, place, rate, guess, auxiliary, weight, crank_angle, inputs):
+        """State and outputs whose accelerations balance the forces; places and rates come predicted without these accelerations."""
         window = self.film.window(height(self.mechanism, 0.0, crank_angle)[0])
-        lateral, axial, moment, piston_force, block_force = self.film.generalised(window, inputs.pressure_force, inputs.friction_force)
+        forces = self.film.generalised(window, inputs.pressure_force, inputs.friction_force)
         gas = inputs.gas_pressure * self.gas_area
-        load = Load(lateral, axial - gas, moment + self.film.skirt.pin_offset * gas, piston_force + gas * self.gas_force)
+        load = Load(forces.lateral, forces.axial - gas, forces.moment + self.film.skirt.pin_offset * gas, forces.piston + gas * self.gas_force)
         n = self.flexible.stop
         acceleration = np.empty(self.coordinates)
         acceleration[:n], pin, torque = self._newton(c, load, place[:n], rate[:n], guess[:n], crank_angle, inputs.crank_speed)
-        acceleration[n:] = ((block_force - self.block.damping * rate[n:] - self.block.stiffness * place[n:])
+        acceleration[n:] = ((forces.block - self.block.damping * rate[n:] - self.block.stiffness * place[n:])
                             / (1 + c.rate * self.block.damping + c.place * self.block.stiffness))
-        state = State(crank_angle, place + c.place * acceleration, rate + c.rate * acceleration, acceleration, auxiliary(acceleration))
-        self._last = (c, load, state, inputs.crank_speed, window)
-        return state, self._outputs(state, inputs, window, lateral, (moment, piston_force, block_force), pin, torque)
+        state = State(crank_angle, place + c.place * acceleration, rate + c.rate * acceleration, acceleration, auxiliary + weight * acceleration)
+        self._last, self._factor = (c, load, state, inputs.crank_speed, window), None
+        return state, self._outputs(state, inputs, window, forces, pin, torque)
 
     def _newton(self, c, load, place, rate, acceleration, crank_angle, crank_speed):
         """Piston accelerations that balance `load`, to round-off: the tangent is exact and nearly constant over a step."""
         arguments = self.piston, self.mechanism, load
-        end = lambda a: (place + c.place * a, rate + c.rate * a, a, crank_angle, crank_speed)
+
+        def end(a):
+            return place + c.place * a, rate + c.rate * a, a, crank_angle, crank_speed
+
         matrix = tangent(*arguments, *end(acceleration), c.rate, c.place)
         scale = np.sqrt(np.abs(np.diagonal(matrix)))
         factor = dgetrf(matrix, overwrite_a=True)[:2]
@@ -164,31 +167,26 @@ class PistonInBore:
             acceleration, last = acceleration - change, size
         raise NotConverged(f"piston motion at crank angle {crank_angle:.6g} rad: last change of the accelerations {size:.3g}, their size {total:.3g}")
 
-    def _outputs(self, state, inputs, window, lateral, modal, pin, torque):
+    def _outputs(self, state, inputs, window, forces, pin, torque):
         """Everything the outside sees (units in `variables.py`), by name."""
-        n = self.flexible.stop
-        piston, block = state.place[2:n], state.place[n:]
-        piston_rate, block_rate = state.rate[2:n], state.rate[n:]
+        n, film = self.flexible.stop, self.film
+        piston, block, piston_rate, block_rate = state.place[2:n], state.place[n:], state.rate[2:n], state.rate[n:]
         Y, slope, lever = height(self.mechanism, state.place[0], state.crank_angle)
         climb = slope * state.rate[0] + lever * inputs.crank_speed
-        guided = height(self.mechanism, 0.0, state.crank_angle)[2] * inputs.crank_speed
-        lift = self.film.lift(window, inputs.pressure_force, block)
-        thickness = self.film.thickness(window, *state.place[:2], piston, block)
-        sliding = self.film.sliding(window, climb, state.rate[1], piston_rate, block_rate)
-        opening = self.film.opening_rate(window, guided, state.rate[0], state.rate[1], piston_rate, block, block_rate)
-        moment, piston_force, block_force = modal
-        # work of the interface forces, once on the grid and once in the coordinates
-        grid = np.sum(inputs.pressure_force * opening), np.sum(inputs.friction_force * sliding)
-        own = np.array([lateral * state.rate[0], moment * state.rate[1], climb * inputs.friction_force.sum(), lift * guided])
-        own = np.concatenate([own, piston_force * piston_rate, block_force * block_rate])
-        scale = np.abs(inputs.pressure_force * opening).sum() + np.abs(inputs.friction_force * sliding).sum()
-        return {
+        guided = height(self.mechanism, 0.0, state.crank_angle)[2]
+        lift = film.lift(window, inputs.pressure_force, block)
+        thickness = film.thickness(window, *state.place[:2], piston, block)
+        sliding = film.sliding(window, climb, state.rate[1], piston_rate, block_rate)
+        opening = film.opening_rate(window, guided * inputs.crank_speed, *state.rate[:2], piston_rate, block, block_rate)
+        own = np.concatenate([[forces.lateral * state.rate[0], forces.axial * climb, forces.moment * state.rate[1],
+                               lift * guided * inputs.crank_speed], forces.piston * piston_rate, forces.block * block_rate])
+        outputs = {
             "film_thickness": thickness, "sliding_velocity": sliding, "crank_angle": state.crank_angle, "piston_position": Y,
             "piston_velocity": climb, "lateral_displacement": state.place[0], "rocking_angle": state.place[1],
-            "side_force": -lateral, "crank_torque": torque - lift * guided / inputs.crank_speed if inputs.crank_speed else torque,
-            "pin_force_x": pin[0], "pin_force_y": pin[1] - lift, "modal_coordinate": state.place[2:].copy(),
-            "interface_work_error": abs(sum(grid) - own.sum()) / scale if scale > 0.0 else 0.0,
+            "side_force": -forces.lateral, "crank_torque": torque - lift * guided, "pin_force_x": pin[0], "pin_force_y": pin[1] - lift,
+            "interface_work_error": work_error(inputs.pressure_force * opening, inputs.friction_force * sliding, own),
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
+        return outputs | ({"modal_coordinate": state.place[2:].copy()} if self.coordinates > 2 else {})
 
     def directional_derivative(self, pressure_force, friction_force):
         """Change of film thickness and sliding velocity at the end of the last step with the forces at its end.
@@ -205,17 +203,39 @@ class PistonInBore:
         film_thickness, sliding_velocity : ndarray, shape (c, a)
             [m], [m/s]
         """
-        c, load, state, crank_speed, window = self._last
-        n = self.flexible.stop
-        if len(self._last) == 5:
-            pass
-        lateral, axial, moment, piston_force, block_force = self.film.generalised(window, pressure_force, friction_force)
+        c, _, state, crank_speed, window = self._last
+        forces = self.film.generalised(window, pressure_force, friction_force)
         link = motion(self.mechanism, state.place[0], state.rate[0], state.acceleration[0], state.crank_angle, crank_speed)
-        matrix = tangent(self.piston, self.mechanism, load, state.place[:n], state.rate[:n], state.acceleration[:n],
-                         state.crank_angle, crank_speed, c.rate, c.place)
-        right = np.concatenate([[lateral + link[4] * axial, moment], piston_force])
-        change = dgetrs(*dgetrf(matrix, overwrite_a=True)[:2], right)[0]                                        # Eq. (D1)
-        block = block_force / (1 + c.rate * self.block.damping + c.place * self.block.stiffness)
-        climb = (c.rate * link[4] + c.place * link[2] / 2) * change[0]
-        opening = self.film._opening(window, *(c.place * change[:2]), c.place * change[2:], c.place * block)
-        return opening, self.film.sliding(window, climb, c.rate * change[1], c.rate * change[2:], c.rate * block)
+        right = np.concatenate([[forces.lateral + link[4] * forces.axial, forces.moment], forces.piston])
+        piston = dgetrs(*self._factorised(), right)[0]                                                          # Eq. (D1)
+        block = forces.block / (1 + c.rate * self.block.damping + c.place * self.block.stiffness)
+        climb = (c.rate * link[4] + c.place * link[2] / 2) * piston[0]
+        return (self.film.opening(window, *(c.place * piston[:2]), c.place * piston[2:], c.place * block),
+                self.film.sliding(window, climb, c.rate * piston[1], c.rate * piston[2:], c.rate * block))
+
+    def _factorised(self):
+        """The tangent at the end of the last step, factorised when it is first asked for."""
+        if self._factor is None:
+            c, load, state, crank_speed, _ = self._last
+            n = self.flexible.stop
+            matrix = tangent(self.piston, self.mechanism, load, state.place[:n], state.rate[:n], state.acceleration[:n],
+                             state.crank_angle, crank_speed, c.rate, c.place)
+            self.jacobian_evaluations += 1
+            self._factor = dgetrf(matrix, overwrite_a=True)[:2]
+        return self._factor
+
+
+def work_error(pressure_power, friction_power, own):
+    """Power of the interface forces on the grid minus that in the body's coordinates, by the sum of all terms' sizes [-].
+
+    Both describe the same work, so that anything above round-off is an error in the transfer of forces.
+
+    Parameters
+    ----------
+    pressure_power, friction_power : ndarray, shape (c, a)
+        Force times opening rate and times sliding velocity at each point [W].
+    own : ndarray
+        Generalised force times rate, coordinate by coordinate [W].
+    """
+    scale = np.abs(pressure_power).sum() + np.abs(friction_power).sum() + np.abs(own).sum()
+    return float(abs(pressure_power.sum() + friction_power.sum() - own.sum()) / scale) if scale > 0.0 else 0.0

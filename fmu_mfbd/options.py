@@ -25,18 +25,24 @@ class Body(BaseModel):
 
 
 class Piston(Body):
-    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`."""
+    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
-    skirt_lower: Quantity("m")
-    skirt_upper: Quantity("m")
+    The skirt's edges are those of its surface in the mesh unless given.
+    """
+
+    skirt_lower: Quantity("m") | None = None
+    skirt_upper: Quantity("m") | None = None
     pin_offset: Quantity("m") = 0.0
 
 
 class Block(Body):
-    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`."""
+    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    bore_lower: Quantity("m")
-    bore_upper: Quantity("m")
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
+    """
+
+    bore_lower: Quantity("m") | None = None
+    bore_upper: Quantity("m") | None = None
     stations: Annotated[int, Field(ge=8, le=400)] = 64
 
 
@@ -80,7 +86,7 @@ def read_options(options, folder):
         part["mesh"] = str((Path(folder) / part["mesh"]).resolve())
         if not Path(part["mesh"]).is_file():
             faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
-        if part[low] >= part[high]:
+        if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
     if faults:
         raise BadInput(faults)

@@ -40,11 +40,11 @@ def floating_frame_integrals(M, position, modes):
     ----------
     [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in tests/mfbd/test_floating_frame.py.
     """
-    flat = modes.reshape(-1, modes.shape[2])
+    flat = modes.reshape(3 * len(position), modes.shape[2])
 
     def weigh(field):
         """Apply the full mass matrix to nodal vectors (n, 3, ...)."""
-        return (M @ field.reshape(len(position), -1)).reshape(field.shape)
+        return (M @ field.reshape(len(position), field[0].size)).reshape(field.shape)
 
     turned = np.einsum("ab,nbk->nak", Z, modes)
     planar = np.einsum("ab,nbk->nak", P, modes)
@@ -60,7 +60,8 @@ def reduce_piston(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A], pin_offset [m].
+        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A, None: the mesh's],
+        pin_offset [m].
     grid : (int, int)
         Cells around and along the skirt.
     progress : callable
@@ -72,19 +73,20 @@ def reduce_piston(options, grid, progress=print):
         `floating_frame_integrals` and omega (k,) [rad/s], gas_force (k,) [N/Pa scaled to a unit total], radial, axial
         (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
     """
-    mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"])
+    mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"], options["mesh_unit"])
+    low, high = _ends(mesh, "skirt", options["skirt_lower"], options["skirt_upper"])
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     position = mesh.points - np.array([options["pin_offset"], 0.0, 0.0])
     radius = float(np.hypot(*mesh.points[mesh.nodes("skirt")][:, [0, 2]].T).mean())
-    angle, height = cell_centres(*grid, options["skirt_lower"], options["skirt_upper"])
+    angle, height = cell_centres(*grid, low, high)
     radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["skirt"], angle, height, radius), angle, grid[1])
     gas = face_load(mesh.points, mesh.faces["crown"])
     gas /= -gas[:, 1].sum()                                             # unit resultant along -y
     inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
     loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
     modes, omega = _modes(mesh, M, options, mesh.nodes("pin_bore"), radial, loads, progress)
-    return floating_frame_integrals(M, position, modes.reshape(len(position), 3, -1)) | {
-        "omega": omega, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius}
+    return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
+        "omega": omega, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high}
 
 
 def reduce_block(options, grid, progress=print):
@@ -93,7 +95,8 @@ def reduce_block(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), density, young, poisson, basis, modes, bore_lower, bore_upper [m above the mesh origin], stations.
+        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, bore_lower, bore_upper [m above the crank axis, None: the
+        mesh's], stations.
     grid : (int, int)
         Film grid; its angles are the table's.
     progress : callable
@@ -103,16 +106,22 @@ def reduce_block(options, grid, progress=print):
     dict of ndarray
         omega (k,) [rad/s], radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
     """
-    mesh = read_mesh(options["mesh"], ["bore", "bolts"])
+    mesh = read_mesh(options["mesh"], ["bore", "bolts"], options["mesh_unit"])
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     radius = float(np.hypot(*mesh.points[mesh.nodes("bore")][:, [0, 2]].T).mean())
     angle, _ = cell_centres(*grid, 0.0, 1.0)
-    heights = np.linspace(options["bore_lower"], options["bore_upper"], options["stations"])
+    heights = np.linspace(*_ends(mesh, "bore", options["bore_lower"], options["bore_upper"]), options["stations"])
     radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["bore"], angle, heights, radius), angle, len(heights))
     modes, omega = _modes(mesh, M, options, mesh.nodes("bolts"), radial, np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
             "heights": heights, "radius": radius, "mass": float(M.sum())}
+
+
+def _ends(mesh, name, low, high):
+    """Lowest and highest height of a surface [m], unless given."""
+    height = mesh.points[mesh.nodes(name), 1]
+    return float(height.min() if low is None else low), float(height.max() if high is None else high)
 
 
 def _modes(mesh, M, options, fixed, radial, loads, progress):

@@ -7,12 +7,15 @@ from master.fmi.slave import FieldSlave
 
 from . import variables as table
 from .assembly import assemble, faults
-from .model import Inputs, NotConverged
+from .model import Inputs, NotConverged, State
 
 
-class Bodies(FieldSlave):
+class Mfbd(FieldSlave):
     """Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements."""
 
+    name = "fmu_mfbd"
+    description = "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
+    state_type = State
     derivative_inputs = ("nodal_pressure_force", "nodal_friction_force")
     derivative_outputs = ("film_thickness", "sliding_velocity")
 

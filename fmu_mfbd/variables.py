@@ -1,6 +1,6 @@
 """Every variable of the body FMU, declared once (the interface contract's names)."""
 
-from master.fmi.variables import Variable
+from master.fmi.variables import Variable, constant
 
 
 def variables(options):
@@ -82,11 +82,8 @@ def parameters():
 
 def properties(options):
     """Properties of the built FMU, readable and never settable."""
-    def fixed(name, description, value):
-        return Variable(name, "1", "parameter", description, start=value, fixed=True)
-
-    return [fixed("n_circumferential", "Film grid cells around the skirt", options["grid"][0]),
-            fixed("n_axial", "Film grid cells along the skirt", options["grid"][1]),
-            fixed("piston_modes", "Modes of the piston", options["piston"]["modes"]),
-            fixed("block_modes", "Modes of the cylinder block", options["block"]["modes"]),
-            fixed("contract_version", "Version of the interface contract", 1)]
+    return [constant("n_circumferential", options["grid"][0], "Film grid cells around the skirt"),
+            constant("n_axial", options["grid"][1], "Film grid cells along the skirt"),
+            constant("piston_modes", options["piston"]["modes"], "Modes of the piston"),
+            constant("block_modes", options["block"]["modes"], "Modes of the cylinder block"),
+            constant("contract_version", 1, "Version of the interface contract")]

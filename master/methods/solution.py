@@ -16,17 +16,17 @@ class MacroStep:
     step: float
     saved: dict
 
-    def sweep(self, x, sequential):
+    def sweep(self, x):
         """`Interface.sweep` of this step."""
-        return self.interface.sweep(x, self.time, self.step, self.saved, sequential)
+        return self.interface.sweep(x, self.time, self.step, self.saved)
 
 
 @dataclass(frozen=True)
 class Solution:
     """A converged macro step.
 
-    x : what the inputs were set to; history : largest residual / tolerance of every iteration; jacobians :
-    linearisations; products : directional derivatives of the whole sweep.
+    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians : linearisations;
+    products : directional derivatives of the whole sweep.
     """
 
     x: np.ndarray

@@ -1,0 +1,74 @@
+"""Small bodies for the unit tests: a tube with a crown that stands for a piston, and a tube that stands for a block."""
+
+import meshio
+import numpy as np
+import pytest
+
+from fmu_mfbd.mesh import outer_faces
+from fmu_mfbd.verification import box_mesh
+
+INNER, OUTER = 24e-3, 28e-3
+
+
+def tube(cells, low, high, inner, outer):
+    """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the cylinders."""
+    points, tets = box_mesh(cells, (1.0, 1.0, 1.0))
+    # wrap: nodes at the end of the first direction are those at its start
+    wrapped = points.copy()
+    wrapped[np.isclose(wrapped[:, 0], 1.0), 0] = 0.0
+    _, first, place = np.unique(np.round(wrapped, 9), axis=0, return_index=True, return_inverse=True)
+    angle, radius = -2 * np.pi * wrapped[first, 0], inner + (outer - inner) * wrapped[first, 1]
+    height = low + (high - low) * wrapped[first, 2]
+    return np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], axis=1), place.ravel()[tets]
+
+
+def write(path, points, tets, surfaces):
+    """Mesh file with named surfaces, given as node masks."""
+    faces = outer_faces(tets)
+    groups = [(name, faces[mask[faces].all(axis=1)]) for name, mask in surfaces.items()]
+    cells = [("tetra10", tets)] + [("triangle6", group) for _, group in groups]
+    tags = [np.full(len(c[1]), k + 1) for k, c in enumerate(cells)]
+    meshio.write(path, meshio.Mesh(points, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+                                   field_data={name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)}),
+                 file_format="gmsh22", binary=True)
+    return path
+
+
+@pytest.fixture(scope="session")
+def bodies(tmp_path_factory):
+    """Build table of a small piston (tube, held at two inner patches along z) and a small block (tube, held at its lower end)."""
+    folder = tmp_path_factory.mktemp("bodies")
+    points, tets = tube((24, 2, 6), -16e-3, 20e-3, INNER, OUTER)
+    x, y, z = points.T
+    radius = np.hypot(x, z)
+    write(folder / "piston.msh", points, tets, {
+        "skirt": np.isclose(radius, OUTER) & (y < 10.1e-3), "crown": np.isclose(y, 20e-3),
+        "pin_bore": np.isclose(radius, INNER) & (np.abs(x) < 10e-3) & (np.abs(y) < 9e-3)})
+    points, tets = tube((24, 2, 10), 50e-3, 155e-3, OUTER + 25e-6, 36e-3)
+    radius = np.hypot(points[:, 0], points[:, 2])
+    write(folder / "block.msh", points, tets, {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)})
+    material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33}
+    return folder, {"grid": [16, 12], "piston": {"mesh": "piston.msh", "modes": 12, **material},
+                    "block": {"mesh": "block.msh", "modes": 10, "stations": 24, **material}}
+
+
+@pytest.fixture(scope="session")
+def reduced(bodies, tmp_path_factory):
+    """(options, piston, block) of the small bodies, reduced."""
+    from fmu_mfbd.build import prepare
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        options, files = prepare(bodies[1], bodies[0], lambda text: None)
+        return (options, *(dict(np.load(path)) for path in files))
+
+
+@pytest.fixture
+def model(reduced):
+    """The small bodies as a running model with the parameters' start values, but a skewed mechanism."""
+    from fmu_mfbd.assembly import assemble
+    from fmu_mfbd.variables import parameters
+
+    options, piston, block = reduced
+    values = {v.name: v.start for v in parameters()} | {"crank_offset": 1e-3}
+    return assemble(piston, block, options, values)

@@ -1,0 +1,98 @@
+"""The offline part: options, cache, interpolation, splines."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmu_mfbd.build import prepare
+from fmu_mfbd.film import bore_splines, spline_taps
+from fmu_mfbd.mesh import read_mesh
+from fmu_mfbd.surface import cell_centres, interpolation
+from master.fmi.errors import BadInput
+
+
+def test_all_faults_of_the_table_at_once(bodies):
+    folder, options = bodies
+    wrong = {"grid": [16, 2], "piston": options["piston"] | {"mesh": "none.msh", "yung": "3 GPa", "density": "-2700 kg/m^3"},
+             "block": options["block"] | {"young": "75 mm", "basis": "guyan"}}
+    with pytest.raises(BadInput) as caught:
+        prepare(wrong, folder, print)
+    text = "\n".join(caught.value.faults)
+    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm", "block.basis"):
+        assert piece.split(" = ")[0] in text, text
+    assert len(caught.value.faults) == 5
+
+
+def test_missing_file_and_surface(bodies):
+    folder, options = bodies
+    with pytest.raises(BadInput, match="piston.mesh = 'none.msh': no such file"):
+        prepare(options | {"piston": options["piston"] | {"mesh": "none.msh"}}, folder, print)
+    with pytest.raises(BadInput, match="surface 'skirt' is missing"):
+        prepare(options | {"piston": options["piston"] | {"mesh": "block.msh"}}, folder, print)
+
+
+def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
+    folder, options = bodies
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    small = options | {"piston": options["piston"] | {"modes": 4}, "block": options["block"] | {"modes": 3}}
+    said = []
+    first = prepare(small, folder, said.append)[1]
+    assert said
+    said.clear()
+    assert prepare(small, folder, said.append)[1] == first and not said
+    assert prepare(small | {"grid": [16, 10]}, folder, said.append)[1] != first and said
+    assert not list(tmp_path.rglob("*partial*"))
+
+
+def test_interpolation_reproduces_smooth_fields(bodies):
+    mesh = read_mesh(bodies[0] / "piston.msh", ["skirt"])
+    angle, height = cell_centres(40, 30, -16e-3, 8e-3)
+    N = interpolation(mesh.points, mesh.faces["skirt"], angle, height, 28e-3)
+    np.testing.assert_allclose(N.sum(axis=1), 1.0, atol=1e-13)
+    turn = np.arctan2(mesh.points[:, 0], mesh.points[:, 2])
+    field = np.cos(3 * turn) * (1 + 40 * mesh.points[:, 1])
+    wanted = np.cos(3 * angle)[:, None] * (1 + 40 * height)
+    # quadratic interpolation over elements of 15 degrees: (3 pi/12)^3/ (9 sqrt 3 * 8) of the amplitude 1.4
+    np.testing.assert_allclose((N @ field).reshape(40, 30), wanted, atol=6e-3)
+
+
+def test_spline_passes_through_its_values_and_has_the_right_slope():
+    heights = np.linspace(0.05, 0.15, 30)
+    values = np.sin(40 * heights)[None, :, None] * np.array([1.0, 2.0])[:, None, None]
+    bore = bore_splines(heights, values, values)
+    at = np.linspace(0.0701, 0.0951, 17)
+    first, value, slope = spline_taps(bore.lowest, bore.spacing, at)
+    table = bore.radial[first:first + value.shape[1], :, 0]
+    np.testing.assert_allclose(value @ table[:, 1], 2 * np.sin(40 * at), atol=2e-5)     # fourth order: (40 * 3.4 mm)^4 / 384 * 8
+    np.testing.assert_allclose(slope @ table[:, 1], 80 * np.cos(40 * at), atol=5e-2)
+    shift = 1e-7
+    moved = spline_taps(bore.lowest, bore.spacing, at + shift)[1] @ table[:, 1]
+    back = spline_taps(bore.lowest, bore.spacing, at - shift)[1] @ table[:, 1]
+    np.testing.assert_allclose(slope @ table[:, 1], (moved - back) / (2 * shift), rtol=1e-6, atol=1e-6)
+
+
+def test_shipped_meshes_are_mirror_symmetric():
+    """Every node and element of the case's meshes has its image about x = 0 and z = 0, to the last bit."""
+    folder = Path(__file__).parents[2] / "models" / "numerical_example"
+    for name, surfaces in (("piston", ["skirt", "crown", "pin_bore"]), ("block", ["bore", "bolts"])):
+        mesh = read_mesh(folder / f"{name}.msh.gz", surfaces)
+        assert len(mesh.points) >= 15000
+        place = {tuple(p): k for k, p in enumerate(mesh.points.tolist())}
+        elements = {tuple(sorted(t)) for t in mesh.tets.tolist()}
+        for axis in (0, 2):
+            flip = np.ones(3)
+            flip[axis] = -1.0
+            image = np.array([place[tuple((p * flip + 0.0).tolist())] for p in mesh.points])
+            assert {tuple(sorted(t)) for t in image[mesh.tets].tolist()} == elements
+
+
+def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
+    folder, options = bodies
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    files = prepare(options | {name: options[name] | {"modes": 0} for name in ("piston", "block")}, folder, print)[1]
+    piston, block = (np.load(path) for path in files)
+    assert piston["radial"].shape == (16 * 12, 0) and block["radial"].shape == (16, 24, 0)
+    tube = np.pi * (28e-3**2 - 24e-3**2) * 36e-3 * 2700
+    assert piston["mass"] == pytest.approx(tube, rel=1e-3)      # edges of 15 degrees, curved: (pi/24)^4 / 6
+    assert block["radius"] == pytest.approx(28.025e-3, rel=1e-9)

@@ -1,0 +1,180 @@
+"""Floating-frame terms and the mechanism against independently differentiated energies."""
+
+import numpy as np
+import pytest
+
+from fmu_mfbd.floating_frame import frame_force, frame_tangent, rigid_body
+from fmu_mfbd.piston_motion import Load, imbalance, tangent
+from fmu_mfbd.slider_crank import Mechanism, height, motion
+from fmu_mfbd.verification import beam_in_frame, bar, box_mesh
+from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
+from fmu_mfbd.finite_element import consistent_mass, stiffness
+from fmu_mfbd.floating_frame import FlexibleBody
+from fmu_mfbd.reduction import floating_frame_integrals
+
+
+@pytest.fixture(scope="module")
+def lump():
+    """A compact body with all coupling terms alive: nodes, M, modes (n, 3, k) and its FlexibleBody."""
+    points, tets = box_mesh((2, 2, 2), (0.04, 0.05, 0.03))
+    points = points - [0.011, 0.017, 0.006]
+    points = points + 0.04 * points[:, [1, 2, 0]]
+    K, M = stiffness(points, tets, 7e10, 0.3), consistent_mass(points, tets, 2700.0)
+    body = Elastic(K, M, np.flatnonzero(points[:, 1] < points[:, 1].min() + 5e-3))
+    modes, omega = orthonormal_modes(body, craig_bampton(body, 5))
+    modes = body.full(modes).reshape(len(points), 3, -1)
+    integrals = {k: np.ascontiguousarray(v) if np.ndim(v) else v for k, v in floating_frame_integrals(M, points, modes).items()}
+    return points, M, modes, FlexibleBody(**integrals, stiffness=omega**2, damping=np.zeros_like(omega))
+
+
+def kinetic_energy(points, M, modes, coordinates, rates):
+    """From nodal velocities of the rotated, deformed body and the full mass matrix: no floating-frame term in sight."""
+    x, y, angle, q = coordinates[0], coordinates[1], coordinates[2], coordinates[3:]
+    c, s = np.cos(angle), np.sin(angle)
+    turn, spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]])
+    local = points + modes @ q
+    velocity = np.array([rates[0], rates[1], 0]) + local @ (rates[2] * spin).T + (modes @ rates[3:]) @ turn.T
+    return 0.5 * np.sum(velocity * (M @ velocity))
+
+
+def lagrange(energy, coordinates, rates, accelerations):
+    """d/dt dT/drate - dT/dcoordinate by central differences; T is quadratic in the rates, so those differences are exact."""
+    n, eps = len(coordinates), 1e-6
+    unit = np.eye(n)
+    scale = np.where(np.arange(n) < 3, 1.0, 1e-3)
+
+    def momentum(z, r):
+        return np.array([(energy(z, r + unit[k]) - energy(z, r - unit[k])) / 2 for k in range(n)])
+
+    slope = np.array([(energy(coordinates + eps * s * u, rates) - energy(coordinates - eps * s * u, rates)) / (2 * eps * s)
+                      for u, s in zip(unit, scale)])
+    along = (momentum(coordinates + eps * rates, rates) - momentum(coordinates - eps * rates, rates)) / (2 * eps)
+    return along + momentum(coordinates, accelerations) - slope
+
+
+def test_frame_force_is_the_differentiated_lagrangian(lump):
+    points, M, modes, body = lump
+    rng = np.random.default_rng(3)
+    k = modes.shape[2]
+    z, r, a = (rng.standard_normal(3 + k) for _ in range(3))
+    z[3:] *= 1e-3 / np.abs(modes).max()
+    r, a = r * 10, a * 100
+    reference = lagrange(lambda z, r: kinetic_energy(points, M, modes, z, r), z, r, a)
+    c, s = np.cos(z[2]), np.sin(z[2])
+    force = frame_force(body, c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:])
+    force[3:] -= body.stiffness * z[3:]
+    force[:2] = c * force[0] - s * force[1], s * force[0] + c * force[1]
+    # central differences over 1e-6: error about 1e-9 of the largest term
+    np.testing.assert_allclose(force, reference, atol=1e-7 * np.abs(reference).max())
+
+
+def test_frame_tangent_is_the_derivative(lump):
+    body = lump[3]
+    rng = np.random.default_rng(4)
+    k = len(body.stiffness)
+    base = rng.standard_normal(3 + k)
+    z, r = 1e-3 * rng.standard_normal(k), rng.standard_normal(k)
+    w, c1, c2 = 40.0, 2e-2, 3e-4
+
+    def force(step, column):
+        d = np.zeros(3 + k)
+        d[column] = step
+        a = base + d
+        return frame_force(body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
+
+    matrix = frame_tangent(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2)
+    for column in range(3 + k):
+        difference = (force(1.0, column) - force(-1.0, column)) / 2
+        # the force is a polynomial of low degree: unit steps are good to the size of its cubic terms, c1 c1 c2
+        np.testing.assert_allclose(matrix[:, column], difference, atol=1e-7 * np.abs(difference).max())
+
+
+SKEW = Mechanism(0.0288, 0.110, 0.0011, 0.35, 6e-4, 30 / 110, 0.06)
+
+
+def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
+    """Kinetic energy of rod, pin and rigid piston, from positions alone (velocities by complex steps, extended precision)."""
+    step = np.longdouble(1e-30)
+    t = np.clongdouble(1j) * step
+    place, tilt, turn = x + t * xdot, angle + t * spin, phi + t * w
+    P = np.array([-mechanism.crank_radius * np.sin(turn), mechanism.crank_radius * np.cos(turn)])
+    A = np.array([mechanism.offset + place, 0])
+    A = np.array([A[0], P[1] + np.sqrt(mechanism.rod_length**2 - (A[0] - P[0]) ** 2)])
+    centre = body.S / body.mass
+    C = A + np.array([np.cos(tilt) * centre[0] - np.sin(tilt) * centre[1], np.sin(tilt) * centre[0] + np.cos(tilt) * centre[1]])
+    G = P + mechanism.rod_centre * (A - P)
+    rod = np.arcsin((A[0] - P[0]) / mechanism.rod_length)
+
+    def v(q):
+        return np.imag(q) / step
+
+    inertia = body.I0 - body.S @ body.S / body.mass
+    return 0.5 * (body.mass * v(C) @ v(C) + inertia * spin**2 + mechanism.pin_mass * v(A) @ v(A)
+                  + mechanism.rod_mass * v(G) @ v(G) + mechanism.rod_inertia * v(rod) ** 2)
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 60, 90, 200, 333])
+def test_skewed_slider_crank_against_its_energy(degrees):
+    """All offsets, rod inertia, moving and turning piston: residual and torque are Lagrange's equations (1e-9)."""
+    body = rigid_body(0.315, (0.002, 0.009), 3e-4)
+    z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
+    phi, w = np.radians(degrees), 100 * np.pi
+    residual, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w)
+
+    def energy(place, rate):
+        return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
+
+    place, rate, acceleration = np.array([*z, phi]), np.array([*r, w]), np.array([*a, 0.0])
+    reference = richardson(energy, place, rate, acceleration)
+    np.testing.assert_allclose([*residual, torque], reference.astype(float), rtol=1e-9, atol=1e-9 * np.abs(reference).max())
+
+
+def richardson(energy, place, rate, acceleration):
+    """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion, minus dT/dplace."""
+    place, rate, acceleration = (np.asarray(v, dtype=np.longdouble) for v in (place, rate, acceleration))
+    unit = np.eye(len(place))
+    weights = ((1, 8 / 12), (2, -1 / 12))
+    scale = np.array([1e-4, 1e-3, 1e-3])
+
+    def momentum(t):
+        z, r = place + rate * t + acceleration * t * t / 2, rate + acceleration * t
+        return np.array([(energy(z, r + 50 * u) - energy(z, r - 50 * u)) / 100 for u in unit])
+
+    dt = 1e-5
+    along = sum(w * (momentum(k * dt) - momentum(-k * dt)) for k, w in weights) / dt
+    slope = np.array([sum(w * (energy(place + k * s * u, rate) - energy(place - k * s * u, rate)) for k, w in weights) / s
+                      for u, s in zip(unit, scale)])
+    return along - slope
+
+
+def test_mechanism_tangent_is_the_derivative(lump):
+    body = lump[3]
+    rng = np.random.default_rng(5)
+    n = 2 + len(body.stiffness)
+    place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
+    load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
+    c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
+    matrix = tangent(body, SKEW, load, place, rate, a, phi, w, c1, c2)
+
+    def residual(change):
+        return imbalance(body, SKEW, load, place + c2 * change, rate + c1 * change, a + change, phi, w)[0]
+
+    for k in range(n):
+        change = 10.0 * np.eye(n)[k]
+        difference = (residual(change) - residual(-change)) / 20.0
+        np.testing.assert_allclose(matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max())
+
+
+def test_height_slopes():
+    for phi in (0.3, 2.0, 5.0):
+        Y, across, along = height(SKEW, 2e-4, phi)
+        eps = 1e-6
+        assert across == pytest.approx((height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps), abs=1e-9)
+        assert along == pytest.approx((height(SKEW, 2e-4, phi + eps)[0] - height(SKEW, 2e-4, phi - eps)[0]) / (2 * eps), abs=1e-9)
+
+
+def test_bar_and_frame_agree_on_rigid_inertia():
+    points, K, M, ends = bar((8, 1, 1))
+    body = beam_in_frame()
+    assert body.mass == pytest.approx(0.5 * 0.02 * 0.01 * 7850, rel=1e-12)
+    assert body.I0 == pytest.approx(body.mass * (0.5**2 / 3 + 0.02**2 / 12), rel=1e-12)

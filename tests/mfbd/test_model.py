@@ -1,0 +1,138 @@
+"""The running model on small bodies: step map, work, symmetry, refusals."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fmu_mfbd.model import Inputs, NotConverged
+
+SPEED = 314.0
+STEP = np.pi / 180 / SPEED
+
+
+def forces(model, seed=0, size=2.0):
+    """A rough, one-sided pressure force and a friction force."""
+    rng = np.random.default_rng(seed)
+    bump = np.maximum(model.film.sine + 0.3, 0.0) * rng.random(model.film.shape)
+    return size * bump, -0.1 * size * bump
+
+
+def inputs(model, seed=0, gas=5e5, size=2.0):
+    return Inputs(SPEED, gas, *forces(model, seed, size))
+
+
+def run(model, steps=12, **given):
+    state, out = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
+    for k in range(steps):
+        state, out = model.advance(state, inputs(model, k, **given), STEP)
+    return state, out
+
+
+def test_start_is_concentric_and_at_rest(model):
+    nothing = np.zeros(model.film.shape)
+    state, out = model.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
+    np.testing.assert_array_equal(out["film_thickness"], model.film.skirt.gap)
+    assert not state.rate.any() and not state.place.any()
+    assert out["sliding_velocity"] == pytest.approx(out["piston_velocity"])
+
+
+def test_directional_derivative_against_differences(model):
+    """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with unit changes."""
+    state, _ = run(model)
+    base = inputs(model, 50)
+    rng = np.random.default_rng(1)
+    dF, df = rng.standard_normal((2, *model.film.shape))
+    ends = [model.advance(state, dataclasses.replace(base, pressure_force=base.pressure_force + e * dF,
+                                                     friction_force=base.friction_force + e * df), STEP)[1] for e in (1.0, -1.0)]
+    model.advance(state, base, STEP)
+    for name, product in zip(("film_thickness", "sliding_velocity"), model.directional_derivative(dF, df)):
+        difference = (ends[0][name] - ends[1][name]) / 2
+        assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
+
+
+def test_work_is_the_same_on_the_grid_and_in_the_coordinates(model):
+    for steps in (1, 5, 20):
+        assert run(model, steps)[1]["interface_work_error"] <= 1e-13
+
+
+def test_work_check_sees_a_wrong_transfer(model):
+    """The check is alive: one percent on the moment arm shows."""
+    model.film.arm = model.film.arm * 1.01
+    state, _ = run(model, 5)
+    film = model.film.generalised
+
+    def wrong(*given):
+        out = film(*given)
+        return out._replace(moment=1.01 * out.moment)
+
+    model.film.generalised = wrong
+    assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
+
+
+def test_a_repeated_step_gives_the_same_bytes(model):
+    state, _ = run(model)
+    first = model.advance(state, inputs(model, 7), STEP)[0]
+    model.advance(state, inputs(model, 8), STEP / 2)
+    again = model.advance(state, inputs(model, 7), STEP)[0]
+    for field in dataclasses.fields(first):
+        assert np.asarray(getattr(first, field.name)).tobytes() == np.asarray(getattr(again, field.name)).tobytes()
+
+
+def test_equations_hold_at_the_end_of_the_step(model):
+    """Newton's second law on the whole: side force from the film equals what the mechanism needs."""
+    state, out = run(model, gas=0.0)
+    F, f = forces(model, 11)
+    assert out["side_force"] == pytest.approx(np.sum(F * model.film.sine), rel=1e-12)
+    nothing = np.zeros(model.film.shape)
+    _, free = model.advance(state, Inputs(SPEED, 0.0, nothing, nothing), STEP)
+    assert free["side_force"] == 0.0
+
+
+def test_film_opens_where_a_force_pushes(model):
+    """Both surfaces give way: film thickness grows at a loaded point."""
+    state, _ = run(model)
+    nothing = np.zeros(model.film.shape)
+    base = Inputs(SPEED, 0.0, nothing, nothing)
+    model.advance(state, base, STEP)
+    for point in ((0, 0), (3, 5), (9, 11)):
+        push = nothing.copy()
+        push[point] = 1.0
+        assert model.directional_derivative(push, nothing)[0][point] > 0.0
+
+
+def test_the_step_map_is_symmetric(model):
+    """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b from a force at a."""
+    state, _ = run(model, size=0.0)
+    nothing = np.zeros(model.film.shape)
+    model.advance(dataclasses.replace(state, rate=0 * state.rate), Inputs(0.0, 0.0, nothing, nothing), STEP)
+    a, b = (2, 3), (11, 8)
+    push = [nothing.copy(), nothing.copy()]
+    push[0][a] = push[1][b] = 1.0
+    there, back = (model.directional_derivative(p, nothing)[0] for p in push)
+    assert there[b] == pytest.approx(back[a], rel=1e-9)
+
+
+def test_non_finite_force_is_refused(model):
+    state, _ = run(model, 2)
+    F, f = forces(model)
+    F[0, 0] = np.nan
+    with pytest.raises(NotConverged, match="piston motion at crank angle"):
+        model.advance(state, Inputs(SPEED, 0.0, F, f), STEP)
+
+
+def test_rigid_bodies_run(reduced):
+    """No modes at all: the film moves as one rigid piston."""
+    from fmu_mfbd.assembly import assemble
+    from fmu_mfbd.variables import parameters
+
+    options, piston, block = reduced
+    piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "gas_force")}
+    piston |= {k: piston[k][:0, :0] for k in "BG"}
+    block = block | {k: block[k][..., :0] for k in ("radial", "axial", "omega")}
+    rigid = assemble(piston, block, options, {v.name: v.start for v in parameters()})
+    state, out = run(rigid)
+    opening = out["film_thickness"] - rigid.film.skirt.gap
+    place = (state.place[1] * rigid.film.skirt.height - state.place[0]) * rigid.film.sine
+    np.testing.assert_allclose(opening, place, rtol=0, atol=1e-18)
+    assert "modal_coordinate" not in out and out["interface_work_error"] <= 1e-13
