@@ -23,7 +23,7 @@ class FilmSolution:
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
-        |inflow - growth of content| / throughput [-]; throughput = edge flows + growth, at least 1e-4 of the content a step.
+        |inflow - growth of content| / throughput [-]; throughput = edge flows + growth, at least 0.1 % of the film volume a step.
     iterations : int
         Number of factorisations.
     """
@@ -141,8 +141,8 @@ class FilmStep:
             growth[self.open_cells] = residual[self.open_cells] = 0.0
             inflow += out[self.open_cells].sum()
             throughput += np.abs(out[self.open_cells]).sum()
-        # round-off of pressures and contents says nothing about a film in which next to nothing moves
-        floor = max(1e-3 * gross, 1e-4 * s.rate * s.content.sum(), np.finfo(float).tiny)
+        # round-off of pressures and film fractions says nothing about a film in which next to nothing moves
+        floor = max(1e-3 * gross, 1e-3 * s.rate * s.film.stored.sum(), np.finfo(float).tiny)
         throughput = max(throughput + np.abs(growth).sum(), floor)
         return _Balance(pressure, 1.0 + deficit, residual, edge_flow, float(abs(inflow - growth.sum()) / throughput))
 

@@ -80,7 +80,7 @@ def inclined_pad_rows():
                   SECOND_ORDER)
     errors = [abs(inclined_pad(n)[0] - exact[0]) for n in (40, 80, 160)]
     yield row("Infinite inclined pad K=1, 40 to 160 cells", "observed order of the load [-]",
-              np.log2(errors[0] / errors[2]) / 2.0, 2.0, 0.05, "absolute", "theory", "leading error term alone, checked from 40 cells on")
+              np.log2(errors[0] / errors[2]) / 2.0, 2.0, 0.05, "absolute", "theory", "leading error term alone from 40 cells on")
 
 
 def finite_pad_rows():
@@ -271,8 +271,8 @@ def oil_rows():
     temperatures = np.array([60.0, 100.0, 150.0]) + oil.ZERO_CELSIUS
     for t, value, reference in zip((60, 100, 150), oil.Oil("vogel_1921").low_shear_viscosity(temperatures),
                                    (25.6e-3, 8.16e-3, 3.21e-3)):
-        yield row("Engine oil, Vogel law", f"viscosity at {t} C [Pa s]", value, reference, 2e-3, "relative", "published constants",
-                  "three printed digits")
+        yield row("Engine oil, Vogel law", f"viscosity at {t} C [Pa s]", value, reference, 2e-3, "relative",
+                  "published constants", "three printed digits")
 
 
 def roughness_rows():
