@@ -33,6 +33,19 @@ class NotConverged(RuntimeError):
     """A step that has no solution, or none was found; the message says what, where and by how much."""
 
 
+@njit(cache=True)
+def split(unknown, full):
+    """The unknown where the film is full and zero elsewhere, and the other way round."""
+    inside, outside = np.zeros_like(unknown), np.zeros_like(unknown)
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if full[i, j]:
+                inside[i, j] = unknown[i, j]
+            else:
+                outside[i, j] = unknown[i, j]
+    return inside, outside
+
+
 @dataclass(frozen=True)
 class Cavitation:
     """A cavitation model, Eqs. (C2) to (C5).
@@ -60,14 +73,14 @@ class Cavitation:
     def interpret(self, unknown, full):
         """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
         if self.conserving:
-            return np.where(full, unknown, 0.0), np.where(full, 0.0, unknown)  # Eq. (C2)
+            return split(unknown, full)  # Eq. (C2)
         kept = full & (unknown > 0.0) if self.clipping else full
         return np.where(kept, unknown, 0.0), np.zeros_like(unknown)  # Eqs. (C3) to (C5)
 
     def change(self, dunknown, unknown, full):
         """Change of pressure and film fraction for a change of the signed unknown."""
         if self.conserving:
-            return np.where(full, dunknown, 0.0), np.where(full, 0.0, dunknown)
+            return split(dunknown, full)
         kept = full & (unknown > 0.0) if self.clipping else full
         return np.where(kept, dunknown, 0.0), np.zeros_like(unknown)
 
@@ -99,11 +112,11 @@ def without_pressure(full, centre, south, north, west, east):
 
 @njit(cache=True)
 def _switch(full, unknown, fixed, conserving, singly):
-    """New pattern, number of switched cells, their lowest axial station and their first cell."""
+    """New pattern, number of switched cells, their first and last axial station, and their first cell."""
     tolerance = max(PRESSURE_ROUNDOFF * unknown.max(), PRESSURE_NEGLIGIBLE)
     over = FRACTION_ROUNDOFF if conserving else tolerance
     pattern = full.copy()
-    count, station, first = 0, full.shape[1], (-1, -1)
+    count, south, north, first = 0, full.shape[1], -1, (-1, -1)
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             u = unknown[i, j]
@@ -112,9 +125,9 @@ def _switch(full, unknown, fixed, conserving, singly):
                     first = (i, j)
                 if count == 0 or not singly:
                     pattern[i, j] = not full[i, j]
-                    station = min(station, j)
+                    south, north = min(south, j), max(north, j)
                 count += 1
-    return pattern, count, station, first
+    return pattern, count, (south, north), first
 
 
 def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
@@ -126,7 +139,7 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
     assemble : callable
         pattern -> (stencil, right-hand side), e.g. `reynolds.assemble`.
     solver : object
-        `factorise(stencil, first)`, `solve(right)`; left with the factorisation of the settled pattern.
+        `factorise(stencil, stations)`, `solve(right)`; left with the factorisation of the settled pattern.
     full : ndarray of bool, shape (n_c, n_a)
         First guess.
     fixed : ndarray of bool, shape (n_c, n_a)
@@ -147,14 +160,14 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
     NotConverged
         With the number of cells that still switch and the first of them.
     """
-    station = 0
+    stations = None
     for iteration in range(LIMIT):
         stencil, right = assemble(full)
-        solver.factorise(stencil, station)
+        solver.factorise(stencil, stations)
         unknown = solver.solve(right[None])[0]
         if not np.isfinite(unknown.sum()):
             raise NotConverged("the film solution is not finite: film thickness or viscosity out of all proportion")
-        pattern, count, station, first = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
+        pattern, count, stations, first = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
         if count == 0 or not model.switching:  # Eq. (C1)
             return unknown, full, iteration + 1
         full = pattern

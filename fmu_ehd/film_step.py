@@ -118,33 +118,20 @@ class FilmStep:
 
         unknown, full, iterations = cavitation.settle(model, assemble, self.solver, guess, self.open_cells)
         self._step = _Step(film, velocity_c, velocity_a, faces, content, rate, edges, full)
-        balance = self._balance(unknown)
-        if model.conserving and balance.imbalance > REFINE_ABOVE:
-            unknown = unknown + self.solver.solve(balance.residual[None])[0]
-            balance = self._balance(unknown)
-        self._unknown, self._fraction = unknown, balance.fraction
-        self._pressure = unknown if model.clipping else balance.pressure  # the pressure that the balance was solved with
-        return FilmSolution(unknown, balance.pressure, balance.fraction, balance.fraction * film.stored, full,
-                            balance.edge_flow, balance.imbalance, iterations)
+        pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
+        if model.conserving and imbalance > REFINE_ABOVE:
+            unknown = unknown + self.solver.solve(residual[None])[0]
+            pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
+        self._unknown, self._fraction = unknown, fraction
+        self._pressure = unknown if model.clipping else pressure  # the pressure that the balance was solved with
+        return FilmSolution(unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations)
 
     def _balance(self, unknown):
-        """Terms of Eq. (E1) for a signed unknown, and the mass imbalance of the whole film."""
+        """Pressure, and what `reynolds.balance` says, for a signed unknown."""
         s = self._step
         pressure, deficit = self.model.interpret(unknown, s.full)
-        out, edge_flow, gross = reynolds.outflow(pressure, 1.0 + deficit, *s.faces, s.edges.pressure, s.edges.film_fraction,
-                                                 self.grid.ring)
-        growth = s.rate * (s.film.stored - s.content + deficit * s.film.stored)
-        residual = -out - growth
-        inflow = edge_flow.sum()
-        throughput = np.abs(edge_flow).sum()
-        if self._has_openings:
-            growth[self.open_cells] = residual[self.open_cells] = 0.0
-            inflow += out[self.open_cells].sum()
-            throughput += np.abs(out[self.open_cells]).sum()
-        # round-off of pressures and film fractions says nothing about a film in which next to nothing moves
-        floor = max(1e-3 * gross, 1e-3 * s.rate * s.film.stored.sum(), np.finfo(float).tiny)
-        throughput = max(throughput + np.abs(growth).sum(), floor)
-        return _Balance(pressure, 1.0 + deficit, residual, edge_flow, float(abs(inflow - growth.sum()) / throughput))
+        return pressure, *reynolds.balance(pressure, deficit, s.faces, s.film.stored, s.content, s.rate, s.edges.pressure,
+                                           s.edges.film_fraction, self.grid.ring, self.open_cells)
 
     def tangent(self, dfilm, dvelocity_c, dvelocity_a):
         """Change of pressure and film fraction of the last step, Eq. (E6).
@@ -172,14 +159,3 @@ class FilmStep:
         if self._has_openings:
             right[self.open_cells] = 0.0
         return self.model.change(self.solver.solve(right[None])[0], self._unknown, s.full)  # Eq. (E6)
-
-
-@dataclass(frozen=True)
-class _Balance:
-    """Terms of the film balance: pressure [Pa], film fraction [-], residual and edge flow [m3/s], mass imbalance [-]."""
-
-    pressure: np.ndarray
-    fraction: np.ndarray
-    residual: np.ndarray
-    edge_flow: np.ndarray
-    imbalance: float

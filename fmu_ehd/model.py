@@ -11,6 +11,7 @@ from .films import FlowFilm, rough_film, smooth_film
 from .grid import Edges, Grid
 from .oil import Oil
 from .roughness import factor_table
+from .summary import halves, summarise
 
 HIGHEST_PRESSURE = 1e10  # [Pa]; no viscosity law means anything beyond
 
@@ -180,8 +181,7 @@ class LubricationModel:
         self._factors = factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
         self._thins = p.oil.shear_thinning_law != "none"
         self._no_velocity = np.zeros(p.shape)
-        angle = (np.arange(p.shape[0]) + 0.5) * 2.0 * np.pi / p.shape[0]
-        self._thrust = np.sin(angle)  # +x is the thrust direction, i runs from +z towards +x
+        self._halves = halves(p.shape[0])
         self._given = self._surroundings({})
 
     # ---- steps ------------------------------------------------------------------------------------------------------
@@ -347,22 +347,16 @@ class LubricationModel:
                         film.surroundings.upper, self.grid.spacing[1], contact[3], p.friction_rounding_velocity, self.area)
         viscous, boundary, power = friction.shear_forces(*shear_inputs)
         absolute = film.pressure + p.cavitation_pressure
-        outputs = dict(nodal_pressure_force=(absolute + asperity_pressure) * self.area,
-                       nodal_friction_force=viscous + boundary, pressure=absolute, asperity_pressure=asperity_pressure,
-                       film_fraction=film.fraction, minimum_film_thickness=float(film_thickness.min()),
-                       maximum_pressure=float(absolute.max()), friction_force_hydrodynamic=float(viscous.sum()),
-                       friction_force_asperity=float(boundary.sum()), friction_power=float(power.sum()),
-                       contact_area_fraction=float(contact[2].mean()))
-        return (film, contact, shear_inputs), outputs | self._halves(film_thickness, outputs)
-
-    def _halves(self, film_thickness, outputs):
-        """Thinnest film, force across the thrust plane and axial force of the thrust and the anti-thrust half."""
-        radial, axial = outputs["nodal_pressure_force"].sum(axis=1), outputs["nodal_friction_force"].sum(axis=1)
-        thinnest = film_thickness.min(axis=1)
-        split = {}
-        for side, sine in (("thrust", self._thrust), ("anti_thrust", -self._thrust)):
-            share = np.where(sine > 1e-12, 1.0, np.where(sine < -1e-12, 0.0, 0.5))  # a cell on the pin axis belongs to both
-            split |= {f"minimum_film_thickness_{side}_side": float(thinnest[share > 0.0].min()),
-                      f"radial_force_{side}_side": float((share * sine * radial).sum()),
-                      f"friction_force_{side}_side": float((share * axial).sum())}
-        return split
+        pressure_force = (absolute + asperity_pressure) * self.area
+        thinnest, highest, radial, axial, hydrodynamic, rubbing, power, contact_area = summarise(
+            film_thickness, absolute, pressure_force, viscous, boundary, power, contact[2], *self._halves)
+        outputs = dict(nodal_pressure_force=pressure_force, nodal_friction_force=viscous + boundary, pressure=absolute,
+                       asperity_pressure=asperity_pressure, film_fraction=film.fraction,
+                       minimum_film_thickness=min(thinnest), maximum_pressure=highest,
+                       friction_force_hydrodynamic=hydrodynamic, friction_force_asperity=rubbing, friction_power=power,
+                       contact_area_fraction=contact_area)
+        for k, side in enumerate(("thrust", "anti_thrust")):
+            outputs[f"minimum_film_thickness_{side}_side"] = thinnest[k]
+            outputs[f"radial_force_{side}_side"] = radial[k]
+            outputs[f"friction_force_{side}_side"] = axial[k]
+        return (film, contact, shear_inputs), outputs
