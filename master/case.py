@@ -46,10 +46,10 @@ class ParticipantTable(Table):
 class Wire(Table):
     """A field that goes from an output to an input.
 
-    tolerance : largest difference between output and input in a converged step; text with the field's unit, or a
-    number that multiplies its nominal value. relative_tolerance : root mean square of the
-    difference, as a share of the field's, that is converged too. largest_decrease : no Newton update may bring the field's smallest element
-    down by more than this share of itself.
+    tolerance : largest difference between output and input in a converged step; text with the field's unit, or a number
+    that multiplies its nominal value.
+    relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
+    largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
     """
 
     source: Port = Field(alias="from")
@@ -106,11 +106,14 @@ class Picture(Table):
 class Case(Table):
     """A whole case file.
 
+    label : name of the case itself among its variants.
+    participants : in the order in which they start; what one has at the start begins the inputs of those after it.
     summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
     monitor : the same, shown while running. variants : name -> {dotted key: value} changes that make a further run.
     """
 
     title: str
+    label: str = "base"
     time: Time
     participants: dict[str, ParticipantTable]
     wires: list[Wire]

@@ -41,23 +41,22 @@ class Interface:
                 y[part] = np.ravel(participant.get(field))
         return y
 
-    def sweep(self, x, time, step, saved, sequential):
-        """Step every participant once from its saved state.
+    def sweep(self, x, time, step, saved):
+        """Step every participant once from its saved state, later ones reading what earlier ones have just computed.
 
         Parameters
         ----------
         x : ndarray, shape (size,)
-            What the inputs are set to.
+            Iterate; the inputs are set to its feedback elements.
         time, step : float
             Start and length of the macro step [s].
         saved : dict of str to saved state
-        sequential : bool
-            True: participants that come later read what earlier ones have just computed; False: all read x.
 
         Returns
         -------
-        used, y : ndarray, shape (size,)
-            What the inputs were set to, and what the outputs are at time + step.
+        used, y, residual : ndarray, shape (size,)
+            What the inputs were set to, what the outputs are at time + step, and how far the iterate is off: y - used on
+            the feedback wires; used - x on the others, which agree by the order of stepping but may have moved since.
         """
         used, y = x.copy(), np.empty(self.size)
         for name, participant in self.participants.items():
@@ -67,34 +66,30 @@ class Interface:
             participant.step(time, step)
             for field, part, _ in self.outputs[name]:
                 y[part] = np.ravel(participant.get(field))
-                if sequential and not self.feedback[part.start]:
+                if not self.feedback[part.start]:
                     used[part] = y[part]
-        return used, y
+        return used, y, np.where(self.feedback, y - used, used - x)
 
-    def linear_sweep(self, change, source):
-        """Linearised sequential sweep at the last step of every participant.
+    def linear_sweep(self, change):
+        """The sweep linearised at the last step of every participant.
 
         Parameters
         ----------
         change : ndarray, shape (size,)
-            Change of the inputs; only its feedback elements are read.
-        source : ndarray, shape (size,)
-            Added to every output on its way (a residual, or zero).
+            Change of the iterate; only its feedback elements are read.
 
         Returns
         -------
         ndarray, shape (size,)
-            Change of all outputs, source included.
+            Change of all outputs.
         """
-        seen = np.where(self.feedback, change, 0.0)
-        result = source.copy()
+        seen, result = np.where(self.feedback, change, 0.0), np.zeros(self.size)
         for name, participant in self.participants.items():
             if not self.outputs[name]:
                 continue
-            seeds = {field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]}
-            products = participant.derivative(seeds)
+            products = participant.derivative({field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]})
             for field, part, _ in self.outputs[name]:
-                result[part] += np.ravel(products[field])
+                result[part] = np.ravel(products[field])
                 if not self.feedback[part.start]:
                     seen[part] = result[part]
         return result

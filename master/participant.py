@@ -25,6 +25,10 @@ REAL = ctypes.POINTER(ctypes.c_double)
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
+class ParticipantFault(RuntimeError):
+    """A bug inside a participant: its traceback, as it logged it."""
+
+
 class Participant(Protocol):
     """What the master needs of a participant; `fields` maps names to objects with the attributes of `Field`."""
 
@@ -106,6 +110,8 @@ class FmuParticipant:
             self._fmu.exitInitializationMode()
         except Exception as error:
             raise BadInput([f"{self.name}: {error}", *(text for _, text in self.log)]) from error
+        if any(text.startswith("Traceback") for _, text in self.log):
+            raise ParticipantFault(f"{self.name}: {self.log[-1][1]}")
         refusals = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
         if refusals:
             raise BadInput(refusals)
@@ -154,14 +160,14 @@ class FmuParticipant:
         return values
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""
+        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
         self.log.clear()
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
             text = "\n".join(text for _, text in self.log) or str(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
-                raise RuntimeError(f"{self.name}: {text}") from None
+                raise ParticipantFault(f"{self.name}: {text}") from None
             raise Discard(f"{self.name}: {text}") from None
 
     def save(self):

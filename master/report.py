@@ -20,7 +20,7 @@ def short(value, unit):
 @contextmanager
 def watching(console, label):
     """Progress bar; gives the `watch` callable of `run`."""
-    columns = (TextColumn("{task.description}", Column(min_width=len(label))), BarColumn(8), TextColumn("{task.fields[state]}"))
+    columns = (TextColumn("{task.description}", table_column=Column(min_width=len(label))), BarColumn(8), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=5) as progress:
         task = progress.add_task(label, total=1.0, state="")
 

@@ -15,7 +15,7 @@ VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5p
 
 
 def start(system):
-    """Initialise the participants in stepping order; inputs fed by an already started one begin with its outputs."""
+    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs."""
     started = {}
     for name, participant in system.participants.items():
         fed = {c.target[1]: started[c.source[0]].get(c.source[1]) for c in system.connections

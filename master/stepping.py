@@ -69,7 +69,7 @@ class Stepper:
     """
 
     def __init__(self, system, method, halvings, accepted=lambda time, solution: None):
-        self.interface = Interface(system.participants, system.connections)
+        self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections)
         self.method, self.halvings, self.accepted = method, halvings, accepted
         self.counters, self.failures, self.memory = Counters(), [], method.memory()
         self.predictor = Predictor()

@@ -46,9 +46,10 @@ def _rms(values):
 
 @dataclass(frozen=True)
 class System:
-    """Participants in stepping order, connections, parameters in SI, stop time and macro step [s]."""
+    """Participants in the order they start, stepping order, connections, parameters in SI, stop time and macro step [s]."""
 
     participants: dict
+    order: tuple
     connections: tuple
     parameters: dict
     stop: float
@@ -65,7 +66,7 @@ def open_system(case, folder, progress):
         names and time.
     """
     faults, participants = [], {}
-    for name in case.coupling.order:
+    for name in case.participants:
         try:
             participants[name] = FmuParticipant(name, _fmu(case.participants[name], folder, progress))
         except BadInput as error:
@@ -83,7 +84,7 @@ def open_system(case, folder, progress):
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    return System(participants, connections, parameters, stop, step)
+    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step)
 
 
 def _fmu(table, folder, progress):

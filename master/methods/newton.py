@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
 
+from .krylov import RecycledGmres
 from .solution import NotConverged, Solution, step_length
 
 
@@ -12,10 +12,10 @@ from .solution import NotConverged, Solution, step_length
 class Newton:
     """Interface Newton-Krylov on directional derivatives.
 
-    Eq. (C1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x) = outputs of all participants stepped with inputs x
+    Eq. (C1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x) = the feedback wires after a sweep from x
 
-    All participants read the same iterate, so the residual of every wire is measured, not implied. The linear system is
-    reduced to the feedback wires by one linearised sweep and solved by GMRES without a matrix.
+    J comes as products, one directional derivative of every participant each; GMRES needs few of them because it starts
+    from what it learned in the last solves.
 
     Parameters
     ----------
@@ -35,44 +35,37 @@ class Newton:
     forcing: float = 1e-6
 
     def memory(self):
-        return None
+        return RecycledGmres(self.largest_krylov_space)
 
-    def solve(self, macro_step, guess, memory=None):
+    def solve(self, macro_step, guess, memory):
         interface, x, history, products = macro_step.interface, guess, [], 0
         for jacobians in range(self.max_iterations):
-            _, y = macro_step.sweep(x, sequential=False)
-            residual = y - x
+            used, y, residual = macro_step.sweep(x)
             history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
-                return Solution(x, tuple(history), jacobians, products)
+                return Solution(used, tuple(history), jacobians, products)
             if not np.isfinite(history[-1]):
                 raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             if len(history) > 3 and history[-1] > 1e3 * min(history):
                 raise NotConverged("the residual grows", interface, residual, y, history)
-            change, count = self._update(interface, residual, interface.allowed(y))
+            change, count = self._update(interface, y - used, interface.allowed(y), memory)
             products += count
-            x = x + step_length(interface, x, change) * change
+            x = used + step_length(interface, used, change) * change
         raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
-    def _update(self, interface, residual, allowed):
+    def _update(self, interface, residual, allowed, memory):
         """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
-        feedback, nothing = interface.feedback, np.zeros(interface.size)
-        scale, products = interface.nominal[feedback], 0
+        feedback = interface.feedback
+        scale = interface.nominal[feedback]
 
-        def sweep(reduced, source):
-            nonlocal products
-            products += 1
-            change = nothing.copy()
+        def sweep(reduced):
+            change = np.zeros(interface.size)
             change[feedback] = reduced * scale
-            return interface.linear_sweep(change, source)
+            return interface.linear_sweep(change)
 
-        def apply(reduced):
-            return reduced - sweep(reduced, nothing)[feedback] / scale
-
-        right = sweep(np.zeros(scale.size), residual)[feedback] / scale
-        tight = self.accuracy * np.min(allowed[feedback] / scale)
-        solution, _ = gmres(LinearOperator((right.size, right.size), apply, dtype=float), right, rtol=0.0,
-                            atol=max(tight, self.forcing * np.linalg.norm(right)), restart=self.largest_krylov_space, maxiter=1)
-        change = sweep(solution, residual)
+        right = residual[feedback] / scale
+        tolerance = max(self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right))
+        solution, count = memory.solve(lambda v: v - sweep(v)[feedback] / scale, right, tolerance)
+        change = sweep(solution)
         change[feedback] = solution * scale
-        return change, products
+        return change, count + 1

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .filtering import filtered
 from .solution import NotConverged, Solution, step_length
 
 
@@ -71,11 +72,9 @@ class QuasiNewton:
     def solve(self, macro_step, guess, memory):
         interface, x, history = macro_step.interface, guess, []
         feedback, scale = interface.feedback, interface.nominal[interface.feedback]
-        memory.now, before, last, shares = [], None, None, 0.0
+        memory.now, last, shares = [], None, 0.0
         for _ in range(self.max_iterations):
-            used, y = macro_step.sweep(x, sequential=True)
-            residual = np.where(feedback, y - used, np.inf if before is None else used - before)
-            before = used
+            used, y, residual = macro_step.sweep(x)
             history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
                 memory.close(self.windows)
@@ -110,39 +109,3 @@ class QuasiNewton:
         for part in interface.parts:
             full[part] = max(full[part] @ full[part] / total, 1e-16)
         return full[interface.feedback]
-
-
-def filtered(columns, limit, rule):
-    """QR decomposition of the columns worth keeping, the first ones preferred.
-
-    Parameters
-    ----------
-    columns : list of ndarray, shape (n,)
-    limit : float
-    rule : {"QR1", "QR2"}
-        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself.
-
-    Returns
-    -------
-    chosen : list of int
-    q : ndarray, shape (n, m)
-    triangle : ndarray, shape (m, m)
-    """
-    chosen, q, rows = [], [], []
-    for k, column in enumerate(columns):
-        new, shadow = column.copy(), np.zeros(len(q))
-        for _ in range(2):  # a second pass keeps Q orthogonal to round-off
-            for i, base in enumerate(q):
-                share = base @ new
-                shadow[i] += share
-                new -= share * base
-        size = np.linalg.norm(new)
-        reference = np.linalg.norm(column) if rule == "QR2" else np.sqrt(sum(row @ row for row in rows) + shadow @ shadow + size**2)
-        if size > limit * reference:
-            chosen.append(k)
-            q.append(new / size)
-            rows.append(np.append(shadow, size))
-    triangle = np.zeros((len(q), len(q)))
-    for k, row in enumerate(rows):
-        triangle[:k + 1, k] = row
-    return chosen, np.array(q).T, triangle

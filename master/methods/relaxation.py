@@ -37,11 +37,9 @@ class Relaxation:
 
     def solve(self, macro_step, guess, memory=None):
         interface, x, factor, history = macro_step.interface, guess, self.factor, []
-        feedback, previous, before = interface.feedback, None, None
+        feedback, previous = interface.feedback, None
         for _ in range(self.max_iterations):
-            used, y = macro_step.sweep(x, sequential=True)
-            residual = np.where(feedback, y - used, np.inf if before is None else used - before)
-            before = used
+            used, y, residual = macro_step.sweep(x)
             history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
                 return Solution(used, tuple(history))

@@ -16,17 +16,17 @@ class MacroStep:
     step: float
     saved: dict
 
-    def sweep(self, x, sequential):
+    def sweep(self, x):
         """`Interface.sweep` of this step."""
-        return self.interface.sweep(x, self.time, self.step, self.saved, sequential)
+        return self.interface.sweep(x, self.time, self.step, self.saved)
 
 
 @dataclass(frozen=True)
 class Solution:
     """A converged macro step.
 
-    x : what the inputs were set to; history : largest residual / tolerance of every iteration; jacobians :
-    linearisations; products : directional derivatives of the whole sweep.
+    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians : linearisations;
+    products : directional derivatives of the whole sweep.
     """
 
     x: np.ndarray
@@ -44,8 +44,10 @@ class NotConverged(RuntimeError):
 
     def __init__(self, reason, interface, residual, values, history):
         self.iterations = len(history)
-        trail = " ".join(f"{value:.2g}" for value in history)
-        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; residual/tolerance per iteration: {trail}")
+        trail = [f"{value:.2g}" for value in history]
+        shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
+        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; "
+                         f"residual/tolerance per iteration: {' '.join(shown)}")
 
 
 def step_length(interface, x, change):

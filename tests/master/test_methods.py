@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 from master.interface import Interface
 from master.methods import MacroStep, Newton, NotConverged, QuasiNewton, Relaxation, step_length
-from master.methods.quasi_newton import filtered
+from master.methods.filtering import filtered
 from master.stepping import Predictor, Stepper, StepFailed
 
 STEP, PADS = 1e-4, 7
@@ -39,10 +39,10 @@ def test_linear_sweep_matches_differences(pair):
     saved = {name: p.save() for name, p in pair.participants.items()}
     x = interface.read()
     direction = np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0) * 1e-4 * interface.nominal
-    _, high = interface.sweep(x + direction, 0, STEP, saved, sequential=True)
-    _, low = interface.sweep(x - direction, 0, STEP, saved, sequential=True)
-    interface.sweep(x, 0, STEP, saved, sequential=True)
-    product = interface.linear_sweep(direction, np.zeros(interface.size))
+    _, high, _ = interface.sweep(x + direction, 0, STEP, saved)
+    _, low, _ = interface.sweep(x - direction, 0, STEP, saved)
+    interface.sweep(x, 0, STEP, saved)
+    product = interface.linear_sweep(direction)
     # central differences: error of third order in the direction, relative 1e-6 here
     assert np.allclose((high - low) / 2, product, rtol=1e-5, atol=1e-12)
 

@@ -1,0 +1,41 @@
+"""QR decomposition that drops columns which add nothing: the filter of secants and of remembered products."""
+
+import numpy as np
+
+
+def filtered(columns, limit, rule):
+    """QR decomposition of the columns worth keeping, the first ones preferred.
+
+    Parameters
+    ----------
+    columns : list of ndarray, shape (n,)
+    limit : float
+    rule : {"QR1", "QR2"}
+        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself.
+
+    Returns
+    -------
+    chosen : list of int
+    q : ndarray, shape (n, m)
+    triangle : ndarray, shape (m, m)
+    """
+    if not columns:
+        return [], np.empty((0, 0)), np.empty((0, 0))
+    chosen, triangle = [], np.zeros((len(columns), len(columns)))
+    rows = np.empty((len(columns), columns[0].size))  # transposed Q: products with it run along memory
+    for k, column in enumerate(columns):
+        m, new = len(chosen), column
+        for _ in range(2):  # a second pass keeps Q orthogonal to round-off
+            share = rows[:m] @ new
+            triangle[:m, m] += share
+            new = new - share @ rows[:m]
+        size = np.linalg.norm(new)
+        reference = np.linalg.norm(column) if rule == "QR2" else np.hypot(np.linalg.norm(triangle[:m + 1, :m + 1]), size)
+        if size > limit * reference:
+            triangle[m, m] = size
+            rows[m] = new / size
+            chosen.append(k)
+        else:
+            triangle[:m, m] = 0.0
+    m = len(chosen)
+    return chosen, rows[:m].T, triangle[:m, :m]
