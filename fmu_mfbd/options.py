@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from master.fmi.errors import BadInput
 from master.fmi.quantities import Quantity
@@ -11,12 +11,43 @@ from master.fmi.quantities import Quantity
 Count = Annotated[int, Field(ge=4, le=400)]
 
 
-class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`."""
+Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+class Surface(BaseModel):
+    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across y."""
+
+    model_config = STRICT
+    shape: Literal["cylinder", "bore", "plane"]
+    radius: Quantity("m") | None = None
+    lower: Quantity("m") | None = None
+    upper: Quantity("m") | None = None
+    height: Quantity("m") | None = None
+
+    @model_validator(mode="after")
+    def _complete(self):
+        for key in {"cylinder": ("radius", "lower", "upper"), "bore": ("radius",), "plane": ("height",)}[self.shape]:
+            if getattr(self, key) is None:
+                raise ValueError(f"a {self.shape} needs {key}")
+        return self
+
+    def rule(self):
+        """As `mesh.read_mesh` takes it."""
+        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius), "plane": ("plane", self.height)}[self.shape]
+
+
+class Body(BaseModel):
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are thrust (x),
+    towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by geometry what the file
+    does not name."""
+
+    model_config = STRICT
     mesh: str
     mesh_unit: Annotated[Quantity("m"), Field(gt=0)] = 1.0
+    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
+    origin: tuple[Quantity("m"), Quantity("m"), Quantity("m")] = (0.0, 0.0, 0.0)
+    surfaces: dict[str, Surface] = {}
     density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)]
     young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)]
     poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
@@ -80,6 +111,8 @@ def read_options(options, folder):
     except ValidationError as error:
         raise BadInput([_sentence(fault) for fault in error.errors()]) from None
     resolved = build.model_dump(mode="json")
+    for name in ("piston", "block"):
+        resolved[name]["surfaces"] = {key: surface.rule() for key, surface in getattr(build, name).surfaces.items()}
     faults = []
     for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
         part = resolved[body]
