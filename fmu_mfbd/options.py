@@ -55,6 +55,35 @@ class Body(BaseModel):
     modes: Annotated[int, Field(ge=0, le=200)] = 60
 
 
+class ShapeTable(BaseModel):
+    """A measured shape in a file, see `tables.profile_table`; the units are those of its numbers."""
+
+    model_config = STRICT
+    file: str
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
+    height_unit: Annotated[Quantity("m"), Field(gt=0)]
+    value_unit: Annotated[Quantity("m"), Field(gt=0)]
+
+
+class Order(BaseModel):
+    """One Fourier order of a bore's distortion, see `profile.fourier_bore`."""
+
+    model_config = STRICT
+    order: Annotated[int, Field(ge=0, le=40)]
+    amplitude: Quantity("m")
+    phase: Quantity("rad") = 0.0
+
+
+class Gas(BaseModel):
+    """Gas pressure over crank angle in a file, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+
+    model_config = STRICT
+    file: str
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
+    pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
+    strokes: Literal[2, 4] = 4
+
+
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
@@ -64,6 +93,7 @@ class Piston(Body):
     skirt_lower: Quantity("m") | None = None
     skirt_upper: Quantity("m") | None = None
     pin_offset: Quantity("m") = 0.0
+    profiles: list[ShapeTable] = []
 
 
 class Block(Body):
@@ -75,6 +105,8 @@ class Block(Body):
     bore_lower: Quantity("m") | None = None
     bore_upper: Quantity("m") | None = None
     stations: Annotated[int, Field(ge=8, le=400)] = 64
+    profiles: list[ShapeTable] = []
+    orders: list[Order] = []
 
 
 class Build(BaseModel):
@@ -84,6 +116,7 @@ class Build(BaseModel):
     grid: tuple[Count, Count] = (40, 40)
     piston: Piston
     block: Block
+    gas: Gas | None = None
 
 
 def read_options(options, folder):
@@ -121,6 +154,11 @@ def read_options(options, folder):
             faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
         if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
+    tables = [(f"{name}.profiles", table) for name in ("piston", "block") for table in resolved[name]["profiles"]]
+    for where, table in tables + ([("gas", resolved["gas"])] if resolved["gas"] else []):
+        table["file"] = str((Path(folder) / table["file"]).resolve())
+        if not Path(table["file"]).is_file():
+            faults.append(f"{where}: {Path(table['file']).name!r}: no such file in {folder}")
     if faults:
         raise BadInput(faults)
     return resolved
