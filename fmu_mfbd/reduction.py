@@ -12,7 +12,7 @@ from .mesh import read_mesh
 from .surface import cell_centres, interpolation, radial_and_axial
 from .symmetry import symmetric_modes
 
-VERSION = 4       # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 5       # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
 P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
 
@@ -61,7 +61,7 @@ def reduce_piston(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A, None: the mesh's],
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A, None: the mesh's],
         pin_offset [m].
     grid : (int, int)
         Cells around and along the skirt.
@@ -74,7 +74,7 @@ def reduce_piston(options, grid, progress=print):
         `floating_frame_integrals` and omega (k,) [rad/s], kind (k,) (see `symmetry`), gas_force (k,) [N/Pa scaled to a unit total], radial, axial
         (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
     """
-    mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"], options["mesh_unit"])
+    mesh = _mesh(options, ("skirt", "crown", "pin_bore"), progress)
     low, high = _ends(mesh, "skirt", options["skirt_lower"], options["skirt_upper"])
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     position = mesh.points - np.array([options["pin_offset"], 0.0, 0.0])
@@ -96,7 +96,7 @@ def reduce_block(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, bore_lower, bore_upper [m above the crank axis, None: the
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, bore_lower, bore_upper [m above the crank axis, None: the
         mesh's], stations.
     grid : (int, int)
         Film grid; its angles are the table's.
@@ -107,7 +107,7 @@ def reduce_block(options, grid, progress=print):
     dict of ndarray
         omega (k,) [rad/s], kind (k,), radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
     """
-    mesh = read_mesh(options["mesh"], ["bore", "bolts"], options["mesh_unit"])
+    mesh = _mesh(options, ("bore", "bolts"), progress)
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     radius = float(np.hypot(*mesh.points[mesh.nodes("bore")][:, [0, 2]].T).mean())
     angle, _ = cell_centres(*grid, 0.0, 1.0)
@@ -118,6 +118,12 @@ def reduce_block(options, grid, progress=print):
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
             "heights": heights, "radius": radius, "mass": float(M.sum())}
+
+
+def _mesh(options, names, progress):
+    """Mesh of a body with the named surfaces."""
+    surfaces = dict.fromkeys(names) | options["surfaces"]
+    return read_mesh(options["mesh"], surfaces, options["mesh_unit"], options["axes"], options["origin"], progress)
 
 
 def _ends(mesh, name, low, high):

@@ -7,10 +7,10 @@ import numpy as np
 import scipy.linalg as la
 
 from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes
-from .finite_element import EDGES, consistent_mass, face_load, stiffness
+from .finite_element import consistent_mass, face_load, stiffness
 from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
 from .generalised_alpha import coefficients, predict
-from .mesh import read_mesh
+from .mesh import read_mesh, second_order
 from .piston_motion import Load, imbalance
 from .reduction import Z, floating_frame_integrals
 from .slider_crank import Mechanism, height, motion
@@ -71,13 +71,6 @@ def box_mesh(cells, size):
         odd = la.det(np.eye(3)[list(order)]) < 0
         tets.append(tet[:, [1, 0, 2, 3]] if odd else tet)
     return second_order(points, np.concatenate(tets))
-
-
-def second_order(points, tets):
-    """Add the edge nodes to linear tetrahedra (e, 4)."""
-    pairs = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
-    edges, place = np.unique(pairs, axis=0, return_inverse=True)
-    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack([tets, place.reshape(-1, 6) + len(points)])
 
 
 def bar(cells=(80, 4, 2)):
@@ -209,7 +202,7 @@ BODIES = {"piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], de
 def shipped_body(name):
     """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's grid, angles, heights."""
     kind = BODIES[name]
-    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz", [kind["surface"], kind["fixed"], *kind["others"]])
+    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz", dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
     body = Elastic(stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"]))
     at = mesh.points[mesh.nodes(kind["surface"])]

@@ -120,8 +120,10 @@ def test_inverted_and_loose_elements_are_named(warped):
 def test_missing_surface_and_linear_elements(bodies, tmp_path):
     import meshio
 
-    with pytest.raises(MeshFault, match="surface 'belt' is missing .found crown, pin_bore, skirt"):
-        read_mesh(bodies[0] / "piston.msh", ["skirt", "belt"])
-    meshio.write(tmp_path / "linear.msh", meshio.Mesh(np.eye(4)[:, :3], [("tetra", [[0, 1, 2, 3]])]), file_format="gmsh22")
-    with pytest.raises(MeshFault, match="no 10-node tetrahedra .found tetra"):
-        read_mesh(tmp_path / "linear.msh", [])
+    with pytest.raises(MeshFault, match="surface 'belt' is missing or empty .the file names crown, pin_bore, skirt"):
+        read_mesh(bodies[0] / "piston.msh", {"skirt": None, "belt": None})
+    meshio.write(tmp_path / "shell.msh", meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]), file_format="gmsh22")
+    with pytest.raises(MeshFault, match="no tetrahedra .found triangle"):
+        read_mesh(tmp_path / "shell.msh", {})
+    with pytest.raises(MeshFault, match="the body is 36 m long; mesh_unit"):
+        read_mesh(bodies[0] / "piston.msh", {}, scale=1000.0 * 36 / 56)
