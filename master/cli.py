@@ -283,3 +283,37 @@ def _draw(case, files, folder):
 
 def _say(text):
     console.print(f"[dim]{text}[/]", soft_wrap=True)
+
+
+@app.command
+def report(*files: Path, output: Path = Path("report"), notes: Path | None = None):
+    """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
+
+    Example: piston-cosim report results/fired_motorcycle/flexible.h5 results/fired_motorcycle/rigid.h5 --output report
+
+    Parameters
+    ----------
+    files
+        Results files; the first one's case says what is shown.
+    output
+        Folder for report.html and the figures.
+    notes
+        Text file shown on the page, for example the case's README with the sources of its numbers.
+    """
+    from .html_report import write_report
+
+    case, runs = open_runs(files)
+    page = write_report(case, runs, output, notes.read_text() if notes else "")
+    console.print(f"report   {page}", highlight=False, soft_wrap=True)
+
+
+def open_runs(files):
+    """Case of the first results file, and label -> Results of all; files of equal names are told apart by their folders."""
+    from .recorder import Results
+
+    missing = [f"{file}: no such file" for file in files if not file.is_file()]
+    if missing or not files:
+        raise BadInput(missing or "give one or more results files")
+    labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
+    runs = {label: Results(file) for label, file in zip(labels, files)}
+    return check_case(next(iter(runs.values())).case, files[0]), runs

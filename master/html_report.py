@@ -46,7 +46,7 @@ def write_report(case, runs, folder, notes=""):
     health = _save(draw_health(runs), folder / "coupling", "Iterations, derivative products and residual of every macro step")
     page = Environment(loader=PackageLoader("master"), autoescape=True).get_template("report.html").render(
         case=case, runs=[judged(case, label, results) for label, results in runs.items()], pictures=pictures, health=health,
-        data=json.dumps(moving_data(case, runs)), notes=notes, tree=json.dumps(next(iter(runs.values())).case, indent=1),
+        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes, tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"))
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
@@ -60,11 +60,16 @@ def judged(case, label, results):
     return {
         "label": label, "summary": summary or {}, "finished": summary is not None,
         "steps": len(residual), "worst_residual": float(residual.max(initial=0.0)),
-        "extremes": [{**e, "shown": short(e["value"], e["unit"]), "instant": short(e["time"], "s"),
-                      "monitor": {k: short(*v) for k, v in e["monitor"].items()}} for e in extremes(case, results)],
-        "windows": [{**w, **{k: short(w[k], w["unit"]) for k in ("value", "low", "high")}} for w in windows(case, results)],
+        "extremes": [{**e, "shown": words(e["value"], e["unit"]), "instant": short(e["time"], "s"),
+                      "monitor": {k: words(*v) for k, v in e["monitor"].items()}} for e in extremes(case, results)],
+        "windows": [{**w, **{k: words(w[k], w["unit"]) for k in ("value", "low", "high")}} for w in windows(case, results)],
         "loops": {name: f"{loop_work(case, results, loop):.4g} {loop.unit}" for name, loop in case.report.loops.items()},
         "versions": json.loads(results.file.attrs["versions"]), "file": results.path.name, "digest": digest(results.path)}
+
+
+def words(value, unit):
+    """A value with a handy unit; angles in degrees."""
+    return f"{np.degrees(value):.4g} deg" if unit == "rad" else short(value, unit)
 
 
 def digest(path):
@@ -102,7 +107,7 @@ def draw_health(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
     for colour, (label, results) in zip(PALETTE, runs.items()):
         for panel, name in zip(panels, names):
-            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label)
+            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label, rasterized=True)
     for panel, name in zip(panels, names):
         panel.set_ylabel(name.replace("_", " "))
         panel.grid(alpha=0.3)

@@ -72,9 +72,8 @@ def draw_lines(picture, runs, window):
                 y, shown = scaled(y, unit, wanted)
                 name = label if len(ports) == 1 else f"{label}, {port.split('.')[1].replace('_', ' ')}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
-        for text, limits in window.items():
-            if text.split()[1] in ports:
-                _shade(panel, text.split()[0], [scaled(to_si(v, unit), unit, wanted)[0] for v in limits])
+        _shade(panel, {text.split()[0]: tuple(scaled(to_si(v, unit), unit, wanted)[0] for v in limits)
+                       for text, limits in window.items() if text.split()[1] in ports})
         heading = port.split(".")[1].replace("_", " ") if len(ports) == 1 else _common(ports)
         panel.set_ylabel(_label(heading, shown))
         panel.grid(alpha=0.3)
@@ -84,10 +83,12 @@ def draw_lines(picture, runs, window):
     return figure
 
 
-def _shade(panel, kind, limits):
-    """The range where the curve's smallest, largest, mean or last value is expected."""
-    word = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}[kind]
-    panel.axhspan(*limits, color=WINDOW, alpha=0.16, lw=0, label=f"expected for the {word} value")
+def _shade(panel, windows):
+    """The ranges where a curve's lowest, highest, mean or last values are expected; equal ranges are shaded once."""
+    words = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}
+    for limits in dict.fromkeys(windows.values()):
+        kinds = " and ".join(words[kind] for kind, other in windows.items() if other == limits)
+        panel.axhspan(*limits, color=WINDOW, alpha=0.16, lw=0, label=f"expected for the {kinds} value")
 
 
 def _common(ports):
