@@ -363,3 +363,55 @@ def compare(*files: Path, x: str | None = None, y: list[str] = [], period: str |
     for label, port, found in rows:
         table.add_row(label, port, f"{found['amplitude']:.4f}", f"{found['phase']:+.4g}", f"{found['rms']:.4f}")
     console.print(table)
+
+
+@app.command
+def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_: Changes = [], only: str | None = None,
+          output: Path | None = None, workers: int | None = None, dask: str | None = None):
+    """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture.
+
+    Stopped and started again, it goes on where it was. Points that fail stay as rows with their reason.
+
+    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary ovality=100um;200um
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder, or a case file.
+    vary
+        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, the key's dotted path or its last part; keys joined by + go together.
+    set_
+        Change of the case in all runs, KEY=VALUE.
+    only
+        This variant of the case instead of the case itself.
+    output
+        Folder; default results/sweep_<case>.
+    workers
+        Local processes, by default one a processor.
+    dask
+        Address of a Dask scheduler whose workers see the same folders, in place of local processes.
+    """
+    from . import sweep as sweeps
+    from .sweep_pictures import draw_sweep
+
+    path = find_case(case)
+    changes = [parse_change(text) for text in set_]
+    tree = read_tree(path, changes)
+    if only:
+        variant_trees(path, changes, only)
+        changes += list(tree.get("variants", {}).get(only, {}).items())
+    axes = [sweeps.parse_axis(text, tree) for text in vary]
+    found = sweeps.points(path, changes, axes)
+    folder = output or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
+    sweeps.build_all(found, path.parent, _say)
+
+    def watch(row, done, total):
+        shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
+        console.print(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+
+    with (sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers)) as executor:
+        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
+    console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
+    console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
+    if not any(row["status"] == "done" for row in rows):
+        raise BadInput([f"{row['status']}: {row['message']}" for row in rows])
