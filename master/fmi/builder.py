@@ -20,6 +20,7 @@ import pythonfmu
 
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
+from .errors import BadInput
 
 EMBEDDED = ("__init__", "errors", "variables", "requirements", "slave")
 """Modules of master.fmi that a running FMU needs."""
@@ -123,6 +124,34 @@ def build_fmu(package, options, folder, progress=lambda text: None):
     return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress)
 
 
+def build_fmu_of_file(place, options, progress=lambda text: None):
+    """FMU of a slave written in a single file, from the cache if the same was packed before.
+
+    Parameters
+    ----------
+    place : str
+        "path/to/file.py:Class".
+    options : dict
+        Becomes build.json, what `variables(options)` is given.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file or class in it.
+    """
+    file, _, slave = place.rpartition(":")
+    path = Path(file)
+    if path.suffix != ".py" or not path.is_file():
+        raise BadInput(f"{place!r}: write FILE.py:CLASS; there is no file {file!r}")
+    sys.path.insert(0, str(path.resolve().parent))
+    try:
+        if not hasattr(importlib.import_module(path.stem), slave):
+            raise BadInput(f"{place!r}: {path.name} has no class {slave}")
+        return pack_fmu(path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress)
+    finally:
+        sys.path.pop(0)
+
+
 def pack_fmu(name, slave, packages, options, files, progress):
     """FMU of a slave, from the cache if the same was packed before.
 
@@ -166,7 +195,8 @@ def _sources(packages):
         home, folder = Path(importlib.import_module(package).__file__), package.replace(".", "/")
         found = home.parent.rglob("*.py") if home.name == "__init__.py" else []
         paths |= {f"{folder}/{path.relative_to(home.parent).as_posix()}": path for path in found} or {f"{folder}.py": home}
-    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 ..master.", path.read_bytes()) for name, path in paths.items()}
+    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 " + b"." * (name.count("/") + 1) + b"master.", path.read_bytes())
+            for name, path in paths.items()}
 
 
 def _digest(contents):
