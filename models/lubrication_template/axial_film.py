@@ -52,7 +52,9 @@ class AxialFilm(FieldSlave):
         resistance = 12 * viscosity / film**3
         wedge = squeeze - speed * film / 2
         inflow = (resistance * wedge).sum(axis=1, keepdims=True) / resistance.sum(axis=1, keepdims=True)
-        pressure = np.maximum(np.cumsum(resistance * (wedge - inflow), axis=1) * dy, 0.0)     # Eq. (T1)
+        rise = resistance * (wedge - inflow) * dy                                             # over a cell, Eq. (T1)
+        pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)
         return State(values["film_thickness"]), {
-            "nodal_pressure_force": pressure * area, "nodal_friction_force": -viscosity * speed / film * area, "pressure": pressure,
-            "minimum_film_thickness": values["film_thickness"].min(), "maximum_pressure": pressure.max()}
+            "nodal_pressure_force": pressure * area, "nodal_friction_force": -viscosity * speed / film * area,
+            "pressure": pressure, "minimum_film_thickness": values["film_thickness"].min(),
+            "maximum_pressure": pressure.max()}
