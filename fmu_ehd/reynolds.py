@@ -34,17 +34,17 @@ from numba import njit
 @njit(cache=True, inline="always")
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
     """Conductance K and transport T of a face, Eq. (E3)."""
-    total = g_a + g_b
-    return aspect * 2.0 * g_a * g_b / total, width * velocity * (t_a * g_b + t_b * g_a) / total
+    inverse = 1.0 / (g_a + g_b)
+    return aspect * 2.0 * g_a * g_b * inverse, width * velocity * (t_a * g_b + t_b * g_a) * inverse
 
 
 @njit(cache=True, inline="always")
 def _face_tangent(g_a, g_b, t_a, t_b, velocity, aspect, width, dg_a, dg_b, dt_a, dt_b, dvelocity):
     """Change of K and T, the derivative of Eq. (E3)."""
-    total = g_a + g_b
-    film = (t_a * g_b + t_b * g_a) / total
-    dfilm = (dt_a * g_b + dt_b * g_a + (t_a - t_b) * (g_a * dg_b - g_b * dg_a) / total) / total
-    conductance = aspect * 2.0 * (g_b * g_b * dg_a + g_a * g_a * dg_b) / (total * total)
+    inverse = 1.0 / (g_a + g_b)
+    film = (t_a * g_b + t_b * g_a) * inverse
+    dfilm = (dt_a * g_b + dt_b * g_a + (t_a - t_b) * (g_a * dg_b - g_b * dg_a) * inverse) * inverse
+    conductance = aspect * 2.0 * (g_b * g_b * dg_a + g_a * g_a * dg_b) * inverse * inverse
     return conductance, width * (dvelocity * film + velocity * dfilm)
 
 
@@ -165,6 +165,25 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     return (centre, south, north, west, east), right
 
 
+@njit(cache=True)
+def hold(fixed, value, centre, south, north, west, east, right):
+    """Replace the balance of fixed cells by u = value; in place.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n_c, n_a)
+    value : float
+        Signed unknown of fixed cells.
+    centre, south, north, west, east, right : ndarray, shape (n_c, n_a)
+        From `assemble`.
+    """
+    for i in range(fixed.shape[0]):
+        for j in range(fixed.shape[1]):
+            if fixed[i, j]:
+                centre[i, j], right[i, j] = 1.0, value
+                south[i, j] = north[i, j] = west[i, j] = east[i, j] = 0.0
+
+
 @njit(cache=True, inline="always")
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""
@@ -231,6 +250,52 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
             gross += k_c[0, j] * (pressure[0, j] + edge_pressure[2]) + abs(t_c[0, j])
             gross += k_c[n_c, j] * (pressure[last, j] + edge_pressure[3]) + abs(t_c[n_c, j])
     return out, edge_flow, gross
+
+
+@njit(cache=True)
+def balance(pressure, deficit, faces, stored, content, area_per_step, edge_pressure, edge_fraction, ring, open_cells):
+    """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of the whole film.
+
+    Parameters
+    ----------
+    pressure, deficit : ndarray, shape (n_c, n_a)
+        Pressure above cavitation pressure [Pa], film fraction - 1 [-].
+    faces : tuple of ndarray
+        From `faces`.
+    stored, content, area_per_step, edge_pressure, edge_fraction, ring
+        As in `assemble`.
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film; what flows out of them counts as inflow over an edge.
+
+    Returns
+    -------
+    fraction, now, residual : ndarray, shape (n_c, n_a)
+        f [-], f s [m], inflow - growth [m3/s].
+    edge_flow : ndarray, shape (4,)
+        As from `outflow`.
+    imbalance : float
+        |inflow - growth| / throughput of the film [-].
+    """
+    fraction = 1.0 + deficit
+    out, edge_flow, gross = outflow(pressure, fraction, *faces, edge_pressure, edge_fraction, ring)
+    now, residual = np.empty_like(pressure), np.empty_like(pressure)
+    total, inflow, throughput, volume = 0.0, edge_flow.sum(), np.abs(edge_flow).sum(), 0.0
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            now[i, j] = fraction[i, j] * stored[i, j]
+            growth = area_per_step * (stored[i, j] - content[i, j] + deficit[i, j] * stored[i, j])
+            residual[i, j] = -out[i, j] - growth
+            volume += stored[i, j]
+            if open_cells[i, j]:
+                residual[i, j] = 0.0
+                inflow += out[i, j]
+                throughput += abs(out[i, j])
+            else:
+                total += growth
+                throughput += abs(growth)
+    # round-off of pressures and film fractions says nothing about a film in which next to nothing moves
+    floor = max(1e-3 * gross, 1e-3 * area_per_step * volume, 1e-300)
+    return fraction, now, residual, edge_flow, abs(inflow - total) / max(throughput, floor)
 
 
 @njit(cache=True, inline="always")
