@@ -88,6 +88,21 @@ def _capabilities(participant):
     return breaches, remarks
 
 
+def swap_all(trees, given, say):
+    """Trees of all variants with the FMUs `given` (role -> path or None) in place; says once what was left out."""
+    for role, path in given.items():
+        if path is None:
+            continue
+        if not path.is_file():
+            raise BadInput(f"--{role} {path}: no such file")
+        pairs = {label: swap(tree, contract()[role]["participant"], path) for label, tree in trees.items()}
+        trees = {label: tree for label, (tree, _) in pairs.items()}
+        left_out = next(iter(pairs.values()))[1]
+        if left_out:
+            say(f"{path.name} has no variable for, and the run goes without: {', '.join(left_out)}")
+    return trees
+
+
 def swap(tree, name, path):
     """A case's TOML tree with an FMU in the place of participant `name`.
 

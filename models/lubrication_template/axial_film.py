@@ -14,7 +14,7 @@ from master.fmi.variables import Variable, constant
 
 @dataclass(frozen=True)
 class State:
-    film: np.ndarray      # film thickness at the end of the last step [m], shape (n_circumferential, n_axial)
+    film: np.ndarray      # film thickness at the end of the last step [m], shape of the grid
 
 
 class AxialFilm(FieldSlave):
@@ -45,16 +45,15 @@ class AxialFilm(FieldSlave):
         return self.advance(State(values["film_thickness"]), values, 0.0, 1.0)
 
     def advance(self, state, values, time, step):
-        film, speed, viscosity = np.maximum(values["film_thickness"], 1e-6), values["sliding_velocity"], values["viscosity"]
+        film, speed, viscosity = values["film_thickness"].clip(min=1e-6), values["sliding_velocity"], values["viscosity"]
         dy = values["skirt_length"] / film.shape[1]
         area = dy * 2 * np.pi * values["bore_radius"] / film.shape[0]
-        squeeze = np.cumsum((values["film_thickness"] - state.film) / step, axis=1) * dy
         resistance = 12 * viscosity / film**3
-        wedge = squeeze - speed * film / 2
+        wedge = np.cumsum((values["film_thickness"] - state.film) / step, axis=1) * dy - speed * film / 2
         inflow = (resistance * wedge).sum(axis=1, keepdims=True) / resistance.sum(axis=1, keepdims=True)
         rise = resistance * (wedge - inflow) * dy                                             # over a cell, Eq. (T1)
         pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)
         return State(values["film_thickness"]), {
             "nodal_pressure_force": pressure * area, "nodal_friction_force": -viscosity * speed / film * area,
-            "pressure": pressure, "minimum_film_thickness": values["film_thickness"].min(),
-            "maximum_pressure": pressure.max()}
+            "pressure": pressure, "maximum_pressure": pressure.max(),
+            "minimum_film_thickness": values["film_thickness"].min()}
