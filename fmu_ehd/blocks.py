@@ -19,6 +19,7 @@ References
 import numpy as np
 from numba import njit
 
+TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 CONTRACT = {"contract"}  # fused multiply-add alone: no reordering, so a repeated step gives the same bits
 
 
@@ -251,6 +252,40 @@ def substitute(inverses, back, ahead, ascending, right):
     return out
 
 
+@njit(cache=True, fastmath=CONTRACT)
+def substitute_together(inverses, back, ahead, ascending, right):
+    """As `substitute`, all right-hand sides through a station at once, by matrix products."""
+    m, n, stations = right.shape
+    x = np.empty((stations, n, m))
+    b = np.empty((n, m))
+    for k in range(stations):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            for q in range(m):
+                b[i, q] = right[q, i, j]
+            if k > 0:
+                coupling = back[i, j]
+                for q in range(m):
+                    b[i, q] -= coupling * x[k - 1, i, q]
+        np.dot(inverses[k].T, b, x[k])
+    y = np.empty((n, m))
+    for k in range(stations - 2, -1, -1):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            coupling = ahead[i, j]
+            for q in range(m):
+                b[i, q] = coupling * x[k + 1, i, q]
+        np.dot(inverses[k].T, b, y)
+        x[k] -= y
+    out = np.empty((m, n, stations))
+    for k in range(stations):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            for q in range(m):
+                out[q, i, j] = x[k, i, q]
+    return out
+
+
 class BlockTridiagonal:
     """Factorisation of one five-point matrix at a time, kept for further right-hand sides.
 
@@ -286,4 +321,5 @@ class BlockTridiagonal:
 
     def solve(self, right):
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
-        return substitute(self._inverses, *self._couplings, self._ascending, right)
+        method = substitute if right.shape[0] < TOGETHER else substitute_together
+        return method(self._inverses, *self._couplings, self._ascending, right)

@@ -77,12 +77,10 @@ class Cavitation:
         kept = full & (unknown > 0.0) if self.clipping else full
         return np.where(kept, unknown, 0.0), np.zeros_like(unknown)  # Eqs. (C3) to (C5)
 
-    def change(self, dunknown, unknown, full):
-        """Change of pressure and film fraction for a change of the signed unknown."""
-        if self.conserving:
-            return split(dunknown, full)
+    def shares(self, unknown, full):
+        """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
         kept = full & (unknown > 0.0) if self.clipping else full
-        return np.where(kept, dunknown, 0.0), np.zeros_like(unknown)
+        return kept.astype(float), (~full).astype(float) if self.conserving else np.zeros_like(unknown)
 
 
 CAVITATION = {model.name: model for model in (
