@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from .film import Film, Skirt, bore_splines
+from .film import Skirt, bore_splines
 from .floating_frame import FlexibleBody
+from .modal_field import modal_field
 from .model import Block, PistonInBore
 from .profile import barrel, ovality
 from .slider_crank import Mechanism
@@ -51,6 +52,11 @@ def faults(p, piston, block, options):
     return out
 
 
+def symmetry(body):
+    """Symmetry classes of a reduced body's modes, None where it has no two planes of symmetry."""
+    return body["kind"] if body["kind"].size == body["omega"].size and body["kind"].min(initial=0) >= 0 else None
+
+
 def assemble(piston, block, options, p):
     """The model.
 
@@ -72,11 +78,12 @@ def assemble(piston, block, options, p):
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
     radius = float(block["radius"])
-    skirt = Skirt(angle, height, gap, radius, offset, np.ascontiguousarray(piston["radial"]), np.ascontiguousarray(piston["axial"]))
+    values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))
+    skirt = Skirt(angle, height, gap, radius, offset, *(modal_field(v, symmetry(piston)) for v in values))
     body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
                         piston["omega"] ** 2, damping(piston["omega"], *strong))
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
                           p["rod_centre"] / p["rod_length"], p["pin_mass"])
-    film = Film(skirt, bore_splines(block["heights"], block["radial"], block["axial"]))
-    return PistonInBore(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, film,
+    bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block))
+    return PistonInBore(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
                         np.pi * radius**2, piston["gas_force"], p["spectral_radius"])

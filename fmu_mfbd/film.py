@@ -1,6 +1,7 @@
 """The film's geometry: thickness and sliding velocity on the skirt grid from the motion, and forces back by virtual work.
 
-Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts from +z towards +x.
+Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts from +z towards +x. Inside, rows are
+heights and columns angles, as `modal_field` wants them.
 """
 
 from typing import NamedTuple
@@ -8,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from .modal_field import ModalField, modal_field, read, spread
+
 
 class Skirt(NamedTuple):
-    """Skirt side of the film, c x a grid cells and k modes.
+    """Skirt side of the film, c x a grid cells.
 
     Parameters
     ----------
@@ -22,8 +25,8 @@ class Skirt(NamedTuple):
         Clearance and profile: film thickness in the concentric, undeformed place [m].
     radius, pin_offset : float
         Skirt radius; x of A from the skirt's axis [m].
-    radial, axial : ndarray, shape (c a, k)
-        Modal displacement outwards and along y at the grid points [kg^-1/2].
+    radial, axial : ModalField
+        Modal displacement outwards and along y at the grid points, a rows.
     """
 
     angle: np.ndarray
@@ -31,25 +34,25 @@ class Skirt(NamedTuple):
     gap: np.ndarray
     radius: float
     pin_offset: float
-    radial: np.ndarray
-    axial: np.ndarray
+    radial: ModalField
+    axial: ModalField
 
 
 class Bore(NamedTuple):
-    """Bore side of the film: spline coefficients of its modes on a table of heights.
+    """Bore side of the film: its modes as uniform cubic B-splines in height.
 
     Parameters
     ----------
     lowest, spacing : float
         Height of the first coefficient's knot and distance of knots [m].
-    radial, axial : ndarray, shape (s, c, k')
-        Coefficients of a uniform cubic B-spline in height, at the angles of the grid, for k' modes [kg^-1/2].
+    radial, axial : ModalField
+        Spline coefficients at the angles of the grid, one row a knot.
     """
 
     lowest: float
     spacing: float
-    radial: np.ndarray
-    axial: np.ndarray
+    radial: ModalField
+    axial: ModalField
 
 
 class FilmForces(NamedTuple):
@@ -70,7 +73,27 @@ class FilmForces(NamedTuple):
     block: np.ndarray
 
 
-def bore_splines(heights, radial, axial):
+class Window(NamedTuple):
+    """The part of the bore that faces the skirt when A stands at a given height.
+
+    Parameters
+    ----------
+    first, knots : int
+        First knot of the splines in use and how many.
+    place : ndarray of int, shape (a,)
+        First of the four knots of each grid row, counted from `first`.
+    value, slope : ndarray, shape (a, 4)
+        Weights of these knots for the spline [-] and its slope in height [1/m].
+    """
+
+    first: int
+    knots: int
+    place: np.ndarray
+    value: np.ndarray
+    slope: np.ndarray
+
+
+def bore_splines(heights, radial, axial, kind=None):
     """Cubic spline through tabulated bore modes.
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
@@ -82,6 +105,8 @@ def bore_splines(heights, radial, axial):
     heights : ndarray, shape (s,)
         Equally spaced [m].
     radial, axial : ndarray, shape (c, s, k)
+    kind : ndarray of int, shape (k,), optional
+        Symmetry classes of the modes.
 
     Returns
     -------
@@ -92,117 +117,190 @@ def bore_splines(heights, radial, axial):
     rule[0, :3] = rule[-1, -3:] = 1.0, -2.0, 1.0
     for i in range(s):
         rule[i + 1, i:i + 3] = 1 / 6, 4 / 6, 1 / 6                                                              # Eq. (H3)
-    values = [np.pad(v.transpose(1, 0, 2).reshape(s, c * k), ((1, 1), (0, 0))) for v in (radial, axial)]
+    inverse = np.linalg.inv(rule)[:, 1:-1]
     spacing = float(heights[1] - heights[0])
-    return Bore(float(heights[0]) - spacing, spacing, *(np.linalg.solve(rule, v).reshape(s + 2, c, k) for v in values))
+    return Bore(float(heights[0]) - spacing, spacing, *(modal_field(np.einsum("rs,csk->crk", inverse, v), kind) for v in (radial, axial)))
 
 
 @njit(cache=True)
-def spline_taps(lowest, spacing, height):
-    """First knot of the window that covers `height`, and the matrices (a, window) of the spline's value and slope in it."""
+def window_at(lowest, spacing, height):
+    """Window for grid rows at the given rising heights above the crank axis [m]."""
     a = len(height)
     first = int(np.floor((height[0] - lowest) / spacing)) - 1
-    width = int(np.floor((height[-1] - lowest) / spacing)) + 3 - first
-    value, slope = np.zeros((a, width)), np.zeros((a, width))
+    place, value, slope = np.empty(a, np.int64), np.empty((a, 4)), np.empty((a, 4))
     for j in range(a):
         x = (height[j] - lowest) / spacing
         k = int(np.floor(x))
-        t, i = x - k, k - 1 - first
-        value[j, i], slope[j, i] = (1 - t) ** 3 / 6, -((1 - t) ** 2) / 2
-        value[j, i + 1], slope[j, i + 1] = (4 - 6 * t * t + 3 * t**3) / 6, (-12 * t + 9 * t * t) / 6
-        value[j, i + 2], slope[j, i + 2] = (1 + 3 * t + 3 * t * t - 3 * t**3) / 6, (3 + 6 * t - 9 * t * t) / 6
-        value[j, i + 3], slope[j, i + 3] = t**3 / 6, t * t / 2
-    return first, value, slope / spacing
+        t, place[j] = x - k, k - 1 - first
+        value[j] = (1 - t) ** 3 / 6, (4 - 6 * t * t + 3 * t**3) / 6, (1 + 3 * t + 3 * t * t - 3 * t**3) / 6, t**3 / 6
+        slope[j] = -((1 - t) ** 2) / 2, (3 * t * t - 4 * t) / 2, (1 + 2 * t - 3 * t * t) / 2, t * t / 2
+    return Window(first, place[a - 1] + 4, place, value, slope / spacing)
 
 
-class Window:
-    """The part of the bore that faces the skirt when A stands at a given height.
-
-    Parameters
-    ----------
-    bore : Bore
-    height : ndarray, shape (a,)
-        Heights of the grid's rows above the crank axis now [m].
-    """
-
-    def __init__(self, bore, height):
-        first, self.value, self.slope = spline_taps(bore.lowest, bore.spacing, height)
-        width, (_, c, k) = self.value.shape[1], bore.radial.shape
-        self.radial, self.axial = (m[first:first + width].reshape(width * c, k) for m in (bore.radial, bore.axial))
-
-    def read(self, table, coordinates):
-        """Modal sum on the window's knots, (knots, c)."""
-        return (table @ coordinates).reshape(self.value.shape[1], -1)
-
-    def spread(self, table, force):
-        """Modal force of grid forces (c, a): the transpose of reading."""
-        return (self.value.T @ force.T).ravel() @ table
+@njit(cache=True)
+def on_rows(window, weight, knots):
+    """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots, c)."""
+    out = np.empty((len(window.place), knots.shape[1]))
+    for j in range(len(window.place)):
+        k = window.place[j]
+        for i in range(knots.shape[1]):
+            out[j, i] = (weight[j, 0] * knots[k, i] + weight[j, 1] * knots[k + 1, i]
+                         + weight[j, 2] * knots[k + 2, i] + weight[j, 3] * knots[k + 3, i])
+    return out
 
 
-class Film:
-    """Film thickness and sliding velocity as functions of the motion, and the generalised forces that belong to them.
+@njit(cache=True)
+def on_knots(window, force):
+    """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose of `on_rows`."""
+    out = np.zeros((window.knots, force.shape[1]))
+    for j in range(len(window.place)):
+        for t in range(4):
+            w, k = window.value[j, t], window.place[j] + t
+            for i in range(force.shape[1]):
+                out[k, i] += w * force[j, i]
+    return out
+
+
+@njit(cache=True)
+def opening(skirt, bore, window, lateral, angle, piston, block):
+    """What motion and deformation add to the film thickness.
 
     Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore at Y_0(crank angle) + y')
-    Eq. (H2):  v = Y_A' + angle' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
 
-    Linear in the small motions. The bore is read at the height that A has when x_A = 0: the true one differs by less than
-    x_A r/L, micrometres on a field that varies over millimetres.
+    Linear in the small motions: with the coordinates' rates it gives the rate. The bore is read at the height that A has when
+    x_A = 0: the true one differs by less than x_A r/L, micrometres on a field that varies over millimetres.
 
     Parameters
     ----------
     skirt : Skirt
     bore : Bore
+    window : Window
+    lateral, angle : float
+        x_A [m] and rocking angle [rad].
+    piston, block : ndarray
+        Modal coordinates [kg^1/2 m].
+
+    Returns
+    -------
+    ndarray, shape (c, a)
+        [m]
     """
+    c, a = skirt.gap.shape
+    inner = read(skirt.radial, 0, a, piston)
+    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
+    out = np.empty((c, a))
+    for i in range(c):
+        sine = np.sin(skirt.angle[i])
+        for j in range(a):
+            out[i, j] = (angle * skirt.height[j] - lateral) * sine - inner[j, i] + outer[j, i]                  # Eq. (H1)
+    return out
 
-    def __init__(self, skirt, bore):
-        self.skirt, self.bore = skirt, bore
-        self.shape = skirt.gap.shape
-        self.sine = np.sin(skirt.angle)[:, None]
-        self.arm = skirt.radius * self.sine - skirt.pin_offset
 
-    def window(self, height_of_A):
-        """The facing part of the bore, A at the given height [m]."""
-        return Window(self.bore, height_of_A + self.skirt.height)
+@njit(cache=True)
+def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rate):
+    """Axial velocity of the skirt minus that of the bore.
 
-    def thickness(self, window, lateral, angle, piston, block):
-        """Film thickness (c, a) [m] at x_A [m], rocking angle [rad] and modal coordinates."""
-        return self.skirt.gap + self.opening(window, lateral, angle, piston, block)                                                                         # Eq. (H1)
+    Eq. (H2):  v = Y_A' + angle' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
 
-    def opening(self, window, lateral, angle, piston, block):
-        """Linear part of the film thickness (c, a) [m], or its rate [m/s] from the coordinates' rates."""
-        rigid = (angle * self.skirt.height - lateral) * self.sine
-        return rigid - (self.skirt.radial @ piston).reshape(self.shape) + (window.value @ window.read(window.radial, block)).T
+    Parameters
+    ----------
+    skirt : Skirt
+    bore : Bore
+    window : Window
+    height_rate, angle_rate : float
+        Of A [m/s] and of the rocking angle [rad/s].
+    piston_rate, block_rate : ndarray
+        [kg^1/2 m/s]
 
-    def opening_rate(self, window, height_rate, lateral_rate, angle_rate, piston_rate, block, block_rate):
-        """Rate of film thickness at the moving skirt points (c, a) [m/s]; height_rate is that of A [m/s]."""
-        steady = self.opening(window, lateral_rate, angle_rate, piston_rate, block_rate)
-        return steady + height_rate * (window.slope @ window.read(window.radial, block)).T
+    Returns
+    -------
+    ndarray, shape (c, a)
+        [m/s]
+    """
+    c, a = skirt.gap.shape
+    inner = read(skirt.axial, 0, a, piston_rate)
+    outer = on_rows(window, window.value, read(bore.axial, window.first, window.knots, block_rate))
+    out = np.empty((c, a))
+    for i in range(c):
+        rigid = height_rate + angle_rate * (skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset)
+        for j in range(a):
+            out[i, j] = rigid + inner[j, i] - outer[j, i]                                                       # Eq. (H2)
+    return out
 
-    def sliding(self, window, height_rate, angle_rate, piston_rate, block_rate):
-        """Sliding velocity (c, a) [m/s]: axial velocity of the skirt minus the bore's."""
-        rigid = height_rate + angle_rate * self.arm
-        return rigid + (self.skirt.axial @ piston_rate).reshape(self.shape) - (window.value @ window.read(window.axial, block_rate)).T  # (H2)
 
-    def generalised(self, window, pressure_force, friction_force):
-        """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
+@njit(cache=True)
+def generalised(skirt, bore, window, pressure_force, friction_force):
+    """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
-        Parameters
-        ----------
-        window : Window
-        pressure_force, friction_force : ndarray, shape (c, a)
-            [N]: pushing the surfaces apart; along y on the skirt.
+    Parameters
+    ----------
+    skirt : Skirt
+    bore : Bore
+    window : Window
+    pressure_force, friction_force : ndarray, shape (c, a)
+        [N]: pushing the surfaces apart; along y on the skirt.
 
-        Returns
-        -------
-        FilmForces
-        """
-        around = pressure_force.sum(axis=1)
-        lateral = -(self.sine[:, 0] @ around)
-        moment = self.sine[:, 0] @ (pressure_force @ self.skirt.height) + self.arm[:, 0] @ friction_force.sum(axis=1)
-        piston = friction_force.ravel() @ self.skirt.axial - pressure_force.ravel() @ self.skirt.radial
-        block = window.spread(window.radial, pressure_force) - window.spread(window.axial, friction_force)
-        return FilmForces(float(lateral), float(friction_force.sum()), float(moment), piston, block)
+    Returns
+    -------
+    FilmForces
+    """
+    c, a = pressure_force.shape
+    push, drag = np.empty((a, c)), np.empty((a, c))
+    lateral, axial, moment = 0.0, 0.0, 0.0
+    for i in range(c):
+        sine = np.sin(skirt.angle[i])
+        arm = skirt.radius * sine - skirt.pin_offset
+        for j in range(a):
+            F, f = pressure_force[i, j], friction_force[i, j]
+            push[j, i], drag[j, i] = F, f
+            lateral -= F * sine
+            axial += f
+            moment += F * sine * skirt.height[j] + f * arm
+    piston = spread(skirt.axial, 0, drag) - spread(skirt.radial, 0, push)
+    block = (spread(bore.radial, window.first, on_knots(window, push))
+             - spread(bore.axial, window.first, on_knots(window, drag)))
+    return FilmForces(lateral, axial, moment, piston, block)
 
-    def lift(self, window, pressure_force, block):
-        """Force on the piston along y from pressure on a bore that is not straight [N]: sum F dh/dY."""
-        return float(np.sum(pressure_force * (window.slope @ window.read(window.radial, block)).T))
+
+@njit(cache=True)
+def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate):
+    """Film thickness and sliding velocity at an instant, and the power of the interface forces at the grid points.
+
+    Parameters
+    ----------
+    skirt : Skirt
+    bore : Bore
+    window : Window
+    forces : tuple of ndarray, shape (c, a)
+        Pressure and friction forces [N].
+    height_rate, guided_rate : float
+        Velocity of A, and of the height at which the bore is read [m/s].
+    place, rate : ndarray
+        [x_A, rocking angle, piston then block modal coordinates] and rates.
+
+    Returns
+    -------
+    film_thickness, sliding_velocity : ndarray, shape (c, a)
+        [m], [m/s]
+    lift : float
+        Force on the piston along y by pressure on a bore that is not straight: sum F dh/dY [N].
+    power, size : float
+        sum F dh/dt + sum f v, and the sum of the absolute values of its terms [W].
+    """
+    pressure_force, friction_force = forces
+    n = 2 + len(skirt.radial.kind)
+    thickness = opening(skirt, bore, window, place[0], place[1], place[2:n], place[n:])
+    velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
+    opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
+    # the bore's slope under the moving skirt
+    slope = on_rows(window, window.slope, read(bore.radial, window.first, window.knots, place[n:]))
+    lift, power, size = 0.0, 0.0, 0.0
+    for i in range(thickness.shape[0]):
+        for j in range(thickness.shape[1]):
+            thickness[i, j] += skirt.gap[i, j]
+            push = pressure_force[i, j] * (opening_rate[i, j] + guided_rate * slope[j, i])
+            drag = friction_force[i, j] * velocity[i, j]
+            lift += pressure_force[i, j] * slope[j, i]
+            power += push + drag
+            size += abs(push) + abs(drag)
+    return thickness, velocity, lift, power, size

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from .film import film_now, generalised, opening, sliding, window_at
 from .generalised_alpha import coefficients, predict
-from .piston_motion import Load, imbalance, tangent
+from .piston_motion import Load, settle, tangent
 from .slider_crank import height, motion
 
 
@@ -70,7 +71,8 @@ class PistonInBore:
     piston : FlexibleBody
     block : Block
     mechanism : Mechanism
-    film : Film
+    skirt : Skirt
+    bore : Bore
     gas_area : float
         Area of the bore [m2].
     gas_force : ndarray, shape (k,)
@@ -79,8 +81,8 @@ class PistonInBore:
         Of the time integrator at infinite frequency [-], 0 to 1.
     """
 
-    def __init__(self, piston, block, mechanism, film, gas_area, gas_force, spectral_radius):
-        self.piston, self.block, self.mechanism, self.film = piston, block, mechanism, film
+    def __init__(self, piston, block, mechanism, skirt, bore, gas_area, gas_force, spectral_radius):
+        self.piston, self.block, self.mechanism, self.skirt, self.bore = piston, block, mechanism, skirt, bore
         self.gas_area, self.gas_force, self.spectral_radius = gas_area, gas_force, spectral_radius
         self.flexible = slice(2, 2 + len(piston.stiffness))
         self.coordinates = 2 + len(piston.stiffness) + len(block.stiffness)
@@ -132,59 +134,41 @@ class PistonInBore:
 
     def _settle(self, c, place, rate, guess, auxiliary, weight, crank_angle, inputs):
         """State and outputs whose accelerations balance the forces; places and rates come predicted without these accelerations."""
-        window = self.film.window(height(self.mechanism, 0.0, crank_angle)[0])
-        forces = self.film.generalised(window, inputs.pressure_force, inputs.friction_force)
+        window = window_at(self.bore.lowest, self.bore.spacing, height(self.mechanism, 0.0, crank_angle)[0] + self.skirt.height)
+        forces = generalised(self.skirt, self.bore, window, inputs.pressure_force, inputs.friction_force)
         gas = inputs.gas_pressure * self.gas_area
-        load = Load(forces.lateral, forces.axial - gas, forces.moment + self.film.skirt.pin_offset * gas, forces.piston + gas * self.gas_force)
+        load = Load(forces.lateral, forces.axial - gas, forces.moment + self.skirt.pin_offset * gas, forces.piston + gas * self.gas_force)
         n = self.flexible.stop
         acceleration = np.empty(self.coordinates)
-        acceleration[:n], pin, torque = self._newton(c, load, place[:n], rate[:n], guess[:n], crank_angle, inputs.crank_speed)
+        acceleration[:n], pin_x, pin_y, torque, evaluations, size = settle(
+            self.piston, self.mechanism, load, place[:n], rate[:n], guess[:n], crank_angle, inputs.crank_speed, c.rate, c.place)
+        if not evaluations:
+            raise NotConverged(f"piston motion at crank angle {crank_angle:.6g} rad: relative change of the accelerations stays at {size:.3g}")
+        self.residual_evaluations += evaluations
+        self.jacobian_evaluations += 1
         acceleration[n:] = ((forces.block - self.block.damping * rate[n:] - self.block.stiffness * place[n:])
                             / (1 + c.rate * self.block.damping + c.place * self.block.stiffness))
         state = State(crank_angle, place + c.place * acceleration, rate + c.rate * acceleration, acceleration, auxiliary + weight * acceleration)
         self._last, self._factor = (c, load, state, inputs.crank_speed, window), None
-        return state, self._outputs(state, inputs, window, forces, pin, torque)
-
-    def _newton(self, c, load, place, rate, acceleration, crank_angle, crank_speed):
-        """Piston accelerations that balance `load`, to round-off: the tangent is exact and nearly constant over a step."""
-        arguments = self.piston, self.mechanism, load
-
-        def end(a):
-            return place + c.place * a, rate + c.rate * a, a, crank_angle, crank_speed
-
-        matrix = tangent(*arguments, *end(acceleration), c.rate, c.place)
-        scale = np.sqrt(np.abs(np.diagonal(matrix)))
-        factor = dgetrf(matrix, overwrite_a=True)[:2]
-        self.jacobian_evaluations += 1
-        last = np.inf
-        for _ in range(30):
-            residual, pin_x, pin_y, torque = imbalance(*arguments, *end(acceleration))
-            self.residual_evaluations += 1
-            change = dgetrs(*factor, residual)[0]
-            size, total = np.linalg.norm(scale * change), np.linalg.norm(scale * acceleration)
-            if size <= 1e-15 * total or (size >= 0.5 * last and size <= 1e-10 * total) or size == 0.0:
-                return acceleration, (pin_x, pin_y), torque
-            acceleration, last = acceleration - change, size
-        raise NotConverged(f"piston motion at crank angle {crank_angle:.6g} rad: last change of the accelerations {size:.3g}, their size {total:.3g}")
+        return state, self._outputs(state, inputs, window, forces, (pin_x, pin_y), torque)
 
     def _outputs(self, state, inputs, window, forces, pin, torque):
         """Everything the outside sees (units in `variables.py`), by name."""
-        n, film = self.flexible.stop, self.film
-        piston, block, piston_rate, block_rate = state.place[2:n], state.place[n:], state.rate[2:n], state.rate[n:]
+        n = self.flexible.stop
         Y, slope, lever = height(self.mechanism, state.place[0], state.crank_angle)
         climb = slope * state.rate[0] + lever * inputs.crank_speed
         guided = height(self.mechanism, 0.0, state.crank_angle)[2]
-        lift = film.lift(window, inputs.pressure_force, block)
-        thickness = film.thickness(window, *state.place[:2], piston, block)
-        sliding = film.sliding(window, climb, state.rate[1], piston_rate, block_rate)
-        opening = film.opening_rate(window, guided * inputs.crank_speed, *state.rate[:2], piston_rate, block, block_rate)
+        thickness, velocity, lift, power, size = film_now(
+            self.skirt, self.bore, window, (inputs.pressure_force, inputs.friction_force), climb, guided * inputs.crank_speed,
+            state.place, state.rate)
         own = np.concatenate([[forces.lateral * state.rate[0], forces.axial * climb, forces.moment * state.rate[1],
-                               lift * guided * inputs.crank_speed], forces.piston * piston_rate, forces.block * block_rate])
+                               lift * guided * inputs.crank_speed], forces.piston * state.rate[2:n], forces.block * state.rate[n:]])
+        size += np.abs(own).sum()
         outputs = {
-            "film_thickness": thickness, "sliding_velocity": sliding, "crank_angle": state.crank_angle, "piston_position": Y,
+            "film_thickness": thickness, "sliding_velocity": velocity, "crank_angle": state.crank_angle, "piston_position": Y,
             "piston_velocity": climb, "lateral_displacement": state.place[0], "rocking_angle": state.place[1],
             "side_force": -forces.lateral, "crank_torque": torque - lift * guided, "pin_force_x": pin[0], "pin_force_y": pin[1] - lift,
-            "interface_work_error": work_error(inputs.pressure_force * opening, inputs.friction_force * sliding, own),
+            "interface_work_error": abs(power - own.sum()) / size if size > 0.0 else 0.0,
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
         return outputs | ({"modal_coordinate": state.place[2:].copy()} if self.coordinates > 2 else {})
 
@@ -204,14 +188,15 @@ class PistonInBore:
             [m], [m/s]
         """
         c, _, state, crank_speed, window = self._last
-        forces = self.film.generalised(window, pressure_force, friction_force)
+        film = self.skirt, self.bore, window
+        forces = generalised(*film, pressure_force, friction_force)
         link = motion(self.mechanism, state.place[0], state.rate[0], state.acceleration[0], state.crank_angle, crank_speed)
         right = np.concatenate([[forces.lateral + link[4] * forces.axial, forces.moment], forces.piston])
         piston = dgetrs(*self._factorised(), right)[0]                                                          # Eq. (D1)
         block = forces.block / (1 + c.rate * self.block.damping + c.place * self.block.stiffness)
         climb = (c.rate * link[4] + c.place * link[2] / 2) * piston[0]
-        return (self.film.opening(window, *(c.place * piston[:2]), c.place * piston[2:], c.place * block),
-                self.film.sliding(window, climb, c.rate * piston[1], c.rate * piston[2:], c.rate * block))
+        return (opening(*film, *(c.place * piston[:2]), c.place * piston[2:], c.place * block),
+                sliding(*film, climb, c.rate * piston[1], c.rate * piston[2:], c.rate * block))
 
     def _factorised(self):
         """The tangent at the end of the last step, factorised when it is first asked for."""
@@ -224,18 +209,3 @@ class PistonInBore:
             self._factor = dgetrf(matrix, overwrite_a=True)[:2]
         return self._factor
 
-
-def work_error(pressure_power, friction_power, own):
-    """Power of the interface forces on the grid minus that in the body's coordinates, by the sum of all terms' sizes [-].
-
-    Both describe the same work, so that anything above round-off is an error in the transfer of forces.
-
-    Parameters
-    ----------
-    pressure_power, friction_power : ndarray, shape (c, a)
-        Force times opening rate and times sliding velocity at each point [W].
-    own : ndarray
-        Generalised force times rate, coordinate by coordinate [W].
-    """
-    scale = np.abs(pressure_power).sum() + np.abs(friction_power).sum() + np.abs(own).sum()
-    return float(abs(pressure_power.sum() + friction_power.sum() - own.sum()) / scale) if scale > 0.0 else 0.0

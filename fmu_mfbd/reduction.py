@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from .bases import Elastic, craig_bampton, orthonormal_modes, pressure_modes
+from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes
 from .finite_element import consistent_mass, face_load, stiffness
 from .mesh import read_mesh
 from .surface import cell_centres, interpolation, radial_and_axial
+from .symmetry import symmetric_modes
 
-VERSION = 1       # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 4       # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
 P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
 
@@ -70,7 +71,7 @@ def reduce_piston(options, grid, progress=print):
     Returns
     -------
     dict of ndarray
-        `floating_frame_integrals` and omega (k,) [rad/s], gas_force (k,) [N/Pa scaled to a unit total], radial, axial
+        `floating_frame_integrals` and omega (k,) [rad/s], kind (k,) (see `symmetry`), gas_force (k,) [N/Pa scaled to a unit total], radial, axial
         (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
     """
     mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"], options["mesh_unit"])
@@ -84,9 +85,9 @@ def reduce_piston(options, grid, progress=print):
     gas /= -gas[:, 1].sum()                                             # unit resultant along -y
     inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
     loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
-    modes, omega = _modes(mesh, M, options, mesh.nodes("pin_bore"), radial, loads, progress)
+    modes, omega, kind = _modes(mesh, M, options, mesh.nodes("pin_bore"), radial, expected_pressure(angle, grid[1]), loads, progress)
     return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
-        "omega": omega, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high}
+        "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high}
 
 
 def reduce_block(options, grid, progress=print):
@@ -104,7 +105,7 @@ def reduce_block(options, grid, progress=print):
     Returns
     -------
     dict of ndarray
-        omega (k,) [rad/s], radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
+        omega (k,) [rad/s], kind (k,), radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
     """
     mesh = read_mesh(options["mesh"], ["bore", "bolts"], options["mesh_unit"])
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
@@ -112,9 +113,10 @@ def reduce_block(options, grid, progress=print):
     angle, _ = cell_centres(*grid, 0.0, 1.0)
     heights = np.linspace(*_ends(mesh, "bore", options["bore_lower"], options["bore_upper"]), options["stations"])
     radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["bore"], angle, heights, radius), angle, len(heights))
-    modes, omega = _modes(mesh, M, options, mesh.nodes("bolts"), radial, np.empty((3 * len(mesh.points), 0)), progress)
+    modes, omega, kind = _modes(mesh, M, options, mesh.nodes("bolts"), radial, expected_pressure(angle, len(heights)),
+                                np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
-    return {"omega": omega, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
+    return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
             "heights": heights, "radius": radius, "mass": float(M.sum())}
 
 
@@ -124,19 +126,19 @@ def _ends(mesh, name, low, high):
     return float(height.min() if low is None else low), float(height.max() if high is None else high)
 
 
-def _modes(mesh, M, options, fixed, radial, loads, progress):
-    """Mode shapes on all degrees of freedom and their angular frequencies, by the chosen basis."""
+def _modes(mesh, M, options, fixed, radial, weight, loads, progress):
+    """Mode shapes on all degrees of freedom, their angular frequencies and symmetry classes, by the chosen basis."""
     if options["modes"] == 0:
-        return np.empty((3 * len(mesh.points), 0)), np.empty(0)
+        return np.empty((3 * len(mesh.points), 0)), np.empty(0), np.empty(0, dtype=int)
     progress(f"factorising {3 * len(mesh.points)} degrees of freedom")
     body = Elastic(stiffness(mesh.points, mesh.tets, options["young"], options["poisson"]), M, fixed)
     progress(f"{options['modes']} modes, basis {options['basis']}")
     if options["basis"] == "craig_bampton":
         shapes = craig_bampton(body, options["modes"])
     else:
-        shapes = pressure_modes(body, radial[:, body.free], options["modes"], loads[body.free])
+        shapes = pressure_modes(body, radial[:, body.free], weight, options["modes"], loads[body.free])
     modes, omega = orthonormal_modes(body, shapes)
-    return body.full(modes), omega
+    return symmetric_modes(body, body.full(modes), omega, mesh.points)
 
 
 def cached(reduce, options, grid, folder, progress=print):

@@ -106,12 +106,14 @@ class Picture(Table):
 class Case(Table):
     """A whole case file.
 
+    label : name of the case itself among its variants.
     participants : in the order in which they start; what one has at the start begins the inputs of those after it.
     summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
     monitor : the same, shown while running. variants : name -> {dotted key: value} changes that make a further run.
     """
 
     title: str
+    label: str = "base"
     time: Time
     participants: dict[str, ParticipantTable]
     wires: list[Wire]

@@ -29,6 +29,7 @@ Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
+    from .participant import ParticipantFault
     from .stepping import StepFailed
 
     try:
@@ -42,6 +43,10 @@ def main():
         sys.exit(2)
     except StepFailed as error:
         errors.print("[bold red]stopped:[/] a macro step did not converge, and no halving is left")
+        errors.print(f"  {error}", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except ParticipantFault as error:
+        errors.print("[bold red]stopped:[/] an FMU reports a fault of its own")
         errors.print(f"  {error}", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
 
@@ -140,7 +145,7 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
     output
         Folder for results; default results/<case>.
     only
-        Run this variant alone ("base" for the case without variants).
+        Run this variant alone; the label of the case itself (default base) for the case without variants.
     summary_json
         Also write the summary there.
     plots
@@ -186,9 +191,9 @@ def open_all(cases, folder, open_system):
 
 
 def variant_trees(path, changes, only):
-    """Resolved TOML tree of each run: the case itself under its folder's name, then its variants."""
+    """Resolved TOML tree of each run: the case itself under its label, then its variants."""
     tree = read_tree(path, changes)
-    variants = {"base": {}} | tree.get("variants", {})
+    variants = {tree.get("label", "base"): {}} | tree.get("variants", {})
     if only and only not in variants:
         raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
     chosen = {label: changed for label, changed in variants.items() if only in (None, label)}

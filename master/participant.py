@@ -25,6 +25,10 @@ REAL = ctypes.POINTER(ctypes.c_double)
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
+class ParticipantFault(RuntimeError):
+    """A bug inside a participant: its traceback, as it logged it."""
+
+
 class Participant(Protocol):
     """What the master needs of a participant; `fields` maps names to objects with the attributes of `Field`."""
 
@@ -40,7 +44,7 @@ class Participant(Protocol):
     def save(self): ...
     def restore(self, saved): ...
     def serialise(self, saved): ...
-    def derivative(self, seeds): ...
+    def derivative(self, seeds, products): ...
     def close(self): ...
 
 
@@ -71,13 +75,14 @@ class FmuParticipant:
         self.fields = gather_fields(self.description)
         self.folder = unpack(self.path)
         self.log = []
-        self._references, self._derivative = {}, self._reserved_references()
+        self._references, self._pairs, self._derivative = {}, {}, self._reserved_references()
+        self._standard_derivative = bool(self.description.coSimulation.providesDirectionalDerivative)
         self._fmu = None
 
     @property
     def has_derivatives(self):
-        """Whether the FMU names reserved references for its directional derivative."""
-        return bool(self._derivative)
+        """Whether the FMU answers the standard directional derivative, or names reserved references for one."""
+        return self._standard_derivative or bool(self._derivative)
 
     @property
     def can_redo(self):
@@ -105,13 +110,19 @@ class FmuParticipant:
             self._fmu.enterInitializationMode()
             self._fmu.exitInitializationMode()
         except Exception as error:
-            raise BadInput([f"{self.name}: {error}", *(text for _, text in self.log)]) from error
-        refusals = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
-        if refusals:
-            raise BadInput(refusals)
+            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+        if refusal := self._refusal():
+            raise refusal
+
+    def _refusal(self):
+        """What the log says against a start: a bug, bad input, or None."""
+        if any(text.startswith("Traceback") for _, text in self.log):
+            return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
+        lines = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+        return BadInput(lines) if lines else None
 
     def _note(self, _environment, _instance, status, _category, message):
-        self.log.append((status, message.decode(errors="replace") if message else ""))
+        self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
 
     def _vector(self, name):
         """ctypes references and a NumPy buffer with its pointer for a field, made once."""
@@ -154,14 +165,14 @@ class FmuParticipant:
         return values
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, RuntimeError with its traceback on a bug."""
+        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
         self.log.clear()
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
             text = "\n".join(text for _, text in self.log) or str(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
-                raise RuntimeError(f"{self.name}: {text}") from None
+                raise ParticipantFault(f"{self.name}: {text}") from None
             raise Discard(f"{self.name}: {text}") from None
 
     def save(self):
@@ -178,27 +189,48 @@ class FmuParticipant:
         """The saved state as bytes."""
         return bytes(self._fmu.serializeFMUstate(saved))
 
-    def derivative(self, seeds):
+    def derivative(self, seeds, products):
         """Directional derivative of the last step.
 
         Parameters
         ----------
         seeds : dict of str to ndarray
             Change of input fields; inputs left out are zero.
+        products : iterable of str
+            Output fields whose change is wanted.
 
         Returns
         -------
         dict of str to ndarray
-            Change of all output fields that depend on them.
+            Their change.
         """
-        write, read = self._derivative["seed"], self._derivative["product"]
-        buffer = write["buffer"]
-        buffer[:] = 0.0
+        if not self._standard_derivative:
+            return self._reserved_derivative(seeds)
+        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
-            buffer[write["slices"][name]] = np.ravel(value)
-        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(buffer), write["pointer"])
+            known["buffer"][known["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown["references"], len(unknown["buffer"]),
+                                               known["references"], len(known["buffer"]), known["pointer"], unknown["pointer"])
+        return self._cut(unknown)
+
+    def _pair(self, names):
+        """References of several fields in one array, with a buffer; made once."""
+        if names not in self._pairs:
+            self._pairs[names] = _block({name: self.fields[name].references for name in names})
+        return self._pairs[names]
+
+    def _cut(self, block):
+        return {name: block["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in block["slices"].items()}
+
+    def _reserved_derivative(self, seeds):
+        """The same through the reserved references of an FMU without the standard call."""
+        write, read = self._derivative["seed"], self._derivative["product"]
+        write["buffer"][:] = 0.0
+        for name, value in seeds.items():
+            write["buffer"][write["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(write["buffer"]), write["pointer"])
         self._fmu.fmi2GetReal(self._fmu.component, read["references"], len(read["buffer"]), read["pointer"])
-        return {name: read["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in read["slices"].items()}
+        return self._cut(read)
 
     def _reserved_references(self):
         """Reference arrays and buffers of all seeds and all products, from the FMU's vendor annotation."""
@@ -206,21 +238,11 @@ class FmuParticipant:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         found = {}
         for kind in ("seed", "product"):
-            references, slices = [], {}
-            for node in root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/DirectionalDerivative/{kind.capitalize()}"):
-                first, size = int(node.get("valueReference")), self.fields[node.get("name")].size
-                slices[node.get("name")] = slice(len(references), len(references) + size)
-                references += range(first, first + size)
-            if references:
-                buffer = np.zeros(len(references))
-                found[kind] = {"references": (ctypes.c_uint * len(references))(*references), "slices": slices,
-                               "buffer": buffer, "pointer": buffer.ctypes.data_as(REAL)}
+            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
+            first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+            if first:
+                found[kind] = _block({name: range(k, k + self.fields[name].size) for name, k in first.items()})
         return found
-
-    @property
-    def derivative_fields(self):
-        """Names of the input and of the output fields that the directional derivative knows."""
-        return {kind: tuple(part["slices"]) for kind, part in self._derivative.items()}
 
     def close(self):
         """Terminate and free the instance."""
@@ -228,6 +250,17 @@ class FmuParticipant:
             self._fmu.terminate()
             self._fmu.freeInstance()
             self._fmu = None
+
+
+def _block(references):
+    """References of several fields (name -> sequence) in one C array, their places in it, and a buffer of values."""
+    slices, together = {}, []
+    for name, own in references.items():
+        slices[name] = slice(len(together), len(together) + len(own))
+        together += own
+    buffer = np.zeros(len(together))
+    return {"references": (ctypes.c_uint * len(together))(*together), "slices": slices, "buffer": buffer,
+            "pointer": buffer.ctypes.data_as(REAL)}
 
 
 def unpack(path):

@@ -19,21 +19,23 @@ def filtered(columns, limit, rule):
     q : ndarray, shape (n, m)
     triangle : ndarray, shape (m, m)
     """
-    chosen, q, rows = [], [], []
+    if not columns:
+        return [], np.empty((0, 0)), np.empty((0, 0))
+    chosen, triangle = [], np.zeros((len(columns), len(columns)))
+    rows = np.empty((len(columns), columns[0].size))  # transposed Q: products with it run along memory
     for k, column in enumerate(columns):
-        new, shadow = column.copy(), np.zeros(len(q))
+        m, new = len(chosen), column
         for _ in range(2):  # a second pass keeps Q orthogonal to round-off
-            for i, base in enumerate(q):
-                share = base @ new
-                shadow[i] += share
-                new -= share * base
+            share = rows[:m] @ new
+            triangle[:m, m] += share
+            new = new - share @ rows[:m]
         size = np.linalg.norm(new)
-        reference = np.linalg.norm(column) if rule == "QR2" else np.sqrt(sum(row @ row for row in rows) + shadow @ shadow + size**2)
+        reference = np.linalg.norm(column) if rule == "QR2" else np.hypot(np.linalg.norm(triangle[:m + 1, :m + 1]), size)
         if size > limit * reference:
+            triangle[m, m] = size
+            rows[m] = new / size
             chosen.append(k)
-            q.append(new / size)
-            rows.append(np.append(shadow, size))
-    triangle = np.zeros((len(q), len(q)))
-    for k, row in enumerate(rows):
-        triangle[:k + 1, k] = row
-    return chosen, np.array(q).T, triangle
+        else:
+            triangle[:m, m] = 0.0
+    m = len(chosen)
+    return chosen, rows[:m].T, triangle[:m, :m]

@@ -4,7 +4,7 @@ import numpy as np
 
 from .filtering import filtered
 
-KEPT = 60
+KEPT = 40
 """Pairs kept from one solve to the next: about the number of directions that amplify."""
 
 DEPENDENT = 1e-6

@@ -44,8 +44,10 @@ class NotConverged(RuntimeError):
 
     def __init__(self, reason, interface, residual, values, history):
         self.iterations = len(history)
-        trail = " ".join(f"{value:.2g}" for value in history)
-        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; residual/tolerance per iteration: {trail}")
+        trail = [f"{value:.2g}" for value in history]
+        shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
+        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; "
+                         f"residual/tolerance per iteration: {' '.join(shown)}")
 
 
 def step_length(interface, x, change):

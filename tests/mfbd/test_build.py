@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fmu_mfbd.build import prepare
-from fmu_mfbd.film import bore_splines, spline_taps
+from fmu_mfbd.film import bore_splines, on_knots, on_rows, window_at
+from fmu_mfbd.modal_field import modal_field, read, spread
 from fmu_mfbd.mesh import read_mesh
 from fmu_mfbd.surface import cell_centres, interpolation
 from master.fmi.errors import BadInput
@@ -62,14 +63,66 @@ def test_spline_passes_through_its_values_and_has_the_right_slope():
     values = np.sin(40 * heights)[None, :, None] * np.array([1.0, 2.0])[:, None, None]
     bore = bore_splines(heights, values, values)
     at = np.linspace(0.0701, 0.0951, 17)
-    first, value, slope = spline_taps(bore.lowest, bore.spacing, at)
-    table = bore.radial[first:first + value.shape[1], :, 0]
-    np.testing.assert_allclose(value @ table[:, 1], 2 * np.sin(40 * at), atol=2e-5)     # fourth order: (40 * 3.4 mm)^4 / 384 * 8
-    np.testing.assert_allclose(slope @ table[:, 1], 80 * np.cos(40 * at), atol=5e-2)
-    shift = 1e-7
-    moved = spline_taps(bore.lowest, bore.spacing, at + shift)[1] @ table[:, 1]
-    back = spline_taps(bore.lowest, bore.spacing, at - shift)[1] @ table[:, 1]
-    np.testing.assert_allclose(slope @ table[:, 1], (moved - back) / (2 * shift), rtol=1e-6, atol=1e-6)
+
+    def on_grid(height, slope=False):
+        window = window_at(bore.lowest, bore.spacing, height)
+        knots = read(bore.radial, window.first, window.knots, np.ones(1))
+        return on_rows(window, window.slope if slope else window.value, knots)[:, 1]
+
+    np.testing.assert_allclose(on_grid(at), 2 * np.sin(40 * at), atol=2e-5)     # fourth order: (40 * 3.4 mm)^4 / 384 * 8
+    np.testing.assert_allclose(on_grid(at, True), 80 * np.cos(40 * at), atol=5e-2)
+    difference = (on_grid(at + 1e-7) - on_grid(at - 1e-7)) / 2e-7
+    np.testing.assert_allclose(on_grid(at, True), difference, rtol=1e-6, atol=1e-6)
+
+
+def test_spreading_is_the_transpose_of_reading():
+    rng = np.random.default_rng(0)
+    kind = np.array([3, 0, 1, 2, 0])
+    field = modal_field(rng.standard_normal((8, 6, 5)), kind)
+    window = window_at(0.0, 1.0, np.array([1.2, 1.9, 2.6]))
+    q, force = rng.standard_normal(5), rng.standard_normal((3, 8))
+    seen = on_rows(window, window.value, read(field, window.first, window.knots, q))
+    assert np.vdot(seen, force) == pytest.approx(q @ spread(field, window.first, on_knots(window, force)), rel=1e-13)
+
+
+def test_folding_by_symmetry_changes_nothing():
+    """Values that have the symmetry of their classes read the same folded and unfolded."""
+    rng = np.random.default_rng(1)
+    kind = np.array([0, 1, 2, 3])
+    folded = modal_field(rng.standard_normal((12, 4, 4)), kind)
+    values = np.stack([read(folded, 0, 4, unit).T for unit in np.eye(4)], axis=-1)
+    plain = modal_field(values)
+    q, force = rng.standard_normal(4), rng.standard_normal((4, 12))
+    np.testing.assert_allclose(read(plain, 0, 4, q), read(folded, 0, 4, q), atol=1e-14)
+    np.testing.assert_allclose(spread(plain, 0, force), spread(folded, 0, force), atol=1e-13)
+    assert folded.table.size * 4 == plain.table.size
+
+
+def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
+    """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose elements do not, has none."""
+    from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
+    from fmu_mfbd.finite_element import consistent_mass, stiffness
+    from fmu_mfbd.symmetry import class_parts, symmetric_modes
+    from fmu_mfbd.verification import box_mesh
+
+    points, tets = box_mesh((2, 3, 2), (0.02, 0.05, 0.03))
+    for axis in (0, 2):
+        image = points.copy()
+        image[:, axis] *= -1
+        tets = np.vstack([tets, len(points) + tets[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]])
+        points, place = np.unique(np.round(np.vstack([points, image]), 12) + 0.0, axis=0, return_inverse=True)
+        tets = place.ravel()[tets]
+    M = consistent_mass(points, tets, 2700.0)
+    body = Elastic(stiffness(points, tets, 7e10, 0.3), M, np.flatnonzero(points[:, 1] == 0.0))
+    modes, omega = orthonormal_modes(body, craig_bampton(body, 10))
+    pure, frequency, kind = symmetric_modes(body, body.full(modes), omega, points)
+    np.testing.assert_allclose(frequency, omega, rtol=1e-8)
+    assert set(kind) >= {0, 1, 2}
+    parts = class_parts(pure.reshape(len(points), 3, -1), points)
+    for k, c in enumerate(kind):
+        others = np.delete(np.arange(4), c)
+        assert np.abs(parts[others, :, :, k]).max() <= 1e-12 * np.abs(parts[c, :, :, k]).max()
+    assert (symmetric_modes(body, body.full(modes), omega, points + [1e-3, 0, 0])[2] == -1).all()
 
 
 def test_shipped_meshes_are_mirror_symmetric():

@@ -1,0 +1,128 @@
+"""The main job as a user runs it: `piston-cosim run numerical_example` in a process of its own, both runs whole."""
+
+import json
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+DEGREES = 720
+
+
+def piston_cosim(*words, folder):
+    return subprocess.run([sys.executable, "-m", "master", *words], cwd=folder, capture_output=True, text=True, timeout=900)
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("job")
+    run = piston_cosim("run", "numerical_example", "--summary-json", "summary.json", folder=folder)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return folder
+
+
+@pytest.fixture
+def flexible(job):
+    with h5py.File(job / "results/numerical_example/flexible.h5") as file:
+        yield file
+
+
+def test_every_step_converged(job, flexible):
+    summary = json.loads((job / "summary.json").read_text())
+    for run in (summary, summary["variants"]["rigid"]):
+        assert run["steps"] >= DEGREES
+        assert run["unconverged_steps"] == 0
+        assert run["mass_imbalance_max"] <= 1e-12  # round-off of a direct solve
+        assert run["interface_work_error_max"] <= 1e-10  # round-off of two summations of the same work
+        assert run["residual_evaluations"] >= run["jacobian_evaluations"] > 0
+    assert flexible["coupling/residual"][1:].max() <= 1.0  # 1e-9 m on the film and 1e-6 of nominal on all else
+
+
+def test_flexible_and_rigid_need_similar_iterations(job):
+    summary = json.loads((job / "summary.json").read_text())
+    assert summary["mean_iterations"] <= 3.0
+    assert summary["mean_iterations"] <= 1.2 * summary["variants"]["rigid"]["mean_iterations"]
+
+
+def test_results_carry_units_and_the_case(flexible):
+    assert flexible["bodies/lateral_displacement"].attrs["unit"] == "m"
+    assert flexible["fields/ehd/pressure"].attrs["unit"] == "Pa"
+    case = json.loads(flexible.attrs["case"])
+    assert case["participants"]["bodies"]["build"]["piston"]["modes"] == 60
+    assert json.loads(flexible.attrs["versions"])["numpy"]
+    assert np.degrees(flexible["bodies/crank_angle"][-1]) == pytest.approx(DEGREES, rel=1e-12)
+
+
+def test_fields_are_symmetric_about_the_thrust_plane(flexible):
+    for name in ("ehd/pressure", "bodies/film_thickness"):
+        field = flexible[f"fields/{name}"][-1]
+        mirrored = np.roll(field[::-1], field.shape[0] // 2, axis=0)  # z -> -z is theta -> 180 deg - theta
+        # meshes are mirror images to the last bit; the coupling tolerance remains
+        assert np.abs(field - mirrored).max() <= 1e-4 * np.abs(field).max()
+
+
+def test_side_force_is_the_pressure_on_the_thrust_side_minus_the_other(flexible):
+    k = int(np.argmin(np.abs(flexible["fields/time"][:] - 0.018)))
+    step = int(np.argmin(np.abs(flexible["time"][:] - flexible["fields/time"][k])))
+    pressure = flexible["fields/ehd/pressure"][k] + flexible["fields/ehd/asperity_pressure"][k]
+    theta = (np.arange(40) + 0.5) * 2 * np.pi / 40
+    cell = 2 * np.pi * 28.25e-3 * 27e-3 / 1600
+    force = cell * (pressure.sum(axis=1) @ np.sin(theta))
+    assert force > 100.0  # the thrust side carries at 648 degrees
+    # both sides of the interface agree to the coupling tolerance: 1e-6 N a cell
+    assert flexible["bodies/side_force"][step] == pytest.approx(force, abs=1600e-6)
+
+
+def test_pictures_are_drawn(job):
+    for name in ("motion", "film", "maps"):
+        assert (job / f"results/numerical_example/{name}.png").stat().st_size > 10_000
+
+
+def test_plot_again_from_the_files(job):
+    run = piston_cosim("plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job)
+    assert run.returncode == 0, run.stderr
+    assert len(list((job / "again").glob("*.png"))) == 3
+
+
+def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
+    run = piston_cosim("run", "numerical_example", "--set", "participants.bodies.parameters.radial_clearance=-5 um",
+                       "--set", "participants.ehd.parameters.viscosity=12 mm", "--set", "participants.ehd.parameters.viscosty=1 Pa s",
+                       "--set", "participants.ehd.build.grid=[20, 40]", folder=tmp_path)
+    assert run.returncode == 2
+    for words in ("radial_clearance: -5 um is -5e-06 m, allowed is 1e-06 to 0.001 m", "12 mm", "did you mean viscosity",
+                  "shapes differ, (40, 40) and (20, 40)"):
+        assert words in run.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("change, words", [
+    ("participants.bodies.build.piston.mesh=none.msh", "no such file"),
+    ("participants.bodies.build.piston.densty=1 kg", "piston.densty: unknown key"),
+    ("coupling.methd=newton", "coupling.methd: unknown key"),
+    ("time.stop=3 bar", "time.stop: '3 bar'"),
+    ("participants.ehd.parameters.pressure_upper_edge=-1 bar", "pressure_upper_edge"),
+])
+def test_bad_input_is_named(tmp_path, change, words):
+    run = piston_cosim("run", "numerical_example", "--only", "rigid", "--set", change, folder=tmp_path)
+    assert run.returncode == 2, run.stdout + run.stderr
+    assert words in run.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_unknown_case_and_missing_files(tmp_path):
+    assert piston_cosim("run", "nonsense", folder=tmp_path).returncode == 2
+    assert piston_cosim("plot", "nonsense.h5", folder=tmp_path).returncode == 2
+    assert piston_cosim("info", "nonsense.fmu", folder=tmp_path).returncode == 2
+    assert piston_cosim("run", folder=tmp_path).returncode == 2
+
+
+def test_relaxation_stops_honestly_and_keeps_what_was_accepted(tmp_path):
+    run = piston_cosim("run", "numerical_example", "--only", "flexible", "--set", "coupling.method=constant",
+                       "--set", "time.stop=4 deg", "--output", "out", folder=tmp_path)
+    assert run.returncode == 1
+    assert "did not converge" in run.stderr and "residual/tolerance per iteration" in run.stderr
+    with h5py.File(tmp_path / "out/flexible.h5.partial") as file:
+        assert file["time"].shape[0] >= 1
+    assert not (tmp_path / "out/flexible.h5").exists()
