@@ -41,6 +41,22 @@ def _single_pivot(a, k):
                 u[c] -= f * x[c]
 
 
+@njit(cache=True, fastmath=CONTRACT, inline="always")
+def _invert_four(pivot):
+    """Invert a 4 x 4 matrix in place; loops of constant length, which the compiler unrolls."""
+    for q in range(4):
+        d = 1.0 / pivot[q, q]
+        pivot[q, q] = 1.0
+        for c in range(4):
+            pivot[q, c] *= d
+        for r in range(4):
+            if r != q:
+                f = pivot[r, q]
+                pivot[r, q] = 0.0
+                for c in range(4):
+                    pivot[r, c] -= f * pivot[q, c]
+
+
 @njit(cache=True, fastmath=CONTRACT)
 def invert_in_place(a):
     """Invert a matrix by Gauss-Jordan elimination without pivoting.
@@ -62,8 +78,7 @@ def invert_in_place(a):
             for j in range(4):
                 pivot[i, j] = a[k + i, k + j]
                 a[k + i, k + j] = 1.0 if i == j else 0.0
-        for q in range(4):
-            _single_pivot(pivot, q)
+        _invert_four(pivot)
         p00, p01, p02, p03 = pivot[0, 0], pivot[0, 1], pivot[0, 2], pivot[0, 3]
         p10, p11, p12, p13 = pivot[1, 0], pivot[1, 1], pivot[1, 2], pivot[1, 3]
         p20, p21, p22, p23 = pivot[2, 0], pivot[2, 1], pivot[2, 2], pivot[2, 3]

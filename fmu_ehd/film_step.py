@@ -106,7 +106,9 @@ class FilmStep:
                                *grid.spacing, grid.ring)
         rate = grid.cell_area / step
         held = edges.pressure[0] if edges.film_fraction[0] >= 1.0 else edges.film_fraction[0] - 1.0
-        guess = model.first_guess(np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full))
+        if self._has_openings:
+            full = np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full)
+        guess = model.first_guess(full)
 
         def assemble(pattern):
             stencil, right = reynolds.assemble(pattern if model.conserving else self._everywhere, *faces, film.stored, content,

@@ -22,12 +22,17 @@ from numba import njit
 
 
 @njit(cache=True, inline="always")
-def _gradient(pressure, i, j, lower, upper, dy):
-    """Axial pressure gradient of a cell from the pressures on its two faces."""
-    last = pressure.shape[1] - 1
-    south = lower if j == 0 else 0.5 * (pressure[i, j - 1] + pressure[i, j])
-    north = upper if j == last else 0.5 * (pressure[i, j] + pressure[i, j + 1])
-    return (north - south) / dy
+def _gradients(pressure, lower, upper, dy, out):
+    """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
+    last = pressure.size - 1
+    half = 0.5 / dy
+    for j in range(1, last):
+        out[j] = half * (pressure[j + 1] - pressure[j - 1])
+    if last == 0:
+        out[0] = (upper - lower) / dy
+    else:
+        out[0] = (0.5 * (pressure[0] + pressure[1]) - lower) / dy
+        out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
 @njit(cache=True)
@@ -61,10 +66,12 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     """
     n_c, n_a = pressure.shape
     viscous, boundary, power = np.empty((n_c, n_a)), np.empty((n_c, n_a)), np.empty((n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
             v, f, a = velocity[i, j], shearing[i, j], area[i, j]
-            flow = poiseuille[i, j] * _gradient(pressure, i, j, lower, upper, dy)
+            flow = poiseuille[i, j] * gradient[j]
             viscous[i, j] = -a * (f * (couette[i, j] - drag[i, j]) * v + flow)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
             boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
@@ -93,15 +100,16 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     """
     n_c, n_a = pressure.shape
     slopes = np.empty((4, n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
             v, f, c, a = velocity[i, j], shearing[i, j], couette[i, j] - drag[i, j], -area[i, j]
-            gradient = _gradient(pressure, i, j, lower, upper, dy)
             square = v * v + rounding_velocity * rounding_velocity
             direction = v / np.sqrt(square)
-            slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient
+            slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
                                    + boundary_slope[i, j] * direction)
-            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j])) + by_velocity[2, i, j] * gradient
+            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j])) + by_velocity[2, i, j] * gradient[j]
                                    + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
             slopes[2, i, j] = a * c * v
             slopes[3, i, j] = a * poiseuille[i, j]
