@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import cavitation, reynolds
-from .blocks import BlockTridiagonal
+from .sparse import linear_solver
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -63,14 +63,14 @@ class FilmStep:
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cells without a film (cut-outs), which hold the pressure and film fraction of the lower edge.
     solver : object, optional
-        Linear solver with `factorise` and `solve`; block-tridiagonal by default.
+        Linear solver with `factorise` and `solve`; `sparse.linear_solver` by default.
     """
 
     def __init__(self, grid, model="jfo", open_cells=None, solver=None):
         self.grid = grid
         self.model = cavitation.CAVITATION[model]
         self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
-        self.solver = solver or BlockTridiagonal(grid.shape)
+        self.solver = solver or linear_solver(grid.shape)
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._nothing = np.zeros(grid.shape)
         self._has_openings = bool(self.open_cells.any())
