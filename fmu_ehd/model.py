@@ -241,6 +241,8 @@ class LubricationModel:
         ------
         cavitation.NotConverged
         """
+        if not film_thickness.max() > 0.0:
+            raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = self._surroundings(conditions) if conditions else self._given
         values, slopes, velocity_slopes = self._flow_film(film_thickness, sliding_velocity, around)
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
@@ -366,7 +368,12 @@ class LubricationModel:
         pressure_force = (absolute + asperity_pressure) * self.area
         thinnest, highest, radial, axial, hydrodynamic, rubbing, power, contact_area = summarise(
             film_thickness, absolute, pressure_force, viscous, boundary, power, contact[2], *self._halves)
-        outputs = dict(nodal_pressure_force=pressure_force, nodal_friction_force=viscous + boundary, pressure=absolute,
+        friction_force = viscous + boundary
+        if not np.isfinite(sum(radial) + sum(axial)):
+            i, j = np.argwhere(~np.isfinite(pressure_force + friction_force))[0]
+            raise NotConverged(f"forces are not finite at [{i + 1},{j + 1}], film_thickness {film_thickness[i, j]:g} m, "
+                               f"sliding_velocity {film.sliding_velocity[i, j]:g} m/s")
+        outputs = dict(nodal_pressure_force=pressure_force, nodal_friction_force=friction_force, pressure=absolute,
                        asperity_pressure=asperity_pressure, film_fraction=film.fraction,
                        minimum_film_thickness=min(thinnest), maximum_pressure=highest,
                        friction_force_hydrodynamic=hydrodynamic, friction_force_asperity=rubbing, friction_power=power,
