@@ -6,7 +6,7 @@ from importlib.resources import files
 import numpy as np
 import scipy.linalg as la
 
-from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes
+from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes, rigid_motions
 from .finite_element import consistent_mass, face_load, stiffness
 from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
 from .generalised_alpha import coefficients, predict
@@ -78,15 +78,6 @@ def bar(cells=(80, 4, 2)):
     points, tets = box_mesh(cells, (0.5, 0.02, 0.01))
     ends = [np.flatnonzero(points[:, 0] == x) for x in (0.0, points[:, 0].max())]
     return points, stiffness(points, tets, **STEEL), consistent_mass(points, tets, 7850.0), ends
-
-
-def rigid_motions(points):
-    """Six rigid-body motions about the origin, (3 n, 6)."""
-    out = np.zeros((len(points), 3, 6))
-    out[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        out[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
-    return out.reshape(-1, 6)
 
 
 def craig_bampton_free(points, K, M, ends, modes):

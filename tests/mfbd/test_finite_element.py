@@ -8,7 +8,8 @@ import pytest
 from fmu_mfbd.finite_element import consistent_mass, face_load, quadrature, stiffness
 from fmu_mfbd.mesh import MeshFault, mesh_faults, Mesh, outer_faces, read_mesh
 from fmu_mfbd.reduction import floating_frame_integrals
-from fmu_mfbd.verification import box_mesh, rigid_motions
+from fmu_mfbd.bases import rigid_motions
+from fmu_mfbd.verification import box_mesh
 
 
 @pytest.fixture(scope="module")
