@@ -90,7 +90,7 @@ def stiffness(points, tets, young, poisson):
 
     References
     ----------
-    [Bathe2014] ch. 5. Checked against scikit-fem in tests/mfbd/test_finite_element.py.
+    [Bathe2014] ch. 5. Checked against scikit-fem in tests/verification/test_mfbd.py.
     """
     lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
     position, weight = quadrature(3)
