@@ -7,6 +7,7 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import json  # noqa: E402
 import sys  # noqa: E402
+import time  # noqa: E402
 import tomllib  # noqa: E402
 from pathlib import Path  # noqa: E402
 from typing import Annotated, Literal  # noqa: E402
@@ -20,6 +21,7 @@ from .fmi.errors import BadInput  # noqa: E402
 
 app = App(name="piston-cosim", help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
           version_flags=["--version"])
+STARTED = time.perf_counter()
 console = Console()
 errors = Console(stderr=True)
 
@@ -169,6 +171,7 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
             summaries[label] = run_system(system, cases[label], trees[label], files[label], watch)
+        summaries[label]["first_step_after_s"] = watch.first - STARTED
     print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
@@ -227,6 +230,53 @@ def plot(*files: Path, output: Path = Path("pictures")):
 
     case = check_case(Results(files[0]).case, files[0])
     _draw(case, {file.stem: file for file in files}, output)
+
+
+@app.command
+def verify(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=())] = False):
+    """Compute every verification figure and print it beside its reference and its error.
+
+    Example: piston-cosim verify ehd
+
+    Parameters
+    ----------
+    parts
+        ehd, mfbd, master; all of them by default.
+    all_
+        The slow studies too (minutes).
+    """
+    from .verify import PARTS
+    from .verify import verify as compute
+
+    unknown = [part for part in parts if part not in PARTS]
+    if unknown:
+        raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join(PARTS)}")
+    if compute(parts or tuple(PARTS), all_, Console(width=max(console.width, 190))):
+        sys.exit(1)
+
+
+@app.command
+def bench(*names: str):
+    """Run the benchmarks of a source checkout: ratios measured side by side, one thread.
+
+    Example: piston-cosim bench mfbd_step
+
+    Parameters
+    ----------
+    names
+        Scripts in tests/bench without their ending; all of them by default.
+    """
+    import subprocess
+
+    folder = Path(__file__).resolve().parents[1] / "tests" / "bench"
+    known = sorted(path.stem for path in folder.glob("*.py"))
+    unknown = [name for name in names if name not in known]
+    if unknown or not known:
+        raise BadInput(f"no benchmark {', '.join(unknown)}: there are {', '.join(known)}" if known else
+                       "benchmarks are in the source checkout, not in the installed package")
+    for name in names or known:
+        console.print(f"[bold]{name}[/]")
+        subprocess.run([sys.executable, str(folder / f"{name}.py")], check=True)
 
 
 def _draw(case, files, folder):
