@@ -64,7 +64,8 @@ def list_cases():
 
 
 @app.command
-def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None):
+def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
+          fmi: Literal["2.0", "3.0"] = "2.0"):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -79,6 +80,8 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
         Circumferential x axial cells, instead of the case's.
     output
         Where to put the FMU; without it the path in the cache is printed.
+    fmi
+        Version of the standard.
     """
     from .fmi.builder import build_fmu
 
@@ -90,7 +93,7 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)
-    fmu = build_fmu(table.package, table.build, path.parent, _say)
+    fmu = build_fmu(table.package, table.build, path.parent, _say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())
     console.print(str(output or fmu), soft_wrap=True, highlight=False)
