@@ -334,15 +334,15 @@ def pack(slave: str, *, grid: str = "40x40", output: Path):
 
 
 @app.command
-def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path):
-    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step.
+def export(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], output: Path):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or as an SSP.
 
     Example: piston-cosim export fmu numerical_example --output engine.fmu
 
     Parameters
     ----------
     kind
-        fmu.
+        fmu or ssp.
     case
         Name of a case (see list), its folder, or a case file.
     set_
@@ -351,8 +351,14 @@ def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path)
         Where to put it.
     """
     from .export import export_fmu
+    from .ssp import export_ssp
+    from .system import open_system
 
     path = find_case(case)
-    checked = check_case(read_tree(path, [parse_change(text) for text in set_]), path)
-    output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    tree = read_tree(path, [parse_change(text) for text in set_])
+    checked = check_case(tree, path)
+    if kind == "fmu":
+        output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    else:
+        export_ssp(tree, open_system(checked, path.parent, _say), output)
     console.print(str(output), soft_wrap=True, highlight=False)
