@@ -19,6 +19,7 @@ References
 import numpy as np
 from numba import njit
 
+TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 CONTRACT = {"contract"}  # fused multiply-add alone: no reordering, so a repeated step gives the same bits
 
 
@@ -38,6 +39,22 @@ def _single_pivot(a, k):
             u[k] = 0.0
             for c in range(n):
                 u[c] -= f * x[c]
+
+
+@njit(cache=True, fastmath=CONTRACT, inline="always")
+def _invert_four(pivot):
+    """Invert a 4 x 4 matrix in place; loops of constant length, which the compiler unrolls."""
+    for q in range(4):
+        d = 1.0 / pivot[q, q]
+        pivot[q, q] = 1.0
+        for c in range(4):
+            pivot[q, c] *= d
+        for r in range(4):
+            if r != q:
+                f = pivot[r, q]
+                pivot[r, q] = 0.0
+                for c in range(4):
+                    pivot[r, c] -= f * pivot[q, c]
 
 
 @njit(cache=True, fastmath=CONTRACT)
@@ -61,8 +78,7 @@ def invert_in_place(a):
             for j in range(4):
                 pivot[i, j] = a[k + i, k + j]
                 a[k + i, k + j] = 1.0 if i == j else 0.0
-        for q in range(4):
-            _single_pivot(pivot, q)
+        _invert_four(pivot)
         p00, p01, p02, p03 = pivot[0, 0], pivot[0, 1], pivot[0, 2], pivot[0, 3]
         p10, p11, p12, p13 = pivot[1, 0], pivot[1, 1], pivot[1, 2], pivot[1, 3]
         p20, p21, p22, p23 = pivot[2, 0], pivot[2, 1], pivot[2, 2], pivot[2, 3]
@@ -251,6 +267,40 @@ def substitute(inverses, back, ahead, ascending, right):
     return out
 
 
+@njit(cache=True, fastmath=CONTRACT)
+def substitute_together(inverses, back, ahead, ascending, right):
+    """As `substitute`, all right-hand sides through a station at once, by matrix products."""
+    m, n, stations = right.shape
+    x = np.empty((stations, n, m))
+    b = np.empty((n, m))
+    for k in range(stations):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            for q in range(m):
+                b[i, q] = right[q, i, j]
+            if k > 0:
+                coupling = back[i, j]
+                for q in range(m):
+                    b[i, q] -= coupling * x[k - 1, i, q]
+        np.dot(inverses[k].T, b, x[k])
+    y = np.empty((n, m))
+    for k in range(stations - 2, -1, -1):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            coupling = ahead[i, j]
+            for q in range(m):
+                b[i, q] = coupling * x[k + 1, i, q]
+        np.dot(inverses[k].T, b, y)
+        x[k] -= y
+    out = np.empty((m, n, stations))
+    for k in range(stations):
+        j = k if ascending else stations - 1 - k
+        for i in range(n):
+            for q in range(m):
+                out[q, i, j] = x[k, i, q]
+    return out
+
+
 class BlockTridiagonal:
     """Factorisation of one five-point matrix at a time, kept for further right-hand sides.
 
@@ -286,4 +336,5 @@ class BlockTridiagonal:
 
     def solve(self, right):
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
-        return substitute(self._inverses, *self._couplings, self._ascending, right)
+        method = substitute if right.shape[0] < TOGETHER else substitute_together
+        return method(self._inverses, *self._couplings, self._ascending, right)

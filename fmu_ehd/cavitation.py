@@ -77,12 +77,10 @@ class Cavitation:
         kept = full & (unknown > 0.0) if self.clipping else full
         return np.where(kept, unknown, 0.0), np.zeros_like(unknown)  # Eqs. (C3) to (C5)
 
-    def change(self, dunknown, unknown, full):
-        """Change of pressure and film fraction for a change of the signed unknown."""
-        if self.conserving:
-            return split(dunknown, full)
+    def shares(self, unknown, full):
+        """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
         kept = full & (unknown > 0.0) if self.clipping else full
-        return np.where(kept, dunknown, 0.0), np.zeros_like(unknown)
+        return kept.astype(float), (~full).astype(float) if self.conserving else np.zeros_like(unknown)
 
 
 CAVITATION = {model.name: model for model in (
@@ -112,7 +110,7 @@ def without_pressure(full, centre, south, north, west, east):
 
 @njit(cache=True)
 def _switch(full, unknown, fixed, conserving, singly):
-    """New pattern, number of switched cells, their first and last axial station, and their first cell."""
+    """New pattern, number of switched cells (-1: not finite), their first and last axial station, and their first cell."""
     tolerance = max(PRESSURE_ROUNDOFF * unknown.max(), PRESSURE_NEGLIGIBLE)
     over = FRACTION_ROUNDOFF if conserving else tolerance
     pattern = full.copy()
@@ -120,6 +118,8 @@ def _switch(full, unknown, fixed, conserving, singly):
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             u = unknown[i, j]
+            if not np.isfinite(u):
+                return pattern, -1, (south, north), (i, j)
             if not fixed[i, j] and (u < -tolerance if full[i, j] else u > over):
                 if count == 0:
                     first = (i, j)
@@ -165,9 +165,10 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
         stencil, right = assemble(full)
         solver.factorise(stencil, stations)
         unknown = solver.solve(right[None])[0]
-        if not np.isfinite(unknown.sum()):
-            raise NotConverged("the film solution is not finite: film thickness or viscosity out of all proportion")
         pattern, count, stations, first = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
+        if count < 0:
+            raise NotConverged(f"the film solution is not finite, first at [{first[0] + 1},{first[1] + 1}]: film thickness or "
+                               "viscosity out of all proportion")
         if count == 0 or not model.switching:  # Eq. (C1)
             return unknown, full, iteration + 1
         full = pattern

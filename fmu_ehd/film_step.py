@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import cavitation, reynolds
-from .blocks import BlockTridiagonal
+from .sparse import linear_solver
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -63,15 +63,16 @@ class FilmStep:
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cells without a film (cut-outs), which hold the pressure and film fraction of the lower edge.
     solver : object, optional
-        Linear solver with `factorise` and `solve`; block-tridiagonal by default.
+        Linear solver with `factorise` and `solve`; `sparse.linear_solver` by default.
     """
 
     def __init__(self, grid, model="jfo", open_cells=None, solver=None):
         self.grid = grid
         self.model = cavitation.CAVITATION[model]
         self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
-        self.solver = solver or BlockTridiagonal(grid.shape)
+        self.solver = solver or linear_solver(grid.shape)
         self._everywhere = np.ones(grid.shape, dtype=bool)
+        self._nothing = np.zeros(grid.shape)
         self._has_openings = bool(self.open_cells.any())
 
     def solve(self, film, velocity_c, velocity_a, edges, content, full, step):
@@ -105,7 +106,9 @@ class FilmStep:
                                *grid.spacing, grid.ring)
         rate = grid.cell_area / step
         held = edges.pressure[0] if edges.film_fraction[0] >= 1.0 else edges.film_fraction[0] - 1.0
-        guess = model.first_guess(np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full))
+        if self._has_openings:
+            full = np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full)
+        guess = model.first_guess(full)
 
         def assemble(pattern):
             stencil, right = reynolds.assemble(pattern if model.conserving else self._everywhere, *faces, film.stored, content,
@@ -133,29 +136,42 @@ class FilmStep:
         return pressure, *reynolds.balance(pressure, deficit, s.faces, s.film.stored, s.content, s.rate, s.edges.pressure,
                                            s.edges.film_fraction, self.grid.ring, self.open_cells)
 
-    def tangent(self, dfilm, dvelocity_c, dvelocity_a):
-        """Change of pressure and film fraction of the last step, Eq. (E6).
+    def linearise(self, by_film, by_velocity, dvelocity_c, dvelocity_a):
+        """Prepare the tangent of the last step, Eq. (E6).
 
         Parameters
         ----------
-        dfilm : films.FlowFilm
-            Change of the film.
+        by_film, by_velocity : films.FlowFilm
+            Derivatives of the film to film thickness and to sliding velocity.
         dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
-            Change of the entrainment velocity [m/s].
+            Derivatives of the entrainment velocities to the sliding velocity [-].
 
         Returns
         -------
-        dpressure, dfraction : ndarray, shape (n_c, n_a)
-            [Pa], [-].
+        by_pressure, by_fraction : ndarray, shape (n_c, n_a)
+            Derivatives of pressure and film fraction to the signed unknown.
         """
-        s = self._step
-        out = reynolds.outflow_change((s.film.conductivity_c, s.film.transport, s.velocity_c),
-                                      (s.film.conductivity_a, s.film.transport, s.velocity_a),
-                                      (dfilm.conductivity_c, dfilm.transport, dvelocity_c),
-                                      (dfilm.conductivity_a, dfilm.transport, dvelocity_a),
-                                      self._pressure, self._fraction, *self.grid.spacing, s.edges.pressure,
-                                      s.edges.film_fraction, self.grid.ring)
-        right = -out - s.rate * self._fraction * dfilm.stored
+        s, nothing = self._step, self._nothing
+        self._stencil = reynolds.linearise(
+            (s.film.conductivity_c, s.film.transport, s.velocity_c), (s.film.conductivity_a, s.film.transport, s.velocity_a),
+            (by_film.stored, by_film.transport, by_film.conductivity_c, by_film.conductivity_a, nothing, nothing),
+            (by_velocity.stored, by_velocity.transport, by_velocity.conductivity_c, by_velocity.conductivity_a,
+             dvelocity_c, dvelocity_a), self._pressure, self._fraction, *self.grid.spacing, s.rate, s.edges.pressure,
+            s.edges.film_fraction, self.grid.ring)
         if self._has_openings:
-            right[self.open_cells] = 0.0
-        return self.model.change(self.solver.solve(right[None])[0], self._unknown, s.full)  # Eq. (E6)
+            self._stencil[:, :, self.open_cells] = 0.0
+        return self.model.shares(self._unknown, s.full)
+
+    def tangent(self, dfilm, dvelocity):
+        """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
+
+        Parameters
+        ----------
+        dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
+            m changes of film thickness [m] and sliding velocity [m/s].
+
+        Returns
+        -------
+        ndarray, shape (m, n_c, n_a)
+        """
+        return self.solver.solve(reynolds.apply_stencils(self._stencil, dfilm, dvelocity))  # Eq. (E6)

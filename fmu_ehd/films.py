@@ -53,19 +53,18 @@ def smooth_film(film_thickness, viscosity, minimum_flow_film):
         The quantities of `FlowFilm` and their derivatives to h.
     """
     n_c, n_a = film_thickness.shape
-    values, slopes = np.zeros((7, n_c, n_a)), np.zeros((7, n_c, n_a))
+    values, slopes = np.empty((7, n_c, n_a)), np.empty((7, n_c, n_a))
     for i in range(n_c):
         for j in range(n_a):
             mu, h = viscosity[i, j], max(film_thickness[i, j], minimum_flow_film)
+            slope = 1.0 if film_thickness[i, j] > minimum_flow_film else 0.0
+            area, shear = h * h / (4.0 * mu), mu / h
             values[0, i, j] = values[1, i, j] = h  # Eq. (E7)
-            values[2, i, j] = values[3, i, j] = h * h * h / (12.0 * mu)
-            values[4, i, j] = mu / h
-            values[6, i, j] = 0.5 * h
-            if film_thickness[i, j] > minimum_flow_film:
-                slopes[0, i, j] = slopes[1, i, j] = 1.0
-                slopes[2, i, j] = slopes[3, i, j] = h * h / (4.0 * mu)
-                slopes[4, i, j] = -mu / (h * h)
-                slopes[6, i, j] = 0.5
+            values[2, i, j] = values[3, i, j] = h * area / 3.0
+            values[4, i, j], values[5, i, j], values[6, i, j] = shear, 0.0, 0.5 * h
+            slopes[0, i, j] = slopes[1, i, j] = slope
+            slopes[2, i, j] = slopes[3, i, j] = slope * area
+            slopes[4, i, j], slopes[5, i, j], slopes[6, i, j] = -slope * shear / h, 0.0, 0.5 * slope
     return values, slopes
 
 

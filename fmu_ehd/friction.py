@@ -22,12 +22,17 @@ from numba import njit
 
 
 @njit(cache=True, inline="always")
-def _gradient(pressure, i, j, lower, upper, dy):
-    """Axial pressure gradient of a cell from the pressures on its two faces."""
-    last = pressure.shape[1] - 1
-    south = lower if j == 0 else 0.5 * (pressure[i, j - 1] + pressure[i, j])
-    north = upper if j == last else 0.5 * (pressure[i, j] + pressure[i, j + 1])
-    return (north - south) / dy
+def _gradients(pressure, lower, upper, dy, out):
+    """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
+    last = pressure.size - 1
+    half = 0.5 / dy
+    for j in range(1, last):
+        out[j] = half * (pressure[j + 1] - pressure[j - 1])
+    if last == 0:
+        out[0] = (upper - lower) / dy
+    else:
+        out[0] = (0.5 * (pressure[0] + pressure[1]) - lower) / dy
+        out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
 @njit(cache=True)
@@ -61,10 +66,12 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     """
     n_c, n_a = pressure.shape
     viscous, boundary, power = np.empty((n_c, n_a)), np.empty((n_c, n_a)), np.empty((n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
             v, f, a = velocity[i, j], shearing[i, j], area[i, j]
-            flow = poiseuille[i, j] * _gradient(pressure, i, j, lower, upper, dy)
+            flow = poiseuille[i, j] * gradient[j]
             viscous[i, j] = -a * (f * (couette[i, j] - drag[i, j]) * v + flow)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
             boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
@@ -73,35 +80,81 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
 
 
 @njit(cache=True)
-def shear_force_changes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy,
-                        boundary_stress, rounding_velocity, area,
-                        dpressure, dshearing, dvelocity, dcouette, ddrag, dpoiseuille, dboundary_stress):
-    """Change of the total shear force of each cell, the derivative of Eqs. (F1), (F2).
+def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy, boundary_stress, rounding_velocity,
+                 area, by_film, by_velocity, boundary_slope):
+    """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
 
     Parameters
     ----------
     pressure ... area
         As in `shear_forces`.
-    dpressure ... dboundary_stress : ndarray, shape (n_c, n_a)
-        Changes of p, f, V, c, d, b, tau_b.
+    by_film, by_velocity : ndarray, shape (3, n_c, n_a)
+        Derivatives of c, d, b to film thickness and to sliding velocity.
+    boundary_slope : ndarray, shape (n_c, n_a)
+        Derivative of tau_b to film thickness [Pa/m].
 
     Returns
     -------
-    ndarray, shape (n_c, n_a)
-        [N].
+    ndarray, shape (4, n_c, n_a)
+        To film thickness [N/m], sliding velocity [N s/m], shearing share [N], and to the pressure gradient [N m/Pa].
     """
     n_c, n_a = pressure.shape
-    force = np.empty((n_c, n_a))
+    slopes = np.empty((4, n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
-            v, f, dv, df = velocity[i, j], shearing[i, j], dvelocity[i, j], dshearing[i, j]
-            c, dc = couette[i, j] - drag[i, j], dcouette[i, j] - ddrag[i, j]
-            sliding = df * c * v + f * (dc * v + c * dv)
-            flow = (dpoiseuille[i, j] * _gradient(pressure, i, j, lower, upper, dy)
-                    + poiseuille[i, j] * _gradient(dpressure, i, j, 0.0, 0.0, dy))
+            v, f, c, a = velocity[i, j], shearing[i, j], couette[i, j] - drag[i, j], -area[i, j]
             square = v * v + rounding_velocity * rounding_velocity
             direction = v / np.sqrt(square)
-            ddirection = dv * (1.0 - direction * direction) / np.sqrt(square)
-            boundary = dboundary_stress[i, j] * direction + boundary_stress[i, j] * ddirection
-            force[i, j] = -area[i, j] * (sliding + flow + boundary)
-    return force
+            slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
+                                   + boundary_slope[i, j] * direction)
+            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j])) + by_velocity[2, i, j] * gradient[j]
+                                   + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            slopes[2, i, j] = a * c * v
+            slopes[3, i, j] = a * poiseuille[i, j]
+    return slopes
+
+
+@njit(cache=True, fastmath={"contract"})
+def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown):
+    """Changes of both nodal forces.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (4, n_c, n_a)
+        From `shear_slopes`.
+    by_pressure : ndarray, shape (n_c, n_a)
+        Derivative of the shear force to the cell's own pressure, beyond the gradient [N/Pa].
+    contact_slope, area : ndarray, shape (n_c, n_a)
+        Derivative of the asperity pressure to film thickness [Pa/m], lubricated area [m2].
+    dy : float
+        Axial cell size [m].
+    pressure_share, fraction_share : ndarray, shape (n_c, n_a)
+        Derivatives of pressure and film fraction to the signed unknown.
+    dfilm, dvelocity, dunknown : ndarray, shape (m, n_c, n_a)
+        [m], [m/s], [Pa] or [-].
+
+    Returns
+    -------
+    dnormal, dshear : ndarray, shape (m, n_c, n_a)
+        [N].
+    """
+    m, n_c, n_a = dfilm.shape
+    normal, shear, p = np.empty((m, n_c, n_a)), np.empty((m, n_c, n_a)), np.empty(n_a)
+    half, last = 0.5 / dy, n_a - 1
+    for q in range(m):
+        for i in range(n_c):
+            h, v, u, to_p = dfilm[q, i], dvelocity[q, i], dunknown[q, i], pressure_share[i]
+            by_h, by_v, by_f, by_g, by_p = slopes[0, i], slopes[1, i], slopes[2, i], slopes[3, i], by_pressure[i]
+            out, force, a, k, to_f = shear[q, i], normal[q, i], area[i], contact_slope[i], fraction_share[i]
+            for j in range(n_a):
+                p[j] = to_p[j] * u[j]
+                force[j] = a[j] * (p[j] + k[j] * h[j])
+                out[j] = by_h[j] * h[j] + by_v[j] * v[j] + by_f[j] * to_f[j] * u[j] + by_p[j] * p[j]
+            for j in range(1, last):
+                out[j] += by_g[j] * half * (p[j + 1] - p[j - 1])
+            if n_a > 1:
+                out[0] += by_g[0] * half * (p[0] + p[1])
+                out[last] -= by_g[last] * half * (p[last] + p[last - 1])
+    return normal, shear

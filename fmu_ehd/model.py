@@ -13,6 +13,7 @@ from .oil import Oil
 from .roughness import factor_table
 from .summary import halves, summarise
 
+BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 HIGHEST_PRESSURE = 1e10  # [Pa]; no viscosity law means anything beyond
 
 
@@ -181,6 +182,8 @@ class LubricationModel:
         self._factors = factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
         self._thins = p.oil.shear_thinning_law != "none"
         self._no_velocity = np.zeros(p.shape)
+        self._no_slopes = np.zeros((7, *p.shape))
+        self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
         self._halves = halves(p.shape[0])
         self._given = self._surroundings({})
 
@@ -238,6 +241,8 @@ class LubricationModel:
         ------
         cavitation.NotConverged
         """
+        if not film_thickness.max() > 0.0:
+            raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = self._surroundings(conditions) if conditions else self._given
         values, slopes, velocity_slopes = self._flow_film(film_thickness, sliding_velocity, around)
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
@@ -245,6 +250,7 @@ class LubricationModel:
                                         state.content, guess, step)
         film = self._film(sliding_velocity, values, slopes, velocity_slopes, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
+        self._linear = None
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
         return State(solution.unknown, state.unknown, solution.content), outputs
@@ -254,30 +260,42 @@ class LubricationModel:
 
         Parameters
         ----------
-        dfilm_thickness, dsliding_velocity : ndarray, shape (n_c, n_a)
-            [m], [m/s].
+        dfilm_thickness, dsliding_velocity : ndarray, shape (n_c, n_a) or (m, n_c, n_a)
+            [m], [m/s]; m directions at once cost less than m single ones.
 
         Returns
         -------
-        dnodal_pressure_force, dnodal_friction_force : ndarray, shape (n_c, n_a)
+        dnodal_pressure_force, dnodal_friction_force : ndarray, shape as given
             [N].
         """
+        if self._linear is None:
+            self._linear = self._linearise()
+        shape = (-1, *self.grid.shape)
+        dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
+        dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
+        forces = [friction.force_changes(*self._linear, h, v, self.film_step.tangent(h, v))
+                  for h, v in ((dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH))]
+        joined = forces[0] if len(forces) == 1 else [np.concatenate(parts) for parts in zip(*forces)]
+        return tuple(force.reshape(np.shape(dfilm_thickness)) for force in joined)
+
+    def _linearise(self):
+        """Derivatives of the forces of the last step that every direction shares."""
         film, contact, shear_inputs = self._last
-        change = film.slopes * dfilm_thickness
-        if film.velocity_slopes is not None:
-            change += film.velocity_slopes * dsliding_velocity
-        change = FlowFilm(*change)
-        dpressure, dfraction = self.film_step.tangent(change, self._no_velocity, -0.5 * dsliding_velocity)
-        dcouette, ddrag = change.couette, change.drag
+        by_film = film.slopes
+        by_velocity = film.velocity_slopes if film.velocity_slopes is not None else self._no_slopes
+        to_pressure, to_fraction = self.film_step.linearise(FlowFilm(*by_film), FlowFilm(*by_velocity), self._no_velocity,
+                                                            self._half_back)
+        by_pressure = self._no_velocity
+        shear_by_film, shear_by_velocity = by_film[4:], by_velocity[4:]
         if film.ratio is not None:
-            dpressure = dpressure * film.ratio
-            dcouette, ddrag = ((film.values[k] * film.dratio * dpressure + film.ratio * d)
-                               for k, d in ((4, dcouette), (5, ddrag)))
+            scale = np.stack([film.ratio, film.ratio, np.ones_like(film.ratio)])
+            shear_by_film, shear_by_velocity = shear_by_film * scale, shear_by_velocity * scale
+            by_pressure = -self.area * shear_inputs[1] * film.sliding_velocity * (film.values[4] - film.values[5]) * film.dratio
+            to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
+        slopes = friction.shear_slopes(*shear_inputs, shear_by_film, shear_by_velocity, contact[4])
         if self.parameters.cavity_shear == "full_film":
-            dfraction = self._no_velocity
-        dfriction = friction.shear_force_changes(*shear_inputs, dpressure, dfraction, dsliding_velocity, dcouette, ddrag,
-                                                 change.poiseuille, contact[4] * dfilm_thickness)
-        return (dpressure + contact[1] * dfilm_thickness) * self.area, dfriction
+            to_fraction = self._no_velocity
+        return slopes, by_pressure, contact[1], self.area, self.grid.spacing[1], to_pressure, to_fraction
 
     # ---- parts of a step --------------------------------------------------------------------------------------------
 
@@ -350,7 +368,12 @@ class LubricationModel:
         pressure_force = (absolute + asperity_pressure) * self.area
         thinnest, highest, radial, axial, hydrodynamic, rubbing, power, contact_area = summarise(
             film_thickness, absolute, pressure_force, viscous, boundary, power, contact[2], *self._halves)
-        outputs = dict(nodal_pressure_force=pressure_force, nodal_friction_force=viscous + boundary, pressure=absolute,
+        friction_force = viscous + boundary
+        if not np.isfinite(sum(radial) + sum(axial)):
+            i, j = np.argwhere(~np.isfinite(pressure_force + friction_force))[0]
+            raise NotConverged(f"forces are not finite at [{i + 1},{j + 1}], film_thickness {film_thickness[i, j]:g} m, "
+                               f"sliding_velocity {film.sliding_velocity[i, j]:g} m/s")
+        outputs = dict(nodal_pressure_force=pressure_force, nodal_friction_force=friction_force, pressure=absolute,
                        asperity_pressure=asperity_pressure, film_fraction=film.fraction,
                        minimum_film_thickness=min(thinnest), maximum_pressure=highest,
                        friction_force_hydrodynamic=hydrodynamic, friction_force_asperity=rubbing, friction_power=power,

@@ -51,7 +51,7 @@ class Body(BaseModel):
     density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)]
     young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)]
     poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
-    basis: Literal["pressure_modes", "craig_bampton"] = "pressure_modes"
+    basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
     modes: Annotated[int, Field(ge=0, le=200)] = 60
 
 
@@ -87,8 +87,11 @@ class Gas(BaseModel):
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
-    The skirt's edges are those of its surface in the mesh unless given.
+    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly (rbe2) or
+    the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
     """
+
+    tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
 
     skirt_lower: Quantity("m") | None = None
     skirt_upper: Quantity("m") | None = None
@@ -99,8 +102,12 @@ class Piston(Body):
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given. `tie`: bolt
+    faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
     """
+
+    tie: Literal["rbe2", "springs"] = "rbe2"
+    spring_stiffness: Annotated[Quantity("N/m"), Field(ge=1e3, le=1e14)] = 1e9
 
     bore_lower: Quantity("m") | None = None
     bore_upper: Quantity("m") | None = None

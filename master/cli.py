@@ -1,4 +1,4 @@
-"""The command line `piston-cosim`: list, build, info, run, plot. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
+"""The command line `piston-cosim`: one function a command. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
 
 import os
 
@@ -7,9 +7,10 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import json  # noqa: E402
 import sys  # noqa: E402
+import time  # noqa: E402
 import tomllib  # noqa: E402
 from pathlib import Path  # noqa: E402
-from typing import Annotated  # noqa: E402
+from typing import Annotated, Literal  # noqa: E402
 
 from cyclopts import App, CycloptsError, Parameter  # noqa: E402
 from rich.console import Console  # noqa: E402
@@ -20,6 +21,7 @@ from .fmi.errors import BadInput  # noqa: E402
 
 app = App(name="piston-cosim", help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
           version_flags=["--version"])
+STARTED = time.perf_counter()
 console = Console()
 errors = Console(stderr=True)
 
@@ -62,7 +64,8 @@ def list_cases():
 
 
 @app.command
-def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None):
+def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
+          fmi: Literal["2.0", "3.0"] = "2.0"):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -77,6 +80,8 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
         Circumferential x axial cells, instead of the case's.
     output
         Where to put the FMU; without it the path in the cache is printed.
+    fmi
+        Version of the standard.
     """
     from .fmi.builder import build_fmu
 
@@ -88,7 +93,7 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)
-    fmu = build_fmu(table.package, table.build, path.parent, _say)
+    fmu = build_fmu(table.package, table.build, path.parent, _say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())
     console.print(str(output or fmu), soft_wrap=True, highlight=False)
@@ -131,7 +136,7 @@ def info(fmu: Path):
 
 @app.command
 def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str | None = None,
-        summary_json: Path | None = None, plots: bool = True):
+        summary_json: Path | None = None, plots: bool = True, lubrication: Path | None = None, bodies: Path | None = None):
     """Run a case and its variants: results file, summary, pictures.
 
     Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa s"
@@ -150,14 +155,17 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
         Also write the summary there.
     plots
         Draw the case's pictures at the end.
+    lubrication, bodies
+        FMU to take instead of the case's own; what the case says of variables it does not have is left out and named.
     """
+    from .check import swap_all
     from .report import print_summary, watching
     from .run import run as run_system
     from .system import open_system
 
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
-    trees = variant_trees(path, changes, only)
+    trees = swap_all(variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, _say)
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
     folder = output or Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
     systems = open_all(cases, path.parent, open_system)
@@ -166,6 +174,7 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
             summaries[label] = run_system(system, cases[label], trees[label], files[label], watch)
+        summaries[label]["first_step_after_s"] = watch.first - STARTED
     print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
@@ -283,6 +292,76 @@ def _draw(case, files, folder):
 
 def _say(text):
     console.print(f"[dim]{text}[/]", soft_wrap=True)
+
+
+@app.command
+def check(fmu: Path):
+    """Compare an FMU with the lubrication contract: names, units, shapes, capabilities.
+
+    Example: piston-cosim check film.fmu
+    """
+    from .check import check_fmu
+
+    if not fmu.is_file():
+        raise BadInput(f"{fmu}: no such file")
+    role, breaches, remarks = check_fmu(fmu)
+    for line in remarks:
+        console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
+    if breaches:
+        raise BadInput([f"{fmu}, as {role}: {line}" for line in breaches])
+    console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)
+
+
+@app.command
+def pack(slave: str, *, grid: str = "40x40", output: Path):
+    """Make an FMU of a slave written in one file, e.g. of the template of a lubrication model.
+
+    Example: piston-cosim pack models/lubrication_template/axial_film.py:AxialFilm --output film.fmu
+
+    Parameters
+    ----------
+    slave
+        FILE.py:CLASS.
+    grid
+        Circumferential x axial cells.
+    output
+        Where to put the FMU.
+    """
+    from .fmi.builder import build_fmu_of_file
+
+    output.write_bytes(build_fmu_of_file(slave, {"grid": parse_grid(grid)}, _say).read_bytes())
+    console.print(str(output), soft_wrap=True, highlight=False)
+
+
+@app.command
+def export(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], output: Path):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or as an SSP.
+
+    Example: piston-cosim export fmu numerical_example --output engine.fmu
+
+    Parameters
+    ----------
+    kind
+        fmu or ssp.
+    case
+        Name of a case (see list), its folder, or a case file.
+    set_
+        Change of the case, KEY=VALUE.
+    output
+        Where to put it.
+    """
+    from .export import export_fmu
+    from .ssp import export_ssp
+    from .system import open_system
+
+    path = find_case(case)
+    tree = read_tree(path, [parse_change(text) for text in set_])
+    checked = check_case(tree, path)
+    if kind == "fmu":
+        output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    else:
+        export_ssp(tree, open_system(checked, path.parent, _say), output)
+    console.print(str(output), soft_wrap=True, highlight=False)
 
 
 @app.command
@@ -414,4 +493,4 @@ def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_
     console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
     console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
     if not any(row["status"] == "done" for row in rows):
-        raise BadInput([f"{row['status']}: {row['message']}" for row in rows])
+        sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)

@@ -44,6 +44,17 @@ def test_tangent_is_the_central_difference(changes):
     assert tangent_error(Parameters(SHAPE, **changes)) <= 1e-7  # third derivative x (1e-5)^2
 
 
+def test_many_directions_at_once_are_the_single_ones():
+    model, state, _ = motored(Parameters(SHAPE, roughness_rms=1e-6), 60)
+    model.advance(state, *motored_film(SHAPE, 61 * DEGREE), DEGREE)
+    rng = np.random.default_rng(1)
+    dfilm, dvelocity = 1e-6 * rng.standard_normal((30, *SHAPE)), rng.standard_normal((30, *SHAPE))
+    together = model.tangent(dfilm, dvelocity)
+    for k in range(30):
+        for many, single in zip(together, model.tangent(dfilm[k], dvelocity[k])):
+            assert np.abs(many[k] - single).max() <= 1e-12 * np.abs(single).max()  # order of summation
+
+
 @pytest.mark.parametrize("changes", [v for k, v in OPTIONS.items() if k not in ("reynolds", "gumbel", "full film")],
                          ids=[k for k in OPTIONS if k not in ("reynolds", "gumbel", "full film")])
 def test_oil_is_conserved_under_every_option(changes):
