@@ -134,6 +134,26 @@ class ReportTable(Table):
     motion: Motion | None = None
 
 
+class Study(Table):
+    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
+
+    `set` changes the case in all of them; `curves` over `x` are scored against the reference's.
+    """
+
+    title: str
+    set: dict[str, Any] = {}
+    points: dict[str, dict[str, Any]]
+    reference: str
+    x: Port
+    curves: list[Port]
+
+    @model_validator(mode="after")
+    def reference_exists(self):
+        if self.reference not in self.points:
+            raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
+        return self
+
+
 class Case(Table):
     """A whole case file.
 
@@ -156,6 +176,7 @@ class Case(Table):
     pictures: list[Picture] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
+    studies: dict[str, Study] = {}
     variants: dict[str, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
