@@ -494,3 +494,48 @@ def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_
     console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
     if not any(row["status"] == "done" for row in rows):
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
+
+
+@app.command
+def study(case: str, name: str, *, set_: Changes = [], output: Path | None = None, workers: int = 1):
+    """Run a study of a case: a table of cost and of distance from its reference run, and pictures.
+
+    Example: piston-cosim study numerical_example modes
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder, or a case file.
+    name
+        Of the study in the case file ([studies.NAME]).
+    set_
+        Change of the case in all runs, KEY=VALUE; it overrides the study.
+    output
+        Folder; default results/study_<case>_<name>. What is there from an earlier start is not run again.
+    workers
+        Processes; more than one disturbs the wall times.
+    """
+    from . import studies
+    from . import sweep as sweeps
+    from .pictures import draw
+
+    path = find_case(case)
+    checked, chosen, found = studies.study_points(path, [parse_change(text) for text in set_], name)
+    folder = output or Path("results") / f"study_{path.parent.name}_{name}"
+    sweeps.build_all(found, path.parent, _say)
+
+    def watch(row, done, total):
+        console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+
+    with sweeps.local_executor(workers) as executor:
+        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
+    runs = studies.open_points(found, rows, folder)
+    table = studies.study_table(chosen, checked, rows, runs)
+    shown = Table("", *(row["run"] for row in table), box=None, title=chosen.title)
+    for key in dict.fromkeys(key for row in table for key in row if key != "run"):
+        shown.add_row(key, *(f"{v:.4g}" if isinstance(v := row.get(key, ""), float) else str(v) for row in table))
+    console.print(shown)
+    console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
+    console.print(f"picture  {studies.draw_study(chosen, checked, table, runs, folder / 'study.png')}", highlight=False, soft_wrap=True)
+    for picture in draw(checked, runs, folder):
+        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
