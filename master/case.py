@@ -245,13 +245,18 @@ def read_tree(path, changes=()):
 
 
 def _change(tree, key, value):
-    """Set a dotted key; the tables on its way must exist. Returns a fault or None."""
+    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0. Returns a fault or None."""
     *parents, last = key.split(".")
     node = tree
     for k, part in enumerate(parents):
-        node = node.get(part) if isinstance(node, dict) else None
-        if not isinstance(node, dict):
+        if isinstance(node, list):
+            node = node[int(part)] if part.isdigit() and int(part) < len(node) else None
+        else:
+            node = node.get(part)
+        if not isinstance(node, (dict, list)):
             return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+    if isinstance(node, list):
+        return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
     node[last] = value
     return None
 
