@@ -1,10 +1,10 @@
 """The lubrication model: film, oil, contact and friction of one skirt, one step at a time."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from . import asperity, friction
+from . import asperity, coating, friction
 from .cavitation import NotConverged
 from .film_step import FilmStep
 from .films import FlowFilm, rough_film, smooth_film
@@ -42,6 +42,8 @@ class Parameters:
         gamma and Y of `roughness` and `films` [-].
     friction_rounding_velocity : float
         [m/s].
+    coating_thickness, coating_modulus, coating_poisson : float
+        Soft layer, d [m], E [Pa], nu [-] of `coating`; 0 m = none.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cut-outs.
     """
@@ -71,6 +73,9 @@ class Parameters:
     boundary_friction_coefficient: float = 0.12
     boundary_shear_strength: float = 0.0
     friction_rounding_velocity: float = 1e-3
+    coating_thickness: float = 0.0
+    coating_modulus: float = 1e9
+    coating_poisson: float = 0.3
     open_cells: np.ndarray | None = None
 
 
@@ -111,11 +116,14 @@ class State:
         Signed unknown of the last two steps: its extrapolation starts the next step, so a repeat takes the same path.
     content : ndarray
         film_fraction x film of the flow [m].
+    deflection : ndarray
+        Of the coating [m].
     """
 
     unknown: np.ndarray
     unknown_before: np.ndarray
     content: np.ndarray
+    deflection: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -181,6 +189,7 @@ class LubricationModel:
                          asperity.contact_table(p.contact_law))
         self._factors = factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
         self._thins = p.oil.shear_thinning_law != "none"
+        self._compliance = coating.compliance(p.coating_thickness, p.coating_modulus, p.coating_poisson)
         self._no_velocity = np.zeros(p.shape)
         self._no_slopes = np.zeros((7, *p.shape))
         self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
@@ -213,7 +222,7 @@ class LubricationModel:
         film = self._film(sliding_velocity, values, slopes, velocity_slopes, unknown, np.ones(self.grid.shape), around)
         _, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0)
-        return State(unknown, unknown, values[0].copy()), outputs
+        return State(unknown, unknown, values[0].copy(), np.zeros(self.grid.shape)), outputs
 
     def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
         """One step from `state` to the given film and velocity.
@@ -244,16 +253,15 @@ class LubricationModel:
         if not film_thickness.max() > 0.0:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = self._surroundings(conditions) if conditions else self._given
-        values, slopes, velocity_slopes = self._flow_film(film_thickness, sliding_velocity, around)
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
-        solution = self.film_step.solve(FlowFilm(*values), self._no_velocity, -0.5 * sliding_velocity, around.edges,
-                                        state.content, guess, step)
-        film = self._film(sliding_velocity, values, slopes, velocity_slopes, solution.pressure, solution.film_fraction, around)
+        find = self._coated if self._compliance > 0.0 else self._bare
+        film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
+        film = self._film(sliding_velocity, *parts, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
         self._linear = None
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
-        return State(solution.unknown, state.unknown, solution.content), outputs
+        return State(solution.unknown, state.unknown, solution.content, deflection), outputs
 
     def tangent(self, dfilm_thickness, dsliding_velocity):
         """Change of the forces at the end of the last step for changed inputs there, its state at the beginning held.
@@ -273,10 +281,19 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        forces = [friction.force_changes(*self._linear, h, v, self.film_step.tangent(h, v))
-                  for h, v in ((dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH))]
+        forces = [self._force_changes(dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH)]
         joined = forces[0] if len(forces) == 1 else [np.concatenate(parts) for parts in zip(*forces)]
         return tuple(force.reshape(np.shape(dfilm_thickness)) for force in joined)
+
+    def _force_changes(self, dfilm, dvelocity):
+        """`tangent` for stacked directions; a coating yields to the change of pressure, Eq. (L3)."""
+        if not self._compliance:
+            return friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity))
+        yielding = 1.0 / (1.0 - self._compliance * self._last[1][1])
+        dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
+        to_pressure = self._linear[5]
+        dfilm = yielding * (dfilm + self._compliance * to_pressure * dunknown)
+        return friction.force_changes(*self._linear, dfilm, dvelocity, dunknown)
 
     def _linearise(self):
         """Derivatives of the forces of the last step that every direction shares."""
@@ -296,6 +313,41 @@ class LubricationModel:
         if self.parameters.cavity_shear == "full_film":
             to_fraction = self._no_velocity
         return slopes, by_pressure, contact[1], self.area, self.grid.spacing[1], to_pressure, to_fraction
+
+    # ---- ways to a film ---------------------------------------------------------------------------------------------
+
+    def _bare(self, state, film_thickness, sliding_velocity, guess, around, step):
+        """Film thickness, `_flow_film`, solution of the film balance, deflection: of hard surfaces."""
+        parts = self._flow_film(film_thickness, sliding_velocity, around)
+        solution = self.film_step.solve(FlowFilm(*parts[0]), self._no_velocity, -0.5 * sliding_velocity, around.edges,
+                                        state.content, guess, step)
+        return film_thickness, parts, solution, state.deflection
+
+    def _coated(self, state, film_thickness, sliding_velocity, guess, around, step):
+        """The same with a coating that yields to the pressure, by Newton's method, `coating`."""
+        c, law, velocities = self._compliance, around.thickening, (self._no_velocity, -0.5 * sliding_velocity)
+        deflection, unknown, full, factorisations = state.deflection, state.unknown, state.unknown > 0.0, 0
+        for _ in range(coating.LIMIT):
+            film = film_thickness + deflection
+            parts = self._flow_film(film, sliding_velocity, around)
+            reduced, deficit = self.film_step.model.interpret(unknown, full)
+            pressure = law.pressure(reduced) if law else reduced
+            ratio = law.ratio(pressure)[0] if law else 1.0
+            by_velocity = self._no_slopes if parts[2] is None else parts[2]
+            slopes = self.film_step.slopes(FlowFilm(*parts[0]), FlowFilm(*parts[1]), FlowFilm(*by_velocity), velocities,
+                                           (self._no_velocity, self._half_back), reduced, 1.0 + deficit, around.edges, step)
+            touching, touching_slope, *_ = asperity.contact(film, *self._contact)
+            weight, offset = coating.linear_deflection(c, deflection, touching, touching_slope, pressure, ratio, reduced)
+            solution = self.film_step.solve(FlowFilm(*parts[0]), *velocities, around.edges, state.content, guess, step,
+                                            (slopes[0], weight, offset))
+            factorisations += solution.iterations
+            change = weight * solution.pressure + offset
+            if coating.settled(change, deflection):
+                return film, parts, replace(solution, iterations=factorisations), deflection
+            deflection, unknown, full, guess = deflection + change, solution.unknown, solution.full, solution.full
+        worst = np.unravel_index(np.argmax(np.abs(change)), change.shape)
+        raise NotConverged(f"deflection of the coating did not settle in {coating.LIMIT} iterations: last change "
+                           f"{change[worst]:g} m at [{worst[0] + 1},{worst[1] + 1}]")
 
     # ---- parts of a step --------------------------------------------------------------------------------------------
 

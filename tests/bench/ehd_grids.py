@@ -1,4 +1,4 @@
-"""How the cost of a factorisation and of a step grows with the grid, for each solver. Run: python tests/bench/ehd_grids.py [cells ...]
+"""How the cost of a factorisation and of a step grows with the grid. Run: python tests/bench/ehd_grids.py [cells ...]
 
 One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film ruptures.
 """

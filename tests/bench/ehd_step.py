@@ -82,8 +82,8 @@ def main():
     print(f"{'':44s}{'us':>8s}{'factorisations':>16s}{'target':>8s}")
     for name, time, target in rows:
         print(f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}{'' if target is None else target:>8}")
-    print(f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the block step "
-          "(target 10)")
+    print(f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the "
+          "block step (target 10)")
 
 
 if __name__ == "__main__":

@@ -34,8 +34,10 @@ OPTIONS = {
     "flow factors": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0),
     "oblong roughness": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", peklenik_number=4.0, roughness_share_skirt=0.1),
     "cut-out": dict(open_cells=OPENING),
+    "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=1e-6),
+    "coating and roelands": dict(coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")),
     "everything": dict(oil=Oil("vogel_1921", "roelands_1966", "cross_1965"), roughness_rms=2e-6, peklenik_number=0.2,
-                       flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=OPENING),
+                       flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=OPENING, coating_thickness=1e-5),
 }
 
 
@@ -70,6 +72,23 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
     assert outputs["pressure"][OPENING] == pytest.approx(1e5)
 
 
+def test_coating_yields_by_its_compliance():
+    film, velocity = motored_film(SHAPE, 31 * DEGREE)
+    for parameters in (Parameters(SHAPE, coating_thickness=3e-5, roughness_rms=1e-6),
+                       Parameters(SHAPE, coating_thickness=3e-5, oil=Oil(pressure_viscosity_law="barus_1893"))):
+        model, state, _ = motored(parameters, 30)
+        state, outputs = model.advance(state, film, velocity, DEGREE)
+        compliance = 3e-5 * 1.3 * 0.4 / (1e9 * 0.7)  # Eq. (L1) by hand
+        expected = compliance * (outputs["pressure"] + outputs["asperity_pressure"])
+        assert expected.max() > 1e-8
+        assert np.abs(state.deflection - expected).max() <= 1e-9 * expected.max()  # coating.TOLERANCE
+
+
+def test_coating_lowers_the_peak_of_pressure():
+    bare, coated = (motored(Parameters(SHAPE, coating_thickness=d), 60)[2] for d in (0.0, 1e-4))
+    assert max(o["maximum_pressure"] for o in coated) < max(o["maximum_pressure"] for o in bare)
+
+
 def test_halves_add_up():
     _, _, history = motored(Parameters(SHAPE, roughness_rms=1e-6), 30)
     o = history[-1]
@@ -79,12 +98,14 @@ def test_halves_add_up():
     assert o["radial_force_thrust_side"] > 0.0
     both = o["friction_force_hydrodynamic"] + o["friction_force_asperity"]
     assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(both)
-    assert min(o["minimum_film_thickness_thrust_side"], o["minimum_film_thickness_anti_thrust_side"]) == o["minimum_film_thickness"]
+    thinnest = [o[f"minimum_film_thickness_{side}_side"] for side in ("thrust", "anti_thrust")]
+    assert min(thinnest) == o["minimum_film_thickness"] < max(thinnest)
 
 
 def test_conditions_given_in_a_step_are_those_of_the_parameters():
     film, velocity = motored_film(SHAPE, DEGREE)
-    oil, given = Oil("vogel_1921"), dict(pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0)
+    oil = Oil("vogel_1921")
+    given = dict(pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0)
     fixed = LubricationModel(Parameters(SHAPE, oil, **given))
     free = LubricationModel(Parameters(SHAPE, oil))
     state, _ = free.start(*motored_film(SHAPE, 0.0))

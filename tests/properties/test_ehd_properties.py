@@ -47,7 +47,7 @@ def test_a_repeated_step_gives_the_same_bits(case):
     again = model.advance(state, films[1], velocities[1], STEP)
     for name, value in first[1].items():
         assert np.array_equal(value, again[1][name]), name
-    for name in ("unknown", "unknown_before", "content"):
+    for name in ("unknown", "unknown_before", "content", "deflection"):
         assert getattr(first[0], name).tobytes() == getattr(again[0], name).tobytes()
 
 
