@@ -26,14 +26,6 @@ def row(case, quantity, computed, reference, tolerance, kind, source, reason):
                 kind=kind, source=source, reason=reason)
 
 
-def passes(line):
-    """Whether a row's computed value is within its tolerance."""
-    if line["kind"] == "at most":
-        return line["computed"] <= line["tolerance"]
-    scale = abs(line["reference"]) if line["kind"] == "relative" else 1.0
-    return abs(line["computed"] - line["reference"]) <= line["tolerance"] * scale
-
-
 def flow_film(film_thickness, viscosity):
     """Flow film of smooth surfaces."""
     return FlowFilm(*smooth_film(film_thickness, np.full_like(film_thickness, viscosity), FLOOR)[0])

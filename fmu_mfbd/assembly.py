@@ -6,7 +6,7 @@ from .film import Skirt, bore_splines
 from .floating_frame import FlexibleBody
 from .modal_field import modal_field
 from .model import Block, PistonInBore
-from .profile import barrel, ovality
+from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape
 from .slider_crank import Mechanism
 from .surface import cell_centres
 
@@ -57,6 +57,13 @@ def symmetry(body):
     return body["kind"] if body["kind"].size == body["omega"].size and body["kind"].min(initial=0) >= 0 else None
 
 
+def bore_shape(heights, angle, options, p):
+    """Widening of the undeformed bore on the table of its modes, (c, s) [m]: measured, by Fourier orders, by heat."""
+    shape = fourier_bore(options["block"]["orders"], angle)[:, None]
+    shape = shape + linear_growth(heights, heights[0], heights[-1], p["bore_growth_lower"], p["bore_growth_upper"])
+    return shape + sum(table_shape(table, angle, heights) for table in options["block"]["profiles"])
+
+
 def assemble(piston, block, options, p):
     """The model.
 
@@ -77,6 +84,8 @@ def assemble(piston, block, options, p):
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
+    gap = gap - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
+    gap = gap + sum(table_shape(table, angle, height) for table in options["piston"]["profiles"])
     radius = float(block["radius"])
     values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))
     skirt = Skirt(angle, height, gap, radius, offset, *(modal_field(v, symmetry(piston)) for v in values))
@@ -84,6 +93,6 @@ def assemble(piston, block, options, p):
                         piston["omega"] ** 2, damping(piston["omega"], *strong))
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
                           p["rod_centre"] / p["rod_length"], p["pin_mass"])
-    bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block))
+    bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block), bore_shape(block["heights"], angle, options, p))
     return PistonInBore(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
-                        np.pi * radius**2, piston["gas_force"], p["spectral_radius"])
+                        np.pi * radius**2, piston["gas_force"], p["spectral_radius"], options["gas"])

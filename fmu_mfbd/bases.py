@@ -7,7 +7,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 
 class Elastic:
-    """Stiffness and mass on the free degrees of freedom, factorised once.
+    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2: they move rigidly with the frame).
 
     Parameters
     ----------
@@ -16,7 +16,7 @@ class Elastic:
     M : scipy.sparse matrix, shape (n, n)
         Consistent mass of one displacement component [kg].
     fixed_nodes : ndarray of int
-        Nodes that do not move.
+        Nodes that do not move; none for a body on springs.
 
     Raises
     ------
@@ -27,16 +27,11 @@ class Elastic:
     def __init__(self, K, M, fixed_nodes):
         held = np.zeros(K.shape[0] // 3, dtype=bool)
         held[fixed_nodes] = True
-        if held.sum() < 3:
-            raise ValueError(f"{held.sum()} fixed nodes: at least 3 that are not in a line are needed")
         self.free = np.flatnonzero(np.repeat(~held, 3))
         self.size = K.shape[0]
         self.K = K[self.free][:, self.free].tocsc()
-        self.M = sp.kron(M, sp.identity(3), format="csr")[self.free][:, self.free].tocsc()
-        self._lu = splu(self.K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        pivots = self._lu.U.diagonal()
-        if pivots.min() <= 1e-14 * pivots.max():
-            raise ValueError(f"the stiffness has {np.sum(pivots <= 1e-14 * pivots.max())} non-positive pivots: a loose piece or an inverted element")
+        self.M = full_mass(M)[self.free][:, self.free].tocsc()
+        self._lu = factorise(self.K)
 
     def solve(self, load):
         """Displacement under nodal forces, both on the free degrees of freedom."""
@@ -47,6 +42,92 @@ class Elastic:
         out = np.zeros((self.size, shapes.shape[1]))
         out[self.free] = shapes
         return out
+
+
+class MeanElastic(Elastic):
+    """The same for a body whose mean motions over given surfaces vanish instead of every node's (RBE3): soft where RBE2 is stiff.
+
+    Eq. (B5):  K u + C^T lambda = f,   C u = 0        row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion there
+
+    Parameters
+    ----------
+    K, M
+        As for `Elastic`.
+    conditions : ndarray, shape (m, 3 n)
+        C, m >= 6, see `mean_conditions`.
+    rigid : ndarray, shape (3 n, 6)
+        Rigid-body motions.
+    """
+
+    def __init__(self, K, M, conditions, rigid):
+        self.free, self.size = np.arange(K.shape[0]), K.shape[0]
+        self.K, self.M = K.tocsc(), full_mass(M)
+        # six well-placed degrees of freedom make K regular; what they carry is cancelled by the small system
+        touched = np.flatnonzero(conditions.any(axis=0))
+        support = touched[la.qr(rigid[touched].T, mode="r", pivoting=True)[1][:6]]
+        self._loose = np.setdiff1d(self.free, support)
+        self._lu = factorise(self.K[self._loose][:, self._loose])
+        self._C, self._R = conditions, rigid
+        self._answer = self._supported(conditions.T)
+        small = np.block([[conditions @ self._answer, -conditions @ rigid], [rigid.T @ conditions.T, np.zeros((6, 6))]])
+        self._small = la.lu_factor(small)
+
+    def _supported(self, load):
+        out = np.zeros(load.shape)
+        out[self._loose] = self._lu.solve(np.ascontiguousarray(load[self._loose]))
+        return out
+
+    def solve(self, load):
+        """Displacement under nodal forces on all degrees of freedom, mean motions zero (Eq. (B5))."""
+        first = self._supported(load)
+        unknown = la.lu_solve(self._small, np.concatenate([self._C @ first, self._R.T @ load]))
+        m = len(self._C)
+        return first - self._answer @ unknown[:m] + self._R @ unknown[m:]
+
+
+def factorise(K):
+    """Sparse factors of a symmetric positive definite matrix.
+
+    Raises
+    ------
+    ValueError
+        At non-positive pivots.
+    """
+    lu = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    pivots = lu.U.diagonal()
+    bad = np.sum(pivots <= 1e-12 * np.abs(pivots).max())
+    if bad:
+        raise ValueError(f"the stiffness has {bad} non-positive pivots: the body can still move rigidly (fewer than three held nodes, or all "
+                         "in one line), has a loose piece or an inverted element")
+    return lu
+
+
+def full_mass(M):
+    """Mass of one component -> of all three, degrees of freedom node by node."""
+    return sp.kron(M, sp.identity(3), format="csc")
+
+
+def rigid_motions(points):
+    """Six rigid-body motions about the origin: translations along x, y, z, rotations about them, (3 n, 6)."""
+    out = np.zeros((len(points), 3, 6))
+    out[:, :, :3] = np.eye(3)
+    for axis in range(3):
+        out[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
+    return out.reshape(-1, 6)
+
+
+def mean_conditions(points, weights):
+    """Rows of Eq. (B5), six for each surface: (6 s, 3 n).
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        [m]
+    weights : list of ndarray, shape (n,)
+        Area of each node for each surface [m2].
+    """
+    return np.vstack([(rigid_motions(points - np.average(points, axis=0, weights=w)) * np.repeat(w, 3)[:, None]).T / w.sum()
+                      for w in weights])
 
 
 def craig_bampton(body, modes):
@@ -165,3 +246,51 @@ def orthonormal_modes(body, shapes):
     modes = (shapes @ turn / np.sqrt(square))[:, ::-1]                                                          # Eq. (B3)
     modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
     return modes, 1.0 / np.sqrt(square[::-1])
+
+
+def characteristic_constraint_modes(body, interface, modes):
+    """Lowest eigenmodes of the body condensed statically onto its interface.
+
+    Eq. (B6):  K_cc x = omega^2 M_cc x,  K_cc = Psi^T K Psi,  M_cc = Psi^T M Psi,  Psi = [1; -K_ii^-1 K_ic];   phi = Psi x
+
+    Parameters
+    ----------
+    body : Elastic
+    interface : ndarray of int
+        Nodes of the surface that the film touches; held ones are left out.
+    modes : int
+
+    Returns
+    -------
+    ndarray, shape (free, modes)
+
+    References
+    ----------
+    [CastanierTanPierre2001]
+    """
+    chosen = np.isin(body.free, (3 * np.asarray(interface)[:, None] + np.arange(3)).ravel())
+    inner, outer = np.flatnonzero(~chosen), np.flatnonzero(chosen)
+    within = factorise(body.K[inner][:, inner].tocsc())
+    link = body.K[inner][:, outer].tocsr()
+
+    def extend(x):
+        """Psi x."""
+        out = np.empty(body.K.shape[0])
+        out[outer] = x
+        out[inner] = -within.solve(link @ x)
+        return out
+
+    def press(f):
+        """Psi^T f."""
+        return f[outer] - link.T @ within.solve(np.ascontiguousarray(f[inner]))
+
+    def answer(f):
+        """K_cc^-1 f: the body's own compliance, seen from the interface."""
+        load = np.zeros(body.K.shape[0])
+        load[outer] = f
+        return body.solve(load)[outer]
+
+    operator = [LinearOperator((len(outer),) * 2, matvec=apply, dtype=float)
+                for apply in (lambda x: (body.K @ extend(x.ravel()))[outer], lambda x: press(body.M @ extend(x.ravel())), lambda f: answer(f.ravel()))]
+    _, shapes = eigsh(operator[0], modes, operator[1], sigma=0.0, OPinv=operator[2], v0=_start(len(outer)), tol=1e-10)
+    return np.column_stack([extend(x) for x in shapes.T])                                                       # Eq. (B6)

@@ -1,5 +1,6 @@
 """Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over what the FMU carries."""
 
+from math import pi
 from pathlib import Path
 
 from master.fmi.builder import cache_folder
@@ -8,6 +9,7 @@ from master.fmi.errors import BadInput
 from .mesh import MeshFault
 from .options import read_options
 from .reduction import cached, reduce_block, reduce_piston
+from .tables import TableFault, gas_table, profile_table
 
 
 def prepare(options, folder, progress):
@@ -35,10 +37,11 @@ def prepare(options, folder, progress):
         Every fault of the table; then every fault of the meshes.
     """
     resolved = read_options(options, folder)
+    shapes, gas = _tables(resolved)
     faults, files = [], {}
     for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
         try:
-            files[name] = cached(reduce, resolved[name], resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
+            files[name] = cached(reduce, {k: v for k, v in resolved[name].items() if k not in ("profiles", "orders")}, resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
         except MeshFault as error:
             faults += error.faults
         except ValueError as error:
@@ -47,4 +50,26 @@ def prepare(options, folder, progress):
         raise BadInput(faults)
     for part in ("piston", "block"):
         resolved[part]["mesh"] = Path(resolved[part]["mesh"]).name      # where it lay is no property of the FMU
+        resolved[part]["profiles"] = shapes[part]
+    resolved["gas"] = gas
     return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+
+
+def _tables(resolved):
+    """Measured shapes of both bodies and the gas table, read before any long computation."""
+    faults, shapes, gas = [], {"piston": [], "block": []}, None
+    for part, found in shapes.items():
+        for table in resolved[part]["profiles"]:
+            try:
+                found.append(profile_table(table["file"], table["angle_unit"], table["height_unit"], table["value_unit"]))
+            except TableFault as error:
+                faults.append(str(error))
+    if resolved["gas"]:
+        try:
+            gas = gas_table(resolved["gas"]["file"], pi * resolved["gas"]["strokes"], resolved["gas"]["angle_unit"],
+                            resolved["gas"]["pressure_unit"])
+        except TableFault as error:
+            faults.append(str(error))
+    if faults:
+        raise BadInput(faults)
+    return shapes, gas

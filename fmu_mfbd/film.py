@@ -47,12 +47,15 @@ class Bore(NamedTuple):
         Height of the first coefficient's knot and distance of knots [m].
     radial, axial : ModalField
         Spline coefficients at the angles of the grid, one row a knot.
+    shape : ndarray, shape (knots, c)
+        Likewise of the undeformed bore's widening; no rows where it is a cylinder [m].
     """
 
     lowest: float
     spacing: float
     radial: ModalField
     axial: ModalField
+    shape: np.ndarray
 
 
 class FilmForces(NamedTuple):
@@ -93,7 +96,7 @@ class Window(NamedTuple):
     slope: np.ndarray
 
 
-def bore_splines(heights, radial, axial, kind=None):
+def bore_splines(heights, radial, axial, kind=None, shape=None):
     """Cubic spline through tabulated bore modes.
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
@@ -107,6 +110,8 @@ def bore_splines(heights, radial, axial, kind=None):
     radial, axial : ndarray, shape (c, s, k)
     kind : ndarray of int, shape (k,), optional
         Symmetry classes of the modes.
+    shape : ndarray, shape (c, s), optional
+        Widening of the undeformed bore [m].
 
     Returns
     -------
@@ -119,7 +124,9 @@ def bore_splines(heights, radial, axial, kind=None):
         rule[i + 1, i:i + 3] = 1 / 6, 4 / 6, 1 / 6                                                              # Eq. (H3)
     inverse = np.linalg.inv(rule)[:, 1:-1]
     spacing = float(heights[1] - heights[0])
-    return Bore(float(heights[0]) - spacing, spacing, *(modal_field(np.einsum("rs,csk->crk", inverse, v), kind) for v in (radial, axial)))
+    fields = (modal_field(np.einsum("rs,csk->crk", inverse, v), kind) for v in (radial, axial))
+    widening = np.ascontiguousarray(inverse @ shape.T) if shape is not None and shape.any() else np.zeros((0, c))
+    return Bore(float(heights[0]) - spacing, spacing, *fields, widening)
 
 
 @njit(cache=True)
@@ -293,7 +300,12 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
     opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
     # the bore's slope under the moving skirt
-    slope = on_rows(window, window.slope, read(bore.radial, window.first, window.knots, place[n:]))
+    deformed = read(bore.radial, window.first, window.knots, place[n:])
+    if len(bore.shape):
+        widening = bore.shape[window.first:window.first + window.knots]
+        deformed += widening
+        thickness += on_rows(window, window.value, widening).T
+    slope = on_rows(window, window.slope, deformed)
     lift, power, size = 0.0, 0.0, 0.0
     for i in range(thickness.shape[0]):
         for j in range(thickness.shape[1]):

@@ -90,7 +90,7 @@ def stiffness(points, tets, young, poisson):
 
     References
     ----------
-    [Bathe2014] ch. 5. Checked against scikit-fem in tests/mfbd/test_finite_element.py.
+    [Bathe2014] ch. 5. Checked against scikit-fem in tests/verification/test_mfbd.py.
     """
     lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
     position, weight = quadrature(3)
@@ -163,15 +163,20 @@ def face_load(points, triangles, pressure_sign=-1.0):
     ndarray, shape (n, 3)
         [N/Pa] = [m2]
     """
+    value, weight, normal = _face_rule(points, triangles)
+    load = np.zeros_like(points)
+    np.add.at(load, triangles, pressure_sign * np.einsum("q,qi,tqa->tia", weight, value, normal, optimize=True))  # Eq. (F4)
+    return load
+
+
+def _face_rule(points, triangles):
+    """Shape functions (q, 6) and weights (q,) of a rule on the reference triangle, and normals times area (t, q, 3) [m2]."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     a, b = np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2, indexing="ij")
-    s, t, w = a.ravel(), ((1 - a) * b).ravel(), (np.outer(weights, weights) / 4 * (1 - a)).ravel()
+    s, t, weight = a.ravel(), ((1 - a) * b).ravel(), (np.outer(weights, weights) / 4 * (1 - a)).ravel()
     value, ds, dt = triangle_functions(s, t)
     corners = points[triangles]
-    normal = np.cross(np.einsum("qi,tia->tqa", ds, corners), np.einsum("qi,tia->tqa", dt, corners))
-    load = np.zeros_like(points)
-    np.add.at(load, triangles, pressure_sign * np.einsum("q,qi,tqa->tia", w, value, normal, optimize=True))  # Eq. (F4)
-    return load
+    return value, weight, np.cross(np.einsum("qi,tia->tqa", ds, corners), np.einsum("qi,tia->tqa", dt, corners))
 
 
 def triangle_functions(s, t):
@@ -182,3 +187,23 @@ def triangle_functions(s, t):
     ds = np.stack([1 - 4 * r, 4 * s - 1, zero, 4 * (r - s), 4 * t, -4 * t], axis=-1)
     dt = np.stack([1 - 4 * r, zero, 4 * t - 1, -4 * s, 4 * s, 4 * (r - t)], axis=-1)
     return value, ds, dt
+
+
+def surface_matrix(points, triangles):
+    """Area-weighted products of shape functions over 6-node faces.
+
+    Eq. (F5):  A_ij = int N_i N_j dA      its rows add up to the area that belongs to a node
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    triangles : ndarray of int, shape (t, 6)
+
+    Returns
+    -------
+    scipy.sparse.csc_matrix, shape (n, n)
+        [m2]
+    """
+    value, weight, normal = _face_rule(points, triangles)
+    area = np.linalg.norm(normal, axis=2) * weight
+    return scatter(np.einsum("tq,qi,qj->tij", area, value, value, optimize=True), triangles, len(points))       # Eq. (F5)

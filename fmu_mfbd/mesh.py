@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .finite_element import jacobians, quadrature, shape_functions
+from .finite_element import EDGES, jacobians, quadrature, shape_functions
 
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 
@@ -44,37 +44,65 @@ class Mesh:
         return np.unique(self.faces[name])
 
 
-def read_mesh(path, names, scale=1.0):
-    """Read a mesh file and check it.
+def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0), say=print):
+    """Read a mesh file, turn it into this project's axes, find its surfaces and check it.
 
     Parameters
     ----------
     path : Path
-        Any format meshio knows with physical groups (gmsh .msh); `.gz` is unpacked on the way.
-    names : list of str
-        Surfaces that must be there.
+        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets), Nastran .bdf (surfaces by geometry);
+        `.gz` is unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
+    surfaces : dict of str to None or (str, ...)
+        Surfaces that must be there: None where the file names them, else ("cylinder", radius, low, high), a cylinder about y [m],
+        ("bore", radius) one about z, or ("plane", height) across y, all in this project's axes.
     scale : float
         Length of the file's unit [m].
+    axes : sequence of str
+        The file's directions that become x (thrust), y (towards the head), z (pin): "x", "-z", ...
+    origin : sequence of float
+        The file's coordinates of this project's origin [m].
+    say : callable
+        Takes a warning.
 
     Raises
     ------
     MeshFault
-        Names every missing surface, a missing or linear element type, the first inverted element, loose pieces.
+        Names every missing surface, wrong element types, the first inverted element, loose pieces, an absurd size.
     """
     raw = _read(Path(path))
-    cells = {kind: [c.data for c in raw.cells if c.type == kind] for kind in ("tetra10", "triangle6")}
-    if not cells["tetra10"]:
-        kinds = sorted({c.type for c in raw.cells})
-        raise MeshFault([f"{path}: no 10-node tetrahedra (found {', '.join(kinds)}); write the mesh in second order"])
-    tets = np.concatenate(cells["tetra10"]).astype(np.int64)
-    points, tets = _drop_unused(np.asarray(raw.points, dtype=float) * scale, tets)
-    mesh = Mesh(points[0], tets, {})
-    surfaces, missing = _surfaces(raw, points[1], mesh, names)
-    faults = [f"{path}: surface '{name}' is missing (found {', '.join(sorted(raw.field_data)) or 'none'})" for name in missing]
+    kinds = {cells.type for cells in raw.cells}
+    if not kinds & {"tetra10", "tetra"}:
+        raise MeshFault([f"{path}: no tetrahedra (found {', '.join(sorted(kinds))}); write the mesh as 10-node tetrahedra"])
+    kind = "tetra10" if "tetra10" in kinds else "tetra"
+    tets = np.concatenate([cells.data for cells in raw.cells if cells.type == kind]).astype(np.int64)
+    points, place, tets = _drop_unused(_turn(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets)
+    if kind == "tetra":
+        say(f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons")
+        points, tets = second_order(points, tets)
+    outer = outer_faces(tets)
+    found = {name: outer[_marked(raw, place, points, outer, name, rule)] for name, rule in surfaces.items()}
+    known = sorted(set(raw.field_data) | set(raw.cell_sets) | set(raw.point_sets))
+    faults = [f"{path}: surface '{name}' is missing or empty (the file names {', '.join(known) or 'none'})"
+              for name, faces in found.items() if not len(faces)]
+    mesh = Mesh(points, tets, found)
     faults += mesh_faults(mesh, path)
     if faults:
         raise MeshFault(faults)
-    return Mesh(mesh.points, tets, surfaces)
+    return mesh
+
+
+def _turn(points, axes, origin):
+    """Points in this project's axes; `axes` must be a right-handed turn, or elements would invert."""
+    turn = np.array([[(-1.0 if axis.startswith("-") else 1.0) * (axis[-1] == name) for name in "xyz"] for axis in axes])
+    if not np.isclose(np.linalg.det(turn), 1.0):
+        raise MeshFault([f"axes = {list(axes)}: not a right-handed set of three directions"])
+    return (points - np.asarray(origin)) @ turn.T
+
+
+def second_order(points, tets):
+    """Add the middles of all edges to linear tetrahedra (e, 4)."""
+    edges, place = np.unique(np.sort(tets[:, EDGES], axis=2).reshape(-1, 2), axis=0, return_inverse=True)
+    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack([tets, place.reshape(-1, 6) + len(points)])
 
 
 def _read(path):
@@ -90,28 +118,44 @@ def _read(path):
 
 
 def _drop_unused(points, tets):
-    """Nodes that no tetrahedron uses would make the stiffness singular; returns ((points, old -> new), tets)."""
+    """Nodes that no tetrahedron uses would make the stiffness singular; returns points, old -> new, tets."""
     used = np.unique(tets)
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
-    return (points[used], place), place[tets]
+    return points[used], place, place[tets]
 
 
-def _surfaces(raw, place, mesh, names):
-    """Faces of each named group, taken from the tetrahedra so that their normals point outwards."""
-    outer = outer_faces(mesh.tets)
-    found, missing = {}, []
-    for name in names:
-        tag = raw.field_data.get(name, (None, None))[0]
-        marked = [c.data[t == tag] for c, t in zip(raw.cells, raw.cell_data.get("gmsh:physical", [])) if c.type == "triangle6"]
-        marked = np.concatenate(marked) if marked else np.empty((0, 6), int)
-        if tag is None or not len(marked):
-            missing.append(name)
-            continue
-        wanted = {tuple(k) for k in np.sort(place[marked[:, :3]], axis=1)}
-        keep = [tuple(k) in wanted for k in np.sort(outer[:, :3], axis=1)]
-        found[name] = outer[np.array(keep)]
-    return found, missing
+def _marked(raw, place, points, outer, name, rule):
+    """Which outer faces belong to a surface, by its rule or by the file's names; judged by their corners."""
+    corner = points[outer[:, :3]]
+    if rule is not None:
+        return GEOMETRY[rule[0]](corner, *rule[1:])
+    if name in raw.point_sets:
+        return np.isin(outer[:, :3], place[np.asarray(raw.point_sets[name], dtype=int)]).all(axis=1)
+    tag = raw.field_data.get(name, (None,))[0]
+    chosen = raw.cell_sets.get(name) or [np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])]
+    faces = [cells.data[rows][:, :3] for cells, rows in zip(raw.cells, chosen) if rows is not None and cells.type in ("triangle", "triangle6")]
+    wanted = {tuple(key) for key in np.sort(place[np.concatenate(faces)], axis=1)} if faces else set()
+    return np.array([tuple(key) in wanted for key in np.sort(outer[:, :3], axis=1)], dtype=bool)
+
+
+def _cylinder(corner, radius, low, high):
+    near = np.abs(np.hypot(corner[..., 0], corner[..., 2]) - radius) <= LOOSE * radius
+    return (near & (corner[..., 1] >= low - LOOSE * radius) & (corner[..., 1] <= high + LOOSE * radius)).all(axis=1)
+
+
+def _bore(corner, radius):
+    return (np.abs(np.hypot(corner[..., 0], corner[..., 1]) - radius) <= LOOSE * radius).all(axis=1)
+
+
+def _plane(corner, height):
+    return (np.abs(corner[..., 1] - height) <= LOOSE * np.ptp(corner[..., 1])).all(axis=1)
+
+
+LOOSE = 1e-3
+"""How far, relative to its size, a corner may lie off a surface that is found by geometry."""
+
+GEOMETRY = {"cylinder": _cylinder, "bore": _bore, "plane": _plane}
 
 
 def outer_faces(tets):
@@ -122,11 +166,14 @@ def outer_faces(tets):
 
 
 def mesh_faults(mesh, where):
-    """Sentences about inverted elements and loose pieces."""
+    """Sentences about an absurd size, inverted elements and loose pieces."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
     faults = []
+    size = float(np.ptp(mesh.points, axis=0).max())
+    if not 5e-3 < size < 5.0:
+        faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say what a length of 1 in the file means (e.g. '1 mm')")
     at = np.vstack([quadrature(3)[0], [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]])
     least = jacobians(mesh.points, mesh.tets, shape_functions(at)[1])[1].min(axis=1)
     bad = np.flatnonzero(least <= 0.0)

@@ -9,6 +9,7 @@ from .film import film_now, generalised, opening, sliding, window_at
 from .generalised_alpha import coefficients, predict
 from .piston_motion import Load, settle, tangent
 from .slider_crank import height, motion
+from .tables import gas_pressure
 
 
 class NotConverged(RuntimeError):
@@ -79,11 +80,13 @@ class PistonInBore:
         Modal force of a unit gas force (-y) on the crown [kg^-1/2].
     spectral_radius : float
         Of the time integrator at infinite frequency [-], 0 to 1.
+    gas_table : dict, optional
+        Gas pressure over crank angle (`tables.gas_table`), added to the input.
     """
 
-    def __init__(self, piston, block, mechanism, skirt, bore, gas_area, gas_force, spectral_radius):
+    def __init__(self, piston, block, mechanism, skirt, bore, gas_area, gas_force, spectral_radius, gas_table=None):
         self.piston, self.block, self.mechanism, self.skirt, self.bore = piston, block, mechanism, skirt, bore
-        self.gas_area, self.gas_force, self.spectral_radius = gas_area, gas_force, spectral_radius
+        self.gas_area, self.gas_force, self.spectral_radius, self.gas_table = gas_area, gas_force, spectral_radius, gas_table
         self.flexible = slice(2, 2 + len(piston.stiffness))
         self.coordinates = 2 + len(piston.stiffness) + len(block.stiffness)
         self.residual_evaluations = self.jacobian_evaluations = 0
@@ -136,7 +139,7 @@ class PistonInBore:
         """State and outputs whose accelerations balance the forces; places and rates come predicted without these accelerations."""
         window = window_at(self.bore.lowest, self.bore.spacing, height(self.mechanism, 0.0, crank_angle)[0] + self.skirt.height)
         forces = generalised(self.skirt, self.bore, window, inputs.pressure_force, inputs.friction_force)
-        gas = inputs.gas_pressure * self.gas_area
+        gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank_angle) if self.gas_table else 0.0))
         load = Load(forces.lateral, forces.axial - gas, forces.moment + self.skirt.pin_offset * gas, forces.piston + gas * self.gas_force)
         n = self.flexible.stop
         acceleration = np.empty(self.coordinates)

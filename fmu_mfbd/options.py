@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from master.fmi.errors import BadInput
 from master.fmi.quantities import Quantity
@@ -11,39 +11,109 @@ from master.fmi.quantities import Quantity
 Count = Annotated[int, Field(ge=4, le=400)]
 
 
-class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`."""
+Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+class Surface(BaseModel):
+    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across y."""
+
+    model_config = STRICT
+    shape: Literal["cylinder", "bore", "plane"]
+    radius: Quantity("m") | None = None
+    lower: Quantity("m") | None = None
+    upper: Quantity("m") | None = None
+    height: Quantity("m") | None = None
+
+    @model_validator(mode="after")
+    def _complete(self):
+        for key in {"cylinder": ("radius", "lower", "upper"), "bore": ("radius",), "plane": ("height",)}[self.shape]:
+            if getattr(self, key) is None:
+                raise ValueError(f"a {self.shape} needs {key}")
+        return self
+
+    def rule(self):
+        """As `mesh.read_mesh` takes it."""
+        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius), "plane": ("plane", self.height)}[self.shape]
+
+
+class Body(BaseModel):
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are thrust (x),
+    towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by geometry what the file
+    does not name."""
+
+    model_config = STRICT
     mesh: str
     mesh_unit: Annotated[Quantity("m"), Field(gt=0)] = 1.0
+    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
+    origin: tuple[Quantity("m"), Quantity("m"), Quantity("m")] = (0.0, 0.0, 0.0)
+    surfaces: dict[str, Surface] = {}
     density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)]
     young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)]
     poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
-    basis: Literal["pressure_modes", "craig_bampton"] = "pressure_modes"
+    basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
     modes: Annotated[int, Field(ge=0, le=200)] = 60
+
+
+class ShapeTable(BaseModel):
+    """A measured shape in a file, see `tables.profile_table`; the units are those of its numbers."""
+
+    model_config = STRICT
+    file: str
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
+    height_unit: Annotated[Quantity("m"), Field(gt=0)]
+    value_unit: Annotated[Quantity("m"), Field(gt=0)]
+
+
+class Order(BaseModel):
+    """One Fourier order of a bore's distortion, see `profile.fourier_bore`."""
+
+    model_config = STRICT
+    order: Annotated[int, Field(ge=0, le=40)]
+    amplitude: Quantity("m")
+    phase: Quantity("rad") = 0.0
+
+
+class Gas(BaseModel):
+    """Gas pressure over crank angle in a file, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+
+    model_config = STRICT
+    file: str
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
+    pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
+    strokes: Literal[2, 4] = 4
 
 
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
-    The skirt's edges are those of its surface in the mesh unless given.
+    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly (rbe2) or
+    the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
     """
+
+    tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
 
     skirt_lower: Quantity("m") | None = None
     skirt_upper: Quantity("m") | None = None
     pin_offset: Quantity("m") = 0.0
+    profiles: list[ShapeTable] = []
 
 
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given. `tie`: bolt
+    faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
     """
+
+    tie: Literal["rbe2", "springs"] = "rbe2"
+    spring_stiffness: Annotated[Quantity("N/m"), Field(ge=1e3, le=1e14)] = 1e9
 
     bore_lower: Quantity("m") | None = None
     bore_upper: Quantity("m") | None = None
     stations: Annotated[int, Field(ge=8, le=400)] = 64
+    profiles: list[ShapeTable] = []
+    orders: list[Order] = []
 
 
 class Build(BaseModel):
@@ -53,6 +123,7 @@ class Build(BaseModel):
     grid: tuple[Count, Count] = (40, 40)
     piston: Piston
     block: Block
+    gas: Gas | None = None
 
 
 def read_options(options, folder):
@@ -80,6 +151,8 @@ def read_options(options, folder):
     except ValidationError as error:
         raise BadInput([_sentence(fault) for fault in error.errors()]) from None
     resolved = build.model_dump(mode="json")
+    for name in ("piston", "block"):
+        resolved[name]["surfaces"] = {key: surface.rule() for key, surface in getattr(build, name).surfaces.items()}
     faults = []
     for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
         part = resolved[body]
@@ -88,6 +161,11 @@ def read_options(options, folder):
             faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
         if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
+    tables = [(f"{name}.profiles", table) for name in ("piston", "block") for table in resolved[name]["profiles"]]
+    for where, table in tables + ([("gas", resolved["gas"])] if resolved["gas"] else []):
+        table["file"] = str((Path(folder) / table["file"]).resolve())
+        if not Path(table["file"]).is_file():
+            faults.append(f"{where}: {Path(table['file']).name!r}: no such file in {folder}")
     if faults:
         raise BadInput(faults)
     return resolved

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes
-from .finite_element import consistent_mass, face_load, stiffness
+from .bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, expected_pressure, full_mass, mean_conditions,
+                    orthonormal_modes, pressure_modes, rigid_motions)
+from .finite_element import consistent_mass, face_load, stiffness, surface_matrix
 from .mesh import read_mesh
 from .surface import cell_centres, interpolation, radial_and_axial
 from .symmetry import symmetric_modes
 
-VERSION = 4       # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 6       # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
 P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
 
@@ -61,7 +62,7 @@ def reduce_piston(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, skirt_lower, skirt_upper [m above A, None: the mesh's],
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, tie, skirt_lower, skirt_upper [m above A, None: the mesh's],
         pin_offset [m].
     grid : (int, int)
         Cells around and along the skirt.
@@ -74,7 +75,7 @@ def reduce_piston(options, grid, progress=print):
         `floating_frame_integrals` and omega (k,) [rad/s], kind (k,) (see `symmetry`), gas_force (k,) [N/Pa scaled to a unit total], radial, axial
         (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
     """
-    mesh = read_mesh(options["mesh"], ["skirt", "crown", "pin_bore"], options["mesh_unit"])
+    mesh = _mesh(options, ("skirt", "crown", "pin_bore"), progress)
     low, high = _ends(mesh, "skirt", options["skirt_lower"], options["skirt_upper"])
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     position = mesh.points - np.array([options["pin_offset"], 0.0, 0.0])
@@ -85,7 +86,7 @@ def reduce_piston(options, grid, progress=print):
     gas /= -gas[:, 1].sum()                                             # unit resultant along -y
     inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
     loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
-    modes, omega, kind = _modes(mesh, M, options, mesh.nodes("pin_bore"), radial, expected_pressure(angle, grid[1]), loads, progress)
+    modes, omega, kind = _modes(mesh, M, options, "pin_bore", "skirt", radial, expected_pressure(angle, grid[1]), loads, progress)
     return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
         "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high}
 
@@ -96,7 +97,7 @@ def reduce_block(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], density, young, poisson, basis, modes, bore_lower, bore_upper [m above the crank axis, None: the
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, tie, spring_stiffness [N/m], bore_lower, bore_upper [m above the crank axis, None: the
         mesh's], stations.
     grid : (int, int)
         Film grid; its angles are the table's.
@@ -107,17 +108,23 @@ def reduce_block(options, grid, progress=print):
     dict of ndarray
         omega (k,) [rad/s], kind (k,), radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
     """
-    mesh = read_mesh(options["mesh"], ["bore", "bolts"], options["mesh_unit"])
+    mesh = _mesh(options, ("bore", "bolts"), progress)
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
     radius = float(np.hypot(*mesh.points[mesh.nodes("bore")][:, [0, 2]].T).mean())
     angle, _ = cell_centres(*grid, 0.0, 1.0)
     heights = np.linspace(*_ends(mesh, "bore", options["bore_lower"], options["bore_upper"]), options["stations"])
     radial, axial = radial_and_axial(interpolation(mesh.points, mesh.faces["bore"], angle, heights, radius), angle, len(heights))
-    modes, omega, kind = _modes(mesh, M, options, mesh.nodes("bolts"), radial, expected_pressure(angle, len(heights)),
+    modes, omega, kind = _modes(mesh, M, options, "bolts", "bore", radial, expected_pressure(angle, len(heights)),
                                 np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
             "heights": heights, "radius": radius, "mass": float(M.sum())}
+
+
+def _mesh(options, names, progress):
+    """Mesh of a body with the named surfaces."""
+    surfaces = dict.fromkeys(names) | options["surfaces"]
+    return read_mesh(options["mesh"], surfaces, options["mesh_unit"], options["axes"], options["origin"], progress)
 
 
 def _ends(mesh, name, low, high):
@@ -126,19 +133,40 @@ def _ends(mesh, name, low, high):
     return float(height.min() if low is None else low), float(height.max() if high is None else high)
 
 
-def _modes(mesh, M, options, fixed, radial, weight, loads, progress):
-    """Mode shapes on all degrees of freedom, their angular frequencies and symmetry classes, by the chosen basis."""
-    if options["modes"] == 0:
+def _modes(mesh, M, options, held, surface, radial, weight, loads, progress):
+    """Mode shapes on all degrees of freedom, their angular frequencies and symmetry classes, by the chosen basis.
+
+    `held` names the surface that ties the body to its frame, `surface` the one that the film touches.
+    """
+    count = options["modes"]
+    if count == 0:
         return np.empty((3 * len(mesh.points), 0)), np.empty(0), np.empty(0, dtype=int)
     progress(f"factorising {3 * len(mesh.points)} degrees of freedom")
-    body = Elastic(stiffness(mesh.points, mesh.tets, options["young"], options["poisson"]), M, fixed)
-    progress(f"{options['modes']} modes, basis {options['basis']}")
+    K = stiffness(mesh.points, mesh.tets, options["young"], options["poisson"])
+    body = _held(mesh, K, M, held, options)
+    progress(f"{count} modes, basis {options['basis']}")
     if options["basis"] == "craig_bampton":
-        shapes = craig_bampton(body, options["modes"])
+        shapes = craig_bampton(body, count)
+    elif options["basis"] == "characteristic_constraint_modes":
+        shapes = characteristic_constraint_modes(body, mesh.nodes(surface), count)
     else:
-        shapes = pressure_modes(body, radial[:, body.free], weight, options["modes"], loads[body.free])
+        shapes = pressure_modes(body, radial[:, body.free], weight, count, loads[body.free])
     modes, omega = orthonormal_modes(body, shapes)
     return symmetric_modes(body, body.full(modes), omega, mesh.points)
+
+
+def _held(mesh, K, M, surface, options):
+    """The body tied to its frame: rigidly, by mean motions, or on springs."""
+    tie = options["tie"]
+    if tie == "rbe2":
+        return Elastic(K, M, mesh.nodes(surface))
+    area = surface_matrix(mesh.points, mesh.faces[surface])
+    if tie == "springs":
+        spread = area * (options["spring_stiffness"] / area.sum())
+        return Elastic(K + full_mass(spread), M, np.empty(0, dtype=int))
+    share = np.asarray(area.sum(axis=1)).ravel()
+    bosses = [share * (mesh.points[:, 2] > 0), share * (mesh.points[:, 2] < 0)] if tie == "rbe3_per_boss" else [share]
+    return MeanElastic(K, M, mean_conditions(mesh.points, bosses), rigid_motions(mesh.points))
 
 
 def cached(reduce, options, grid, folder, progress=print):

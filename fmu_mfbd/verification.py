@@ -2,19 +2,24 @@
 
 import itertools
 from importlib.resources import files
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import scipy.linalg as la
+from scipy.spatial import cKDTree
 
-from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes
-from .finite_element import EDGES, consistent_mass, face_load, stiffness
+from .assembly import assemble
+from .bases import Elastic, craig_bampton, expected_pressure, full_mass, orthonormal_modes, pressure_modes, rigid_motions
+from .finite_element import consistent_mass, face_load, quadrature, stiffness
 from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
 from .generalised_alpha import coefficients, predict
-from .mesh import read_mesh
+from .mesh import read_mesh, second_order
+from .model import Inputs
 from .piston_motion import Load, imbalance
-from .reduction import Z, floating_frame_integrals
+from .reduction import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
 from .slider_crank import Mechanism, height, motion
 from .surface import cell_centres, interpolation, radial_and_axial
+from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
 
@@ -22,6 +27,7 @@ STEEL = dict(young=210e9, poisson=0.3)
 def checks():
     """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative, absolute, at most), source, reason."""
     yield from slider_crank_checks()
+    yield from element_checks()
     yield from bar_checks()
     yield from pendulum_checks()
     yield order_check()
@@ -30,6 +36,7 @@ def checks():
 def slow_checks():
     """Figures on the meshes of the shipped case (about two minutes)."""
     yield from deflection_checks()
+    yield from step_checks()
 
 
 def figure(case, quantity, computed, reference, tolerance, kind, source, reason):
@@ -56,6 +63,52 @@ def slider_crank_checks():
                              "printed with seven to eight digits; tests/mfbd holds the equations to 1e-9")
 
 
+def element_checks():
+    """Ten-node tetrahedron: rigid motions, mass properties, and scikit-fem where it is installed."""
+    points, tets = box_mesh((2, 2, 3), (0.1, 0.2, 0.3))
+    found = floating_frame_integrals(consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0)))
+    mass = 2700.0 * 0.1 * 0.2 * 0.3
+    for name, computed, reference in (("mass [kg]", found["mass"], mass), ("first moment along x [kg m]", found["S"][0], mass * 0.05),
+                                      ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3)):
+        yield figure("Box of TET10", name, computed, reference, 1e-12, "relative", "closed form", "the consistent mass is exact for degree 2")
+    points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
+    K = stiffness(points, tets, **STEEL)
+    yield figure("Warped TET10", "force of rigid-body motions / norm of K [-]", np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
+                 0.0, 1e-12, "at most", "closed form", "round-off")
+    eigenvalues = np.linalg.eigvalsh(K.toarray())
+    yield figure("Warped TET10", "rigid-body modes", np.sum(eigenvalues < 1e-10 * eigenvalues[-1]), 6, 0.0, "absolute", "closed form", "a count")
+    try:
+        import skfem                                                                                            # noqa: F401
+    except ImportError:
+        return
+    for name, difference in scikit_fem_difference(points, tets):
+        yield figure("Warped TET10", f"{name} against scikit-fem [-]", difference, 0.0, 1e-12, "at most", "independent code",
+                     "same quadrature, sums in another order")
+
+
+def scikit_fem_difference(points, tets):
+    """Largest difference of stiffness and of mass to scikit-fem's, by the largest entry."""
+    import meshio
+    from skfem import Basis, BilinearForm, ElementTetP2, ElementVector
+    from skfem.helpers import ddot, dot, eye, sym_grad, trace
+    from skfem.io.meshio import from_meshio
+
+    lame = STEEL["young"] * STEEL["poisson"] / ((1 + STEEL["poisson"]) * (1 - 2 * STEEL["poisson"]))
+    shear = STEEL["young"] / (2 * (1 + STEEL["poisson"]))
+    elastic = BilinearForm(lambda u, v, w: ddot(2 * shear * sym_grad(u) + lame * eye(trace(sym_grad(u)), 3), sym_grad(v)))
+    inertia = BilinearForm(lambda u, v, w: 2700.0 * dot(u, v))
+    mesh = from_meshio(meshio.Mesh(points, [("tetra10", tets)]))
+    ours = {"stiffness": stiffness(points, tets, **STEEL), "mass": full_mass(consistent_mass(points, tets, 2700.0))}
+    for (name, matrix), form, side in zip(ours.items(), (elastic, inertia), (3, 4)):
+        position, weight = quadrature(side)
+        basis = Basis(mesh, ElementVector(ElementTetP2()), quadrature=(position.T, weight))
+        axis = np.empty(basis.N, dtype=int)
+        axis[basis.nodal_dofs], axis[basis.edge_dofs] = np.arange(3)[:, None], np.arange(3)[:, None]
+        dofs = 3 * cKDTree(points).query(basis.doflocs.T)[1] + axis
+        theirs = form.assemble(basis).toarray()
+        yield name, np.abs(matrix.toarray()[np.ix_(dofs, dofs)] - theirs).max() / np.abs(theirs).max()
+
+
 def box_mesh(cells, size):
     """Box of 10-node tetrahedra, six in each cell, straight edges: points (n, 3), tets (e, 10)."""
     lines = [np.linspace(0.0, length, n + 1) for n, length in zip(cells, size)]
@@ -73,27 +126,11 @@ def box_mesh(cells, size):
     return second_order(points, np.concatenate(tets))
 
 
-def second_order(points, tets):
-    """Add the edge nodes to linear tetrahedra (e, 4)."""
-    pairs = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
-    edges, place = np.unique(pairs, axis=0, return_inverse=True)
-    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack([tets, place.reshape(-1, 6) + len(points)])
-
-
 def bar(cells=(80, 4, 2)):
     """Steel bar 0.5 x 0.02 x 0.01 m: points, K, M, nodes of both ends."""
     points, tets = box_mesh(cells, (0.5, 0.02, 0.01))
     ends = [np.flatnonzero(points[:, 0] == x) for x in (0.0, points[:, 0].max())]
     return points, stiffness(points, tets, **STEEL), consistent_mass(points, tets, 7850.0), ends
-
-
-def rigid_motions(points):
-    """Six rigid-body motions about the origin, (3 n, 6)."""
-    out = np.zeros((len(points), 3, 6))
-    out[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        out[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
-    return out.reshape(-1, 6)
 
 
 def craig_bampton_free(points, K, M, ends, modes):
@@ -209,7 +246,7 @@ BODIES = {"piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], de
 def shipped_body(name):
     """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's grid, angles, heights."""
     kind = BODIES[name]
-    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz", [kind["surface"], kind["fixed"], *kind["others"]])
+    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz", dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
     body = Elastic(stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"]))
     at = mesh.points[mesh.nodes(kind["surface"])]
@@ -277,3 +314,35 @@ def load_checks(body, mesh, read, shapes, extra):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
             yield figure(f"piston, {name}", f"deflection of the {place}, error [-]", error, 0.0, 1e-6, "at most", "full model",
                          "the load's own static shape is in the basis")
+
+
+def step_checks():
+    """The shipped bodies with 60 modes each on the crank: derivative of the step, work on both sides, redone steps."""
+    with TemporaryDirectory() as folder:
+        options = {"mesh_unit": 1.0, "axes": ("x", "y", "z"), "origin": (0.0, 0.0, 0.0), "surfaces": {}, "poisson": 0.33, "tie": "rbe2",
+                   "basis": "pressure_modes", "modes": 60, "skirt_lower": None, "skirt_upper": None, "pin_offset": 0.0, "bore_lower": None,
+                   "bore_upper": None, "stations": 64, "profiles": [], "orders": []}
+        table = {"grid": (40, 40), "gas": None} | {name: options | {k: kind[k] for k in ("density", "young")} | {
+            "mesh": str(files("models") / "numerical_example" / f"{name}.msh.gz")} for name, kind in BODIES.items()}
+        reduced = (np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
+                   for name, reduce in (("piston", reduce_piston), ("block", reduce_block)))
+        model = assemble(*(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()})
+    rng = np.random.default_rng(0)
+    push, drag = rng.random((40, 40)), -0.1 * rng.random((40, 40))
+    state, _ = model.start(0.4, 0.0, 0.0, Inputs(314.0, 0.0, 0 * push, 0 * drag))
+    errors = []
+    for _ in range(20):
+        state, out = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)
+        errors.append(out["interface_work_error"])
+    yield figure("60 + 60 modes, 20 steps", "work of the interface forces, difference [-]", max(errors), 0.0, 1e-10, "at most", "conservation",
+                 "round-off")
+    ends = [model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1] for e in (1.0, -1.0)]
+    first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
+    for name, product in zip(("film_thickness", "sliding_velocity"), model.directional_derivative(drag, push)):
+        difference = (ends[0][name] - ends[1][name]) / 2
+        yield figure("60 + 60 modes, one step", f"derivative of {name} against differences [-]",
+                     np.abs(product - difference).max() / np.abs(difference).max(), 0.0, 1e-7, "at most", "central differences",
+                     "the step is nearly affine in the forces")
+    again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
+    yield figure("60 + 60 modes, one step redone", "bytes that differ", np.sum(first.place.tobytes() != again.place.tobytes()), 0, 0.0, "absolute",
+                 "rollback", "a count")

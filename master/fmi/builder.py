@@ -20,9 +20,14 @@ import pythonfmu
 
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
+from .description3 import model_description_3, terminals
+from .errors import BadInput
 
 EMBEDDED = ("__init__", "errors", "variables", "requirements", "slave")
 """Modules of master.fmi that a running FMU needs."""
+
+PACKING = ("builder.py", "compiler.py", "description.py", "description3.py")
+"""What else has a say in an FMU's content."""
 
 STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
 """pythonfmu's own libraries: what an FMU gets where no front can be compiled; they run in Python hosts alone."""
@@ -94,7 +99,7 @@ def slave_of(package):
     return f"{package}.slave:{package.removeprefix('fmu_').capitalize()}"
 
 
-def build_fmu(package, options, folder, progress=lambda text: None):
+def build_fmu(package, options, folder, progress=lambda text: None, version="2.0"):
     """FMU of a participant package, from the cache if the same was built before.
 
     Parameters
@@ -108,6 +113,8 @@ def build_fmu(package, options, folder, progress=lambda text: None):
         Folder that relative paths in the options start from.
     progress : callable
         Told a line of text before long work.
+    version : {"2.0", "3.0"}
+        Of the standard; 3.0 needs a C compiler.
 
     Returns
     -------
@@ -120,10 +127,38 @@ def build_fmu(package, options, folder, progress=lambda text: None):
         With every fault of the options.
     """
     resolved, files = importlib.import_module(f"{package}.build").prepare(options, Path(folder), progress)
-    return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress)
+    return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress, version)
 
 
-def pack_fmu(name, slave, packages, options, files, progress):
+def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0"):
+    """FMU of a slave written in a single file, from the cache if the same was packed before.
+
+    Parameters
+    ----------
+    place : str
+        "path/to/file.py:Class".
+    options : dict
+        Becomes build.json, what `variables(options)` is given.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file or class in it.
+    """
+    file, _, slave = place.rpartition(":")
+    path = Path(file)
+    if path.suffix != ".py" or not path.is_file():
+        raise BadInput(f"{place!r}: write FILE.py:CLASS; there is no file {file!r}")
+    sys.path.insert(0, str(path.resolve().parent))
+    try:
+        if not hasattr(importlib.import_module(path.stem), slave):
+            raise BadInput(f"{place!r}: {path.name} has no class {slave}")
+        return pack_fmu(path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version)
+    finally:
+        sys.path.pop(0)
+
+
+def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     """FMU of a slave, from the cache if the same was packed before.
 
     Parameters
@@ -139,12 +174,14 @@ def pack_fmu(name, slave, packages, options, files, progress):
     files : dict of str to bytes
         Further resources.
     """
+    if version == "3.0" and not compiler():
+        raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
     sources = _sources(packages)
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
     code = f"code_{_digest(sources | contents | {'entry': (ENTRY + slave).encode()})}"
     contents["python.txt"] = sys.executable.encode()
-    front = front_sources("2.0") if compiler() else {"stock": pythonfmu.__version__.encode()}
-    packing = {name: (Path(__file__).parent / name).read_bytes() for name in ("builder.py", "compiler.py", "description.py")}
+    front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
+    packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
     fmu = cache_folder("fmus") / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
@@ -153,7 +190,7 @@ def pack_fmu(name, slave, packages, options, files, progress):
         contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
         contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
         contents |= {f"pythonfmu/{path.name}": path.read_bytes() for path in Path(pythonfmu.__file__).parent.glob("*.py")}
-        _pack(contents, f"{code}_entry", fmu)
+        _pack(contents, f"{code}_entry", fmu, version)
     return fmu
 
 
@@ -166,7 +203,8 @@ def _sources(packages):
         home, folder = Path(importlib.import_module(package).__file__), package.replace(".", "/")
         found = home.parent.rglob("*.py") if home.name == "__init__.py" else []
         paths |= {f"{folder}/{path.relative_to(home.parent).as_posix()}": path for path in found} or {f"{folder}.py": home}
-    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 ..master.", path.read_bytes()) for name, path in paths.items()}
+    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 " + b"." * (name.count("/") + 1) + b"master.", path.read_bytes())
+            for name, path in paths.items()}
 
 
 def _digest(contents):
@@ -176,7 +214,7 @@ def _digest(contents):
     return digest.hexdigest()[:16]
 
 
-def _pack(contents, entry, fmu):
+def _pack(contents, entry, fmu, version):
     """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU into place in one go."""
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
@@ -184,11 +222,7 @@ def _pack(contents, entry, fmu):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
         slave = _instance(entry, scratch)
-        binaries = {f"linux64/{slave.name}.so": compile_front("2.0")} if compiler() else {
-            f"{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes() for path in STOCK.rglob("*.*")}
-        description = tostring(model_description(slave, any_host=compiler() is not None))
-    members = {"modelDescription.xml": parseString(description).toprettyxml(encoding="UTF-8")}
-    members |= {f"binaries/{name}": data for name, data in binaries.items()}
+        members = _members_3(slave) if version == "3.0" else _members_2(slave)
     members |= {f"resources/{name}": data for name, data in contents.items()}
     partial = fmu.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -197,6 +231,24 @@ def _pack(contents, entry, fmu):
             info.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
             archive.writestr(info, members[name], zipfile.ZIP_DEFLATED)
     os.replace(partial, fmu)
+
+
+def _members_2(slave):
+    """Description and binaries of an FMI 2.0 FMU: the front, or pythonfmu's libraries without a compiler."""
+    binaries = {f"binaries/linux64/{slave.name}.so": compile_front("2.0")} if compiler() else {
+        f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes() for path in STOCK.rglob("*.*")}
+    return {"modelDescription.xml": _xml(model_description(slave, any_host=compiler() is not None))} | binaries
+
+
+def _members_3(slave):
+    """Description, terminals and front of an FMI 3.0 FMU."""
+    return {"modelDescription.xml": _xml(model_description_3(slave)),
+            f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
+            "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave))}
+
+
+def _xml(root):
+    return parseString(tostring(root)).toprettyxml(encoding="UTF-8")
 
 
 def _instance(entry, resources):

@@ -9,8 +9,8 @@ import tempfile
 from pathlib import Path
 
 HOME = Path(__file__).parent / "front"
-SOURCES = {"2.0": ("front.c", "fmi2.c")}
-FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-Bsymbolic")
+SOURCES = {"2.0": ("front.c", "fmi2.c"), "3.0": ("front.c", "fmi3.c")}
+FLAGS = ("-std=gnu11", "-D_GNU_SOURCE", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-Bsymbolic")
 
 
 def compiler():

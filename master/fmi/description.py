@@ -42,17 +42,27 @@ def model_description(slave, any_host):
         "canHandleVariableCommunicationStepSize": "true", "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": str(any_host and bool(slave.derivative_inputs)).lower()})
+    common_parts(root, slave)
+    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host)
+    _variables(SubElement(root, "ModelVariables"), slave)
+    _structure(SubElement(root, "ModelStructure"), slave.table)
+    root.set("guid", content_guid(root))
+    return root
+
+
+def content_guid(root):
+    """The same description has the same identifier in every build."""
+    return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
+
+
+def common_parts(root, slave):
+    """Units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
     SubElement(root, "DefaultExperiment", {
         "startTime": "0.0", "stopTime": repr(100 * slave.usual_step), "stepSize": repr(slave.usual_step)})
-    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host)
-    _variables(SubElement(root, "ModelVariables"), slave)
-    _structure(SubElement(root, "ModelStructure"), slave.table)
-    root.set("guid", "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}")
-    return root
 
 
 def _units(parent, table):
@@ -75,15 +85,16 @@ def _vendor_annotations(parent, slave, any_host):
 
 def _variables(parent, slave):
     for v in slave.table:
-        common = _scalar_attributes(v)
-        typed = _type_attributes(v)
+        common = causality_attributes(v)
+        typed = type_attributes(v)
         for k, name in enumerate(element_names(v)):
             node = SubElement(parent, "ScalarVariable", {
                 "name": name, "valueReference": str(slave.references[v.name] + k), **common})
             SubElement(node, v.type, typed)
 
 
-def _scalar_attributes(v):
+def causality_attributes(v):
+    """Description, causality, variability and initial."""
     kind = {"parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
             "input": {"causality": "input", "variability": "continuous" if v.type == "Real" else "discrete"},
             "output": {"causality": "output", "variability": "continuous" if v.type == "Real" else "discrete",
@@ -91,7 +102,8 @@ def _scalar_attributes(v):
     return {"description": v.description, **kind}
 
 
-def _type_attributes(v):
+def type_attributes(v):
+    """Start, unit, nominal and range."""
     attributes = {}
     if v.causality != "output":
         attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.start)

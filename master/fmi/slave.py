@@ -127,7 +127,7 @@ class FieldSlave(Fmi2Slave):
         blocks = [[(self.references[n], self.views[n].size, self.references[f"{kind}:{n}"]) for n in names]
                   for kind, names in (("seed", self.derivative_inputs), ("product", self.derivative_outputs))]
         kinds = ("Real", "Integer", "String")
-        entries = [(kinds.index(v.type), self.references[v.name], v.size, v.causality != "output") for v in self.table]
+        entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
         head = [real, integer, self.real_count, len(self.integer), len(self.string), *map(len, blocks), len(entries)]
         return np.array([*head, *np.ravel(blocks[0]), *np.ravel(blocks[1]), *np.ravel(entries)], dtype=np.int64).tobytes()
 

@@ -1,4 +1,4 @@
-"""Ten-node tetrahedron against scikit-fem, rigid-body motions, mass properties, quadrature."""
+"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (scikit-fem: tests/verification/test_mfbd.py)."""
 
 import math
 
@@ -8,7 +8,8 @@ import pytest
 from fmu_mfbd.finite_element import consistent_mass, face_load, quadrature, stiffness
 from fmu_mfbd.mesh import MeshFault, mesh_faults, Mesh, outer_faces, read_mesh
 from fmu_mfbd.reduction import floating_frame_integrals
-from fmu_mfbd.verification import box_mesh, rigid_motions
+from fmu_mfbd.bases import rigid_motions
+from fmu_mfbd.verification import box_mesh
 
 
 @pytest.fixture(scope="module")
@@ -26,46 +27,6 @@ def test_quadrature_is_exact_up_to_its_degree(n):
             k = 2 * n - 1 - i - j
             exact = math.factorial(i) * math.factorial(j) * math.factorial(k) / math.factorial(i + j + k + 3)
             assert weight @ np.prod(position ** [i, j, k], axis=1) == pytest.approx(exact, rel=1e-12)
-
-
-def test_matrices_agree_with_scikit_fem(warped):
-    """Same elements, same quadrature degree; both sum in another order, hence 1e-12 of the largest entry."""
-    from skfem import BilinearForm, ElementTetP2, ElementVector, Basis, MeshTet2
-    from skfem.helpers import ddot, dot, eye, sym_grad, trace
-
-    points, tets = warped
-    young, poisson = 7e10, 0.3
-    lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
-
-    @BilinearForm
-    def elastic(u, v, w):
-        e = sym_grad(u)
-        return ddot(2 * shear * e + lame * eye(trace(e), 3), sym_grad(v))
-
-    @BilinearForm
-    def inertia(u, v, w):
-        return 2700.0 * dot(u, v)
-
-    import meshio
-    mesh = MeshTet2.from_meshio if hasattr(MeshTet2, "from_meshio") else None
-    assert mesh is None or meshio
-    from skfem.io.meshio import from_meshio
-    other = from_meshio(meshio.Mesh(points, [("tetra10", tets)]))
-    position, weight = quadrature(3)
-    basis = Basis(other, ElementVector(ElementTetP2()), quadrature=(position.T, weight))
-    finer = basis.with_elements(np.arange(len(tets)))
-    position, weight = quadrature(4)
-    finer = Basis(other, ElementVector(ElementTetP2()), quadrature=(position.T, weight))
-    where = basis.doflocs.T
-    node = np.array([np.linalg.norm(points - at, axis=1).argmin() for at in where])
-    axis = np.empty(len(where), int)
-    axis[basis.nodal_dofs], axis[basis.edge_dofs] = np.arange(3)[:, None], np.arange(3)[:, None]
-    dofs = 3 * node + axis
-    K, M = stiffness(points, tets, young, poisson), consistent_mass(points, tets, 2700.0)
-    M = np.kron(M.toarray(), np.eye(3))
-    for ours, form, space in ((K.toarray(), elastic, basis), (M, inertia, finer)):
-        theirs = form.assemble(space).toarray()
-        assert np.abs(ours[np.ix_(dofs, dofs)] - theirs).max() <= 1e-12 * np.abs(theirs).max()
 
 
 def test_six_rigid_body_motions_and_no_more(warped):
@@ -120,8 +81,10 @@ def test_inverted_and_loose_elements_are_named(warped):
 def test_missing_surface_and_linear_elements(bodies, tmp_path):
     import meshio
 
-    with pytest.raises(MeshFault, match="surface 'belt' is missing .found crown, pin_bore, skirt"):
-        read_mesh(bodies[0] / "piston.msh", ["skirt", "belt"])
-    meshio.write(tmp_path / "linear.msh", meshio.Mesh(np.eye(4)[:, :3], [("tetra", [[0, 1, 2, 3]])]), file_format="gmsh22")
-    with pytest.raises(MeshFault, match="no 10-node tetrahedra .found tetra"):
-        read_mesh(tmp_path / "linear.msh", [])
+    with pytest.raises(MeshFault, match="surface 'belt' is missing or empty .the file names crown, pin_bore, skirt"):
+        read_mesh(bodies[0] / "piston.msh", {"skirt": None, "belt": None})
+    meshio.write(tmp_path / "shell.msh", meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]), file_format="gmsh22")
+    with pytest.raises(MeshFault, match="no tetrahedra .found triangle"):
+        read_mesh(tmp_path / "shell.msh", {})
+    with pytest.raises(MeshFault, match="the body is 36 m long; mesh_unit"):
+        read_mesh(bodies[0] / "piston.msh", {}, scale=1000.0 * 36 / 56)

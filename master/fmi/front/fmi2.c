@@ -2,7 +2,7 @@
 
 #include "front.h"
 
-#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +29,23 @@ static void send(Instance *I, int status, const char *category, const char *text
     free(safe);
 }
 
+/* Path of a URI: scheme and authority dropped, %XX decoded. */
+static char *path_of(const char *location)
+{
+    const char *c = strncmp(location, "file:", 5) ? location : location + 5;
+    if (c != location && !strncmp(c, "//", 2))
+        c = strchr(c + 2, '/') ? strchr(c + 2, '/') : c + 2;
+    char *path = malloc(strlen(c) + 1), *end = path;
+    for (unsigned int code; *c; end++) {
+        int escaped = c[0] == '%' && sscanf(c + 1, "%2x", &code) == 1 && c[1] && c[2];
+        *end = escaped ? (char)code : *c;
+        c += escaped ? 3 : 1;
+    }
+    for (*end = 0; end > path + 1 && end[-1] == '/';)
+        *--end = 0;
+    return path;
+}
+
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
                              const Callbacks *host, int visible, int logging)
 {
@@ -40,7 +57,7 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const
         front_log(&settings, ERROR, "fmi2Instantiate: this FMU is for co-simulation");
         return NULL;
     }
-    return front_create(name, location, settings);
+    return front_create(name, path_of(location ? location : ""), settings);
 }
 
 EXPORT void fmi2FreeInstance(void *I) { if (I) front_free(I); }

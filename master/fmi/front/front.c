@@ -1,6 +1,5 @@
 /* Finds or starts Python, imports the slave, calls its methods. See front.h. */
 
-#define _GNU_SOURCE
 #include "front.h"
 
 #include <dlfcn.h>
@@ -275,7 +274,7 @@ static int read_layout(Instance *I)
     forget_layout(I);
     I->seed = take(&cursor, I->seeds, 3);
     I->product = take(&cursor, I->products, 3);
-    I->variable = take(&cursor, I->variables, 4);
+    I->variable = take(&cursor, I->variables, 3);
     py.Py_DecRef(layout);
     return OK;
 }
@@ -311,29 +310,12 @@ static int create_slave(Instance *I)
     return status;
 }
 
-/* Path of a URI: scheme and authority dropped, %XX decoded. */
-static char *path_of(const char *location)
-{
-    const char *c = strncmp(location, "file:", 5) ? location : location + 5;
-    if (c != location && !strncmp(c, "//", 2))
-        c = strchr(c + 2, '/') ? strchr(c + 2, '/') : c + 2;
-    char *path = malloc(strlen(c) + 1), *end = path;
-    for (unsigned int code; *c; end++) {
-        int escaped = c[0] == '%' && sscanf(c + 1, "%2x", &code) == 1 && c[1] && c[2];
-        *end = escaped ? (char)code : *c;
-        c += escaped ? 3 : 1;
-    }
-    for (*end = 0; end > path + 1 && end[-1] == '/';)
-        *--end = 0;
-    return path;
-}
-
-Instance *front_create(const char *name, const char *location, Instance settings)
+Instance *front_create(const char *name, char *resources, Instance settings)
 {
     Instance *I = malloc(sizeof *I);
     *I = settings;
     I->name = strdup(name ? name : "instance");
-    I->resources = path_of(location ? location : "");
+    I->resources = resources;
     int status = ERROR;
     if (have_python(I)) {
         int held = py.PyGILState_Ensure();

@@ -12,7 +12,7 @@
 
 typedef unsigned int Reference;
 typedef struct { int64_t first, size, reserved; } Block;         /* references first..first+size-1 <-> reserved.. */
-typedef struct { int64_t type, offset, size, settable; } Entry;  /* a variable of the table; type 0 real, 1 integer, 2 text */
+typedef struct { int64_t type, offset, size; } Entry;   /* a variable of the table; type 0 real, 1 integer, 2 text */
 
 typedef struct Instance {
     void *slave;                            /* PyObject, owned */
@@ -33,7 +33,7 @@ typedef struct Instance {
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* both standards number their statuses so */
 
-Instance *front_create(const char *name, const char *location, Instance settings);
+Instance *front_create(const char *name, char *resources, Instance settings);   /* takes the path over; NULL if refused */
 void front_free(Instance *);
 int front_reset(Instance *);
 void front_log(Instance *, int status, const char *format, ...);

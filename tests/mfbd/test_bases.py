@@ -1,0 +1,92 @@
+"""Ways to tie a body to its frame, and the third basis."""
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+
+from fmu_mfbd.bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, full_mass, mean_conditions,
+                            orthonormal_modes, rigid_motions)
+from fmu_mfbd.finite_element import consistent_mass, stiffness, surface_matrix
+from fmu_mfbd.mesh import outer_faces
+from fmu_mfbd.verification import box_mesh
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """Points, K, M and the area of each node on the face y = 0."""
+    points, tets = box_mesh((3, 4, 2), (0.03, 0.05, 0.02))
+    faces = outer_faces(tets)
+    faces = faces[(points[faces][:, :, 1] == 0.0).all(axis=1)]
+    return points, stiffness(points, tets, 7e10, 0.3), consistent_mass(points, tets, 2700.0), surface_matrix(points, faces)
+
+
+def test_surface_matrix_holds_area_and_moments(plate):
+    points, _, _, area = plate
+    share = np.asarray(area.sum(axis=1)).ravel()
+    assert share.sum() == pytest.approx(0.03 * 0.02, rel=1e-12)
+    assert points[:, 0] @ (area @ points[:, 0]) == pytest.approx(0.03**3 / 3 * 0.02, rel=1e-12)
+
+
+@pytest.mark.parametrize("surfaces", [1, 2])
+def test_mean_held_body_is_the_constrained_problem(plate, surfaces):
+    """Against the dense saddle-point system."""
+    points, K, M, area = plate
+    share = np.asarray(area.sum(axis=1)).ravel()
+    weights = [share] if surfaces == 1 else [share * (points[:, 0] > 0.016), share * (points[:, 0] < 0.014)]
+    C = mean_conditions(points, weights)
+    body = MeanElastic(K, M, C, rigid_motions(points))
+    load = np.random.default_rng(0).standard_normal((len(points) * 3, 2))
+    scale = 1e8
+    saddle = np.block([[K.toarray(), scale * C.T], [scale * C, np.zeros((len(C), len(C)))]])
+    reference = np.linalg.solve(saddle, np.vstack([load, np.zeros((len(C), 2))]))[: len(load)]
+    found = body.solve(load)
+    np.testing.assert_allclose(found, reference, atol=1e-8 * np.abs(reference).max())
+    assert np.abs(C @ found).max() <= 1e-10 * np.abs(found).max()
+    # lowest modes of the constrained body
+    _, omega = orthonormal_modes(body, craig_bampton(body, 4))
+    null = la.null_space(C)
+    exact = la.eigh(null.T @ (K @ null), null.T @ (full_mass(M) @ null), eigvals_only=True, subset_by_index=(0, 3))
+    np.testing.assert_allclose(omega**2, exact, rtol=1e-7)
+
+
+def test_mean_tie_is_softer_than_the_rigid_one(plate):
+    points, K, M, area = plate
+    share = np.asarray(area.sum(axis=1)).ravel()
+    load = np.zeros(3 * len(points))
+    load[3 * np.flatnonzero(points[:, 1] == 0.05) + 1] = 1.0
+    rigid = Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
+    mean = MeanElastic(K, M, mean_conditions(points, [share]), rigid_motions(points))
+    assert mean.solve(load) @ load > rigid.solve(load[rigid.free]) @ load[rigid.free] > 0
+
+
+def test_stiff_springs_approach_the_clamp_and_soft_ones_do_not(plate):
+    points, K, M, area = plate
+    clamp = orthonormal_modes(*(lambda body: (body, craig_bampton(body, 2)))(Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))))[1]
+    lowest = []
+    for total in (1e14, 1e7):
+        body = Elastic(K + full_mass(area * (total / area.sum())), M, np.empty(0, int))
+        lowest.append(orthonormal_modes(body, craig_bampton(body, 2))[1][0])
+    assert lowest[0] == pytest.approx(clamp[0], rel=1e-3)
+    # a rigid block on springs, bending freely: below sqrt(k/m)
+    assert lowest[1] < np.sqrt(1e7 / (2700 * 0.03 * 0.05 * 0.02))
+
+
+def test_characteristic_constraint_modes_are_guyan_modes(plate):
+    """Against dense static condensation."""
+    points, K, M, _ = plate
+    body = Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
+    surface = np.flatnonzero(points[:, 0] == 0.03)
+    shapes = characteristic_constraint_modes(body, surface, 5)
+    chosen = np.isin(body.free, (3 * surface[:, None] + np.arange(3)).ravel())
+    dense, mass = body.K.toarray(), body.M.toarray()
+    psi = np.zeros((len(dense), chosen.sum()))
+    psi[chosen] = np.eye(chosen.sum())
+    psi[~chosen] = -np.linalg.solve(dense[np.ix_(~chosen, ~chosen)], dense[np.ix_(~chosen, chosen)])
+    exact = la.eigh(psi.T @ dense @ psi, psi.T @ mass @ psi, eigvals_only=True, subset_by_index=(0, 4))
+    np.testing.assert_allclose(orthonormal_modes(body, shapes)[1] ** 2, exact, rtol=1e-7)
+
+
+def test_loose_body_is_refused(plate):
+    points, K, M, _ = plate
+    with pytest.raises(ValueError, match="non-positive pivots"):
+        Elastic(K, M, np.array([0]))

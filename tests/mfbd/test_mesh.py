@@ -1,0 +1,57 @@
+"""Meshes from other programs: Abaqus and Nastran files, other units and axes, surfaces by set or by geometry, linear elements."""
+
+import meshio
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from fmu_mfbd.mesh import MeshFault, read_mesh
+
+SKIRT, HELD, CROWN = ("cylinder", 28e-3, -16e-3, 8e-3), ("cylinder", 24e-3, -9e-3, 9e-3), ("plane", 20e-3)
+
+
+@pytest.fixture(scope="module")
+def original(bodies):
+    return read_mesh(bodies[0] / "piston.msh", {"skirt": None, "crown": None})
+
+
+def same_faces(a, b):
+    """Faces of two meshes at the same places, whatever their numbers."""
+    ours, theirs = (mesh.points[faces].mean(axis=1) for mesh, faces in (a, b))
+    return len(ours) == len(theirs) and cKDTree(ours).query(theirs)[0].max() < 1e-7      # files hold about nine digits
+
+
+def test_abaqus_in_millimetres_with_node_sets_and_other_axes(original, tmp_path):
+    """File axes: thrust along -z, pin along x."""
+    points = np.stack([original.points[:, 2], original.points[:, 1], -original.points[:, 0]], axis=1) * 1e3 + [0.0, 5.0, 0.0]
+    path = tmp_path / "piston.inp"
+    meshio.write(path, meshio.Mesh(points, [("tetra10", original.tets)], point_sets={"skirt": original.nodes("skirt")}))
+    mesh = read_mesh(path, {"skirt": None, "crown": CROWN}, 1e-3, ("-z", "y", "x"), (0.0, 5e-3, 0.0))
+    np.testing.assert_allclose(mesh.points, original.points, atol=1e-12)
+    for name in ("skirt", "crown"):
+        assert same_faces((mesh, mesh.faces[name]), (original, original.faces[name]))
+
+
+def test_nastran_with_surfaces_by_geometry(original, tmp_path):
+    path = tmp_path / "piston.bdf"
+    lines = ["BEGIN BULK"] + [f"GRID,{k},,{x:.9g},{y:.9g},{z:.9g}" for k, (x, y, z) in enumerate(original.points, 1)]
+    for k, nodes in enumerate(original.tets + 1, 1):
+        lines += [f"CTETRA,{k},1," + ",".join(map(str, nodes[:6])) + ",+", "+," + ",".join(map(str, nodes[6:]))]
+    path.write_text("\n".join([*lines, "ENDDATA", ""]))
+    mesh = read_mesh(path, {"skirt": SKIRT, "crown": CROWN})
+    assert same_faces((mesh, mesh.faces["skirt"]), (original, original.faces["skirt"]))
+    assert same_faces((mesh, mesh.faces["crown"]), (original, original.faces["crown"]))
+
+
+def test_linear_elements_get_edge_nodes_with_a_warning(original, tmp_path):
+    path, said = tmp_path / "linear.inp", []
+    meshio.write(path, meshio.Mesh(original.points, [("tetra", original.tets[:, :4])]))
+    mesh = read_mesh(path, {"skirt": SKIRT}, say=said.append)
+    assert mesh.tets.shape == original.tets.shape and len(mesh.points) == len(original.points)
+    assert "linear tetrahedra" in said[0]
+    assert len(mesh.faces["skirt"]) == len(original.faces["skirt"])
+
+
+def test_left_handed_axes_are_refused(bodies):
+    with pytest.raises(MeshFault, match="not a right-handed set"):
+        read_mesh(bodies[0] / "piston.msh", {}, axes=("-x", "y", "z"))

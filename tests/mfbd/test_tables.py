@@ -1,0 +1,129 @@
+"""Gas tables, measured profiles, bore shapes: values, and what is refused."""
+
+import numpy as np
+import pytest
+
+from fmu_mfbd.assembly import assemble
+from fmu_mfbd.build import prepare
+from fmu_mfbd.model import Inputs
+from fmu_mfbd.profile import fourier_bore, ovality, table_shape
+from fmu_mfbd.tables import TableFault, gas_pressure, gas_table, profile_table
+from fmu_mfbd.variables import parameters
+from master.fmi.errors import BadInput
+
+DEG = np.pi / 180
+
+
+def curve(angle):
+    return 5e5 * (1 + np.cos(angle / 2))
+
+
+@pytest.fixture
+def gas_file(tmp_path):
+    lines = ["crank angle [deg], pressure [bar]"] + [f"{a}, {curve(a * DEG) / 1e5}" for a in range(0, 720, 2)]
+    path = tmp_path / "gas.csv"
+    path.write_text("\n".join(lines))
+    return path
+
+
+def test_gas_repeats_every_cycle(gas_file):
+    table = gas_table(gas_file, 4 * np.pi, DEG, 1e5)
+    for angle in (0.1, 5.0, 12.5, 12.5 + 4 * np.pi, 0.1 - 4 * np.pi):
+        # linear between points 2 deg apart: (1 deg)^2/2 * 5e5/4
+        assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
+
+
+@pytest.mark.parametrize("change, message", [
+    (lambda lines: lines[:200], "spans 396 deg of a cycle of 720 deg"),
+    (lambda lines: [*lines[:50], lines[48], *lines[50:]], "line 51: crank angle 94 does not rise"),
+    (lambda lines: [*lines, "720, 3"], "does not close"),
+    (lambda lines: [*lines[:9], "16, abc", *lines[10:]], "line 10: '16,abc' is not a row of numbers"),
+    (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns")])
+def test_bad_gas_tables_name_the_row(gas_file, change, message):
+    gas_file.write_text("\n".join(change(gas_file.read_text().splitlines())))
+    with pytest.raises(TableFault, match=message):
+        gas_table(gas_file, 4 * np.pi, DEG, 1e5)
+
+
+def test_profile_file_and_interpolation(tmp_path):
+    path = tmp_path / "skirt.csv"
+    angles, heights = np.arange(0, 360, 5), np.linspace(-16, 8, 25)
+    rows = ["height," + ",".join(str(a) for a in angles)]
+    rows += [f"{h}," + ",".join(str(100 * np.cos(a * DEG) ** 2 + h) for a in angles) for h in heights]
+    path.write_text("\n".join(rows))
+    table = profile_table(path, DEG, 1e-3, 1e-6)
+    angle, height = np.linspace(0.01, 6.27, 33), np.linspace(-15e-3, 7e-3, 9)
+    wanted = (100 * np.cos(angle) ** 2)[:, None] * 1e-6 + height * 1e-3
+    # linear over 5 deg: (5 deg)^2 / 8 * 200 um
+    np.testing.assert_allclose(table_shape(table, angle, height), wanted, atol=0.2e-6)
+    path.write_text("\n".join([*rows[:3], "1,2,3"]))
+    with pytest.raises(TableFault, match="numbers where"):
+        profile_table(path, DEG, 1e-3, 1e-6)
+
+
+def test_orders():
+    angle = np.linspace(0, 6, 50)
+    terms = [{"order": 0, "amplitude": 25e-6, "phase": 0.0}, {"order": 2, "amplitude": 25e-6, "phase": 0.0}]
+    np.testing.assert_allclose(fourier_bore(terms, angle), ovality(angle, 100e-6), atol=1e-18)
+
+
+@pytest.fixture(scope="module")
+def shaped(bodies, tmp_path_factory):
+    """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a running model."""
+    folder = bodies[0]
+    (folder / "skirt.csv").write_text("h,0,90,180,270\n-16,10,0,10,0\n10,10,0,10,0\n")
+    (folder / "bore.csv").write_text("h,0\n50,30\n100,5\n155,0\n")
+    (folder / "gas.csv").write_text("\n".join(f"{a},{curve(a * DEG)}" for a in range(0, 721, 5)))
+    units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
+    table = bodies[1] | {"piston": bodies[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
+                         "block": bodies[1]["block"] | {"profiles": [{"file": "bore.csv", **units}],
+                                                        "orders": [{"order": 4, "amplitude": "2 um", "phase": "10 deg"}]},
+                         "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"}}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        options, files = prepare(table, folder, lambda text: None)
+    values = {v.name: v.start for v in parameters()} | {"skirt_growth_upper": 4e-6, "bore_growth_lower": 3e-6}
+    return assemble(*(dict(np.load(path)) for path in files), options, values)
+
+
+def test_shapes_enter_the_film_and_its_work(shaped):
+    """A bore of varying width does work on the moving piston: the balance still closes, and slope times force lifts the piston."""
+    rng = np.random.default_rng(2)
+    push, drag = rng.random((2, *shaped.skirt.gap.shape))
+    state, out = shaped.start(0.7, 0.0, 0.0, Inputs(314.0, 0.0, push, drag))
+    assert out["interface_work_error"] <= 1e-13
+    for _ in range(5):
+        before = state
+        state, out = shaped.advance(state, Inputs(314.0, 0.0, push, drag), 5e-5)
+        assert out["interface_work_error"] <= 1e-13
+    assert before.crank_angle < state.crank_angle
+    # the film thickness belongs to the shape at the skirt's height now
+    expected = shaped.skirt.gap + 2e-6 * np.cos(4 * (shaped.skirt.angle - 10 * DEG))[:, None]
+    height = out["piston_position"] + shaped.skirt.height
+    expected = expected + np.interp(height, [0.05, 0.1, 0.155], [30e-6, 5e-6, 0.0]) + 3e-6 * (0.155 - height) / 0.105
+    nothing = np.zeros_like(push)
+    still = shaped.start(state.crank_angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
+    # the spline rounds the kink at 100 mm, linear interpolation between 15 deg does the rest
+    np.testing.assert_allclose(still, expected, atol=0.2e-6)
+
+
+def test_gas_table_acts_like_the_input(shaped, monkeypatch):
+    nothing = np.zeros(shaped.skirt.gap.shape)
+    tabled = [shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0] for angle in (0.5, 3.0)]
+    monkeypatch.setattr(shaped, "gas_table", None)
+    for state, angle in zip(tabled, (0.5, 3.0)):
+        given = shaped.start(angle, 0.0, 0.0, Inputs(314.0, curve(angle), nothing, nothing))[0]
+        np.testing.assert_allclose(state.acceleration, given.acceleration, rtol=2e-3)    # linear between 5 deg
+
+
+def test_missing_and_bad_tables_are_reported_together(bodies):
+    folder, options = bodies
+    units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
+    (folder / "bad.csv").write_text("h,90\n1,2\n3\n")
+    table = options | {"piston": options["piston"] | {"profiles": [{"file": "none.csv", **units}]},
+                       "gas": {"file": "gone.csv", "angle_unit": "1 deg", "pressure_unit": "1 bar"}}
+    with pytest.raises(BadInput) as caught:
+        prepare(table, folder, print)
+    assert len(caught.value.faults) == 2
+    with pytest.raises(BadInput, match="bad.csv, line 3"):
+        prepare(options | {"block": options["block"] | {"profiles": [{"file": "bad.csv", **units}]}}, folder, print)
