@@ -1,109 +1,20 @@
 """The lubrication model: film, oil, contact and friction of one skirt, one step at a time."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from . import asperity, coating, friction
 from .cavitation import NotConverged
 from .film_step import FilmStep
-from .films import FlowFilm, rough_film, smooth_film
-from .grid import Edges, Grid
-from .oil import Oil
+from .films import FlowFilm, rough_film, smooth_film, thin
+from .grid import Grid
 from .roughness import factor_table
 from .summary import halves, summarise
+from .surroundings import Surroundings, surroundings
 
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 HIGHEST_PRESSURE = 1e10  # [Pa]; no viscosity law means anything beyond
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """What is fixed for a run; names, units and ranges in `variables.py`.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (n_circumferential, n_axial).
-    oil : oil.Oil
-    cavitation_model, flow_factors, contact_law, cavity_shear : str
-        Chosen laws, keys of `variables.CHOICES`.
-    bore_radius, skirt_length, minimum_flow_film, roughness_rms : float
-        [m].
-    pressure_lower_edge, pressure_upper_edge, cavitation_pressure, contact_modulus, boundary_shear_strength : float
-        [Pa], pressures on one datum, edges not below cavitation.
-    film_fraction_lower_edge, film_fraction_upper_edge : float
-        [-].
-    oil_temperature_lower_edge, oil_temperature_upper_edge : float
-        [K], linear between.
-    asperity_product, asperity_slope, boundary_friction_coefficient : float
-        eta beta sigma, sigma/beta, mu_b of `asperity` [-].
-    peklenik_number, roughness_share_skirt : float
-        gamma and Y of `roughness` and `films` [-].
-    friction_rounding_velocity : float
-        [m/s].
-    coating_thickness, coating_modulus, coating_poisson : float
-        Soft layer, d [m], E [Pa], nu [-] of `coating`; 0 m = none.
-    open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cut-outs.
-    """
-
-    shape: tuple = (40, 40)
-    oil: Oil = field(default_factory=Oil)
-    cavitation_model: str = "jfo"
-    flow_factors: str = "none"
-    contact_law: str = "greenwood_tripp_1970"
-    cavity_shear: str = "film_fraction"
-    bore_radius: float = 28.25e-3
-    skirt_length: float = 27e-3
-    pressure_lower_edge: float = 0.0
-    pressure_upper_edge: float = 0.0
-    cavitation_pressure: float = 0.0
-    film_fraction_lower_edge: float = 1.0
-    film_fraction_upper_edge: float = 1.0
-    oil_temperature_lower_edge: float = 373.15
-    oil_temperature_upper_edge: float = 373.15
-    minimum_flow_film: float = 5e-8
-    roughness_rms: float = 0.0
-    peklenik_number: float = 1.0
-    roughness_share_skirt: float = 0.8
-    asperity_product: float = 0.04
-    asperity_slope: float = 1e-3
-    contact_modulus: float = 6e10
-    boundary_friction_coefficient: float = 0.12
-    boundary_shear_strength: float = 0.0
-    friction_rounding_velocity: float = 1e-3
-    coating_thickness: float = 0.0
-    coating_modulus: float = 1e9
-    coating_poisson: float = 0.3
-    open_cells: np.ndarray | None = None
-
-
-CONDITIONS = ("pressure_lower_edge", "pressure_upper_edge", "film_fraction_lower_edge", "film_fraction_upper_edge",
-              "oil_temperature_lower_edge", "oil_temperature_upper_edge")
-
-
-def faults(parameters):
-    """What is wrong between parameters that are each in range.
-
-    Parameters
-    ----------
-    parameters : Parameters
-
-    Returns
-    -------
-    list of str
-        One sentence a fault.
-    """
-    p = parameters
-    found = [f"pressure_{edge}_edge = {pressure:g} Pa: must not be below cavitation_pressure = {p.cavitation_pressure:g} Pa"
-             for edge, pressure in (("lower", p.pressure_lower_edge), ("upper", p.pressure_upper_edge))
-             if pressure < p.cavitation_pressure]
-    if p.oil.viscosity_law == "two_point" and p.oil.viscosity_40 <= p.oil.viscosity_100:
-        found.append(f"viscosity_40 = {p.oil.viscosity_40:g} Pa.s: must be above viscosity_100 = {p.oil.viscosity_100:g} Pa.s")
-    if p.flow_factors != "none" and p.roughness_rms <= 0.0:
-        found.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
-    return found
 
 
 @dataclass(frozen=True)
@@ -127,36 +38,20 @@ class State:
 
 
 @dataclass(frozen=True)
-class Surroundings:
-    """What holds around and in the oil during a step.
+class Film:
+    """A solved film; arrays of shape (n_c, n_a).
 
     Parameters
     ----------
-    edges : grid.Edges
-        With reduced pressures, Eq. (O6).
-    lower, upper : float
-        Edge pressures above cavitation pressure [Pa].
-    temperature, viscosity : ndarray, shape (n_c, n_a)
-        T [K], low-shear mu_0 [Pa s].
-    thickening : object or None
-        Pressure-viscosity law of `oil`.
-    """
-
-    edges: Edges
-    lower: float
-    upper: float
-    temperature: np.ndarray
-    viscosity: np.ndarray
-    thickening: object
-
-
-@dataclass(frozen=True)
-class Film:
-    """A solved film with all that depends on it; arrays of shape (n_c, n_a).
-
-    values, slopes, velocity_slopes: `FlowFilm` quantities stacked to (7, n_c, n_a), derivatives to h and V; pressure above
-    cavitation pressure [Pa], its derivative to the reduced pressure dp [-] (1 without thickening), derivative of
-    mu/mu_0 to it dratio [1/Pa] and mu/mu_0 ratio [-] (None without); fraction [-].
+    sliding_velocity : ndarray
+        [m/s].
+    values, slopes, velocity_slopes : ndarray, shape (7, n_c, n_a)
+        `films.FlowFilm` quantities and their derivatives to film thickness and sliding velocity (None if all zero).
+    pressure, fraction : ndarray
+        Above cavitation pressure [Pa], film fraction [-].
+    ratio, dratio : ndarray
+        mu/mu_0 = dp/dq of thickening by pressure [-] and its derivative to the pressure [1/Pa]; None without.
+    surroundings : surroundings.Surroundings
     """
 
     sliding_velocity: np.ndarray
@@ -194,7 +89,7 @@ class LubricationModel:
         self._no_slopes = np.zeros((7, *p.shape))
         self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
         self._halves = halves(p.shape[0])
-        self._given = self._surroundings({})
+        self._given = surroundings(p, {})
 
     # ---- steps ------------------------------------------------------------------------------------------------------
 
@@ -214,7 +109,7 @@ class LubricationModel:
         outputs : dict
             As from `advance`.
         """
-        around = self._surroundings(conditions)
+        around = surroundings(self.parameters, conditions)
         lower, upper = around.edges.pressure[:2]
         along = (np.arange(self.grid.shape[1]) + 0.5) / self.grid.shape[1]
         unknown = np.broadcast_to(lower + (upper - lower) * along, self.grid.shape).copy()
@@ -236,8 +131,7 @@ class LubricationModel:
         step : float
             H [s], > 0.
         **conditions
-            Any of `CONDITIONS` at the end of the step in place of the parameter of that name, and `oil_temperature` [K],
-            float or ndarray of shape (n_c, n_a), in place of both edge temperatures.
+            At the end of the step, as for `surroundings.surroundings`.
 
         Returns
         -------
@@ -252,7 +146,7 @@ class LubricationModel:
         """
         if not film_thickness.max() > 0.0:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
-        around = self._surroundings(conditions) if conditions else self._given
+        around = surroundings(self.parameters, conditions) if conditions else self._given
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
         find = self._coated if self._compliance > 0.0 else self._bare
         film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
@@ -351,23 +245,6 @@ class LubricationModel:
 
     # ---- parts of a step --------------------------------------------------------------------------------------------
 
-    def _surroundings(self, conditions):
-        """Edges, temperature and viscosity for the conditions given, the parameters for those that are not."""
-        p = self.parameters
-        given = {name: conditions.get(name, getattr(p, name)) for name in CONDITIONS}
-        lower, upper = (given[f"pressure_{edge}_edge"] - p.cavitation_pressure for edge in ("lower", "upper"))
-        if min(lower, upper) < 0.0:
-            raise NotConverged(f"edge pressure {min(lower, upper):g} Pa below cavitation pressure: must not be below it")
-        along = (np.arange(p.shape[1]) + 0.5) / p.shape[1]
-        profile = (given["oil_temperature_lower_edge"] * (1.0 - along) + given["oil_temperature_upper_edge"] * along)
-        temperature = np.broadcast_to(np.asarray(conditions.get("oil_temperature", profile), dtype=float), p.shape)
-        viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
-        law = p.oil.thickening(viscosity.mean()) if p.oil.pressure_viscosity_law != "none" else None
-        pressure = np.array([lower, upper, 0.0, 0.0])
-        fraction = np.array([given["film_fraction_lower_edge"], given["film_fraction_upper_edge"], 1.0, 1.0])
-        return Surroundings(Edges(law.reduced(pressure) if law else pressure, fraction), lower, upper, temperature,
-                            viscosity, law)
-
     def _flow_film(self, film_thickness, sliding_velocity, around):
         """`FlowFilm` quantities stacked to (7, n_c, n_a), and their derivatives to film and velocity (None if all zero)."""
         p = self.parameters
@@ -378,19 +255,9 @@ class LubricationModel:
                                         2.0 * p.roughness_share_skirt - 1.0, self._factors)
         if not self._thins:
             return values, slopes, None
-        # shear thinning scales conductivities by mu_0/mu and stresses by mu/mu_0; shear rate |V|/h, Eqs. (O7), (O8)
         thickness = np.maximum(film_thickness, p.minimum_flow_film)
-        rate = np.abs(sliding_velocity) / thickness
-        factor, slope = p.oil.thinning(rate, around.temperature)
-        by_film = np.where(film_thickness > p.minimum_flow_film, -slope * rate / thickness, 0.0)
-        by_velocity = slope * np.sign(sliding_velocity) / thickness
-        velocity_slopes = np.zeros_like(slopes)
-        for rows, power in ((slice(2, 4), -1.0), (slice(4, 6), 1.0)):
-            scale, dscale = factor**power, power * factor ** (power - 1.0)
-            velocity_slopes[rows] = values[rows] * dscale * by_velocity
-            slopes[rows] = slopes[rows] * scale + values[rows] * dscale * by_film
-            values[rows] *= scale
-        return values, slopes, velocity_slopes
+        thinning = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
+        return thin(values, slopes, *thinning, thickness, film_thickness > p.minimum_flow_film, sliding_velocity)
 
     def _film(self, sliding_velocity, values, slopes, velocity_slopes, reduced, fraction, around):
         """The film with true pressure; thickening by pressure enters the shear stress here."""

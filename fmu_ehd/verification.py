@@ -14,7 +14,8 @@ from .film_step import FilmStep
 from .films import FlowFilm, rough_film, smooth_film
 from .friction import shear_forces
 from .grid import Edges, Grid
-from .model import LubricationModel, Parameters
+from .model import LubricationModel
+from .parameters import Parameters
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
 SECOND_ORDER = "second order in the cell size"

@@ -13,7 +13,8 @@ from time import perf_counter  # noqa: E402
 import numpy as np  # noqa: E402
 
 from fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
-from fmu_ehd.model import LubricationModel, Parameters  # noqa: E402
+from fmu_ehd.model import LubricationModel  # noqa: E402
+from fmu_ehd.parameters import Parameters  # noqa: E402
 from fmu_ehd.sparse import SuperLU  # noqa: E402
 from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
 

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from fmu_ehd.model import LubricationModel, Parameters, faults
+from fmu_ehd.model import LubricationModel
 from fmu_ehd.oil import Oil
+from fmu_ehd.parameters import Parameters, faults
 from fmu_ehd.verification import DEGREE, motored, motored_film, tangent_error
 
 SHAPE = (12, 10)
