@@ -4,11 +4,11 @@ import pytest
 from fmu_ehd.model import LubricationModel
 from fmu_ehd.oil import Oil
 from fmu_ehd.parameters import Parameters, faults
-from fmu_ehd.verification import DEGREE, motored, motored_film, tangent_error
+from fmu_ehd.verification import DEGREE, motored, motored_film, opening, physics, tangent_error
 
 SHAPE = (12, 10)
-OPENING = np.zeros(SHAPE, dtype=bool)
-OPENING[0, 3:8] = OPENING[6, 3:8] = OPENING[7, 4:7] = True
+OPENING = opening(SHAPE)
+PHYSICS = physics(SHAPE)
 
 
 def test_mass_balances_in_every_step_of_a_motored_cycle():
@@ -18,31 +18,7 @@ def test_mass_balances_in_every_step_of_a_motored_cycle():
     assert max(o["film_fraction"].max() for o in history) <= 1.0 + 1e-12
 
 
-OPTIONS = {
-    "contact": dict(roughness_rms=1e-6),
-    "power fit": dict(roughness_rms=1e-6, contact_law="power_fit", boundary_shear_strength=2e6),
-    "starved": dict(film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8),
-    "edge pressure": dict(pressure_upper_edge=2e5, cavitation_pressure=-5e4),
-    "reynolds": dict(cavitation_model="reynolds"),
-    "gumbel": dict(cavitation_model="gumbel"),
-    "full film": dict(cavitation_model="full_film"),
-    "full cavity shear": dict(cavity_shear="full_film"),
-    "axial temperature": dict(oil=Oil("vogel_1921"), oil_temperature_upper_edge=420.0),
-    "barus": dict(oil=Oil(pressure_viscosity_law="barus_1893"), pressure_upper_edge=1e5),
-    "roelands": dict(oil=Oil(pressure_viscosity_law="roelands_1966"), pressure_upper_edge=1e5),
-    "cross": dict(oil=Oil(shear_thinning_law="cross_1965")),
-    "carreau": dict(oil=Oil(shear_thinning_law="carreau_1972", shear_thinning_exponent=0.6)),
-    "flow factors": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0),
-    "oblong roughness": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", peklenik_number=4.0, roughness_share_skirt=0.1),
-    "cut-out": dict(open_cells=OPENING),
-    "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=1e-6),
-    "coating and roelands": dict(coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")),
-    "everything": dict(oil=Oil("vogel_1921", "roelands_1966", "cross_1965"), roughness_rms=2e-6, peklenik_number=0.2,
-                       flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=OPENING, coating_thickness=1e-5),
-}
-
-
-@pytest.mark.parametrize("changes", OPTIONS.values(), ids=OPTIONS)
+@pytest.mark.parametrize("changes", PHYSICS.values(), ids=PHYSICS)
 def test_tangent_is_the_central_difference(changes):
     assert tangent_error(Parameters(SHAPE, **changes)) <= 1e-7  # third derivative x (1e-5)^2
 
@@ -58,8 +34,8 @@ def test_many_directions_at_once_are_the_single_ones():
             assert np.abs(many[k] - single).max() <= 1e-12 * np.abs(single).max()  # order of summation
 
 
-@pytest.mark.parametrize("changes", [v for k, v in OPTIONS.items() if k not in ("reynolds", "gumbel", "full film")],
-                         ids=[k for k in OPTIONS if k not in ("reynolds", "gumbel", "full film")])
+@pytest.mark.parametrize("changes", [v for k, v in PHYSICS.items() if k not in ("reynolds", "gumbel", "full film")],
+                         ids=[k for k in PHYSICS if k not in ("reynolds", "gumbel", "full film")])
 def test_oil_is_conserved_under_every_option(changes):
     _, _, history = motored(Parameters(SHAPE, **changes), 100)
     assert max(o["mass_imbalance"] for o in history) <= 1e-12  # round-off
