@@ -162,12 +162,17 @@ def find_case(name):
 
 
 def read_tree(path, changes=()):
-    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it.
+    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and value) made in it.
 
     Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
     """
     try:
-        tree = tomllib.loads(Path(path).read_text())
+        if Path(path).suffix == ".ssp":
+            from .ssp import read_ssp
+
+            tree = read_ssp(path)
+        else:
+            tree = tomllib.loads(Path(path).read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{path}: {error}") from None
     faults = [fault for key, value in changes if (fault := _change(tree, key, value))]

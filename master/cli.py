@@ -64,7 +64,8 @@ def list_cases():
 
 
 @app.command
-def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None):
+def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
+          fmi: Literal["2.0", "3.0"] = "2.0"):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -79,6 +80,8 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
         Circumferential x axial cells, instead of the case's.
     output
         Where to put the FMU; without it the path in the cache is printed.
+    fmi
+        Version of the standard.
     """
     from .fmi.builder import build_fmu
 
@@ -90,7 +93,7 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)
-    fmu = build_fmu(table.package, table.build, path.parent, _say)
+    fmu = build_fmu(table.package, table.build, path.parent, _say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())
     console.print(str(output or fmu), soft_wrap=True, highlight=False)
@@ -331,15 +334,15 @@ def pack(slave: str, *, grid: str = "40x40", output: Path):
 
 
 @app.command
-def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path):
-    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step.
+def export(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], output: Path):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or as an SSP.
 
     Example: piston-cosim export fmu numerical_example --output engine.fmu
 
     Parameters
     ----------
     kind
-        fmu.
+        fmu or ssp.
     case
         Name of a case (see list), its folder, or a case file.
     set_
@@ -348,8 +351,14 @@ def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path)
         Where to put it.
     """
     from .export import export_fmu
+    from .ssp import export_ssp
+    from .system import open_system
 
     path = find_case(case)
-    checked = check_case(read_tree(path, [parse_change(text) for text in set_]), path)
-    output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    tree = read_tree(path, [parse_change(text) for text in set_])
+    checked = check_case(tree, path)
+    if kind == "fmu":
+        output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    else:
+        export_ssp(tree, open_system(checked, path.parent, _say), output)
     console.print(str(output), soft_wrap=True, highlight=False)
