@@ -4,6 +4,8 @@ Eq. (A1):  F_n(H) = (2 pi)^-1/2 int_H^inf (s - H)^n exp(-s^2/2) ds = Gamma(n+1) 
 Eq. (A2):  dF_n/dH = -n F_{n-1}
 Eq. (A3):  p = (16 sqrt(2) pi / 15) (eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2(h/sigma),   1/E* = sum (1 - nu^2)/E
 Eq. (A4):  A_c/A = pi^2 (eta beta sigma)^2 F_2(h/sigma)
+Eq. (A5):  F_5/2(H) = 4.4086e-5 (4 - H)^6.804, H < 4            the usual power fit, 4 to 74 % low for H = 0 to 3
+Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A                             boundary shear: Coulomb, and shear of the boundary layer
 
 D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances; with E' = 2/sum the
 factor of Eq. (A3) is half as large. For H < 0 the integrals go on along their tangent at H = 0: the height distribution says
@@ -21,6 +23,9 @@ import numpy as np
 from numba import njit
 from scipy.special import gamma, pbdv
 
+from .hermite import interpolate
+
+CONTACT_LAWS = ("greenwood_tripp_1970", "power_fit")
 TABLE_END = 8.0  # F_5/2(8) is 1e-16 of F_5/2(0)
 TABLE_CELLS = 512  # Hermite error 1e-10 of F_5/2(0)
 
@@ -48,9 +53,20 @@ def gaussian_integral(order, separation):
     return gamma(order + 1.0) / np.sqrt(2.0 * np.pi) * np.exp(-np.square(separation) / 4.0) * value  # Eq. (A1)
 
 
+def fitted_integral(separation):
+    """The usual power fit of F_5/2, Eq. (A5), for H >= 0; its slope too."""
+    reach = np.maximum(4.0 - separation, 0.0)
+    return 4.4086e-5 * reach**6.804, -4.4086e-5 * 6.804 * reach**5.804  # Eq. (A5)
+
+
 @cache
-def contact_table():
+def contact_table(law="greenwood_tripp_1970"):
     """Values and slopes of F_5/2 and F_2 on a uniform grid of H from 0 to `TABLE_END`.
+
+    Parameters
+    ----------
+    law : str
+        One of `CONTACT_LAWS`: exact integrals, or F_5/2 by the power fit.
 
     Returns
     -------
@@ -58,25 +74,20 @@ def contact_table():
         F_5/2, dF_5/2/dH, F_2, dF_2/dH [-].
     """
     separation = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
-    pressure, area = gaussian_integral(2.5, separation), gaussian_integral(2.0, separation)
-    slopes = -2.5 * gaussian_integral(1.5, separation), -2.0 * gaussian_integral(1.0, separation)  # Eq. (A2)
-    return np.ascontiguousarray(np.stack([pressure, slopes[0], area, slopes[1]], axis=1))
+    exact = gaussian_integral(2.5, separation), -2.5 * gaussian_integral(1.5, separation)  # Eq. (A2)
+    pressure = exact if law == "greenwood_tripp_1970" else fitted_integral(separation)
+    area = gaussian_integral(2.0, separation), -2.0 * gaussian_integral(1.0, separation)
+    return np.ascontiguousarray(np.stack([*pressure, *area], axis=1))
 
 
 @njit(cache=True, inline="always")
-def _interpolate(table, column, separation):
-    """Cubic Hermite value and slope of a table column at H; straight below 0, zero above the end."""
-    step = TABLE_END / (table.shape[0] - 1)
+def _integral(table, column, separation):
+    """Tabulated integral and its slope at H; straight below 0, zero above the table."""
     if separation >= TABLE_END:
         return 0.0, 0.0
-    if separation <= 0.0:
+    if separation < 0.0:
         return table[0, column] + table[0, column + 1] * separation, table[0, column + 1]
-    k = int(separation / step)
-    x = separation / step - k
-    y0, y1 = table[k, column], table[k + 1, column]
-    m0, m1 = table[k, column + 1] * step, table[k + 1, column + 1] * step
-    c2, c3 = 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1
-    return y0 + x * (m0 + x * (c2 + x * c3)), (m0 + x * (2.0 * c2 + 3.0 * x * c3)) / step
+    return interpolate(table, column, TABLE_END, separation)
 
 
 def pressure_scale(roughness_product, slope_ratio, contact_modulus):
@@ -100,8 +111,8 @@ def pressure_scale(roughness_product, slope_ratio, contact_modulus):
 
 
 @njit(cache=True)
-def contact(film_thickness, roughness_rms, scale, area_scale, table):
-    """Asperity pressure, its derivative, and contact area fraction, Eqs. (A3), (A4).
+def contact(film_thickness, roughness_rms, scale, area_scale, friction_coefficient, shear_strength, table):
+    """Asperity pressure, contact area fraction and boundary shear stress with their slopes, Eqs. (A3), (A4), (A6).
 
     Parameters
     ----------
@@ -113,25 +124,32 @@ def contact(film_thickness, roughness_rms, scale, area_scale, table):
         From `pressure_scale` [Pa].
     area_scale : float
         pi^2 (eta beta sigma)^2 [-].
+    friction_coefficient : float
+        mu_b [-].
+    shear_strength : float
+        tau_0 [Pa].
     table : ndarray
         From `contact_table`.
 
     Returns
     -------
-    pressure, slope : ndarray, shape (n_c, n_a)
-        [Pa], [Pa/m].
-    area_fraction : float
-        Mean of A_c/A over the cells, each at most 1 [-].
+    pressure, slope, area, stress, stress_slope : ndarray, shape (n_c, n_a)
+        p [Pa], dp/dh [Pa/m], A_c/A [-] up to 1, tau_b [Pa], dtau_b/dh [Pa/m].
     """
-    pressure, slope = np.zeros_like(film_thickness), np.zeros_like(film_thickness)
-    area = 0.0
+    pressure, slope, area = np.zeros_like(film_thickness), np.zeros_like(film_thickness), np.zeros_like(film_thickness)
+    stress, stress_slope = np.zeros_like(film_thickness), np.zeros_like(film_thickness)
     if roughness_rms <= 0.0:
-        return pressure, slope, area
-    for cell in np.ndindex(film_thickness.shape):
-        separation = film_thickness[cell] / roughness_rms
-        if separation < TABLE_END:
-            value, derivative = _interpolate(table, 0, separation)
-            pressure[cell] = scale * value  # Eq. (A3)
-            slope[cell] = scale * derivative / roughness_rms
-            area += min(1.0, area_scale * _interpolate(table, 2, separation)[0])  # Eq. (A4)
-    return pressure, slope, area / film_thickness.size
+        return pressure, slope, area, stress, stress_slope
+    for i in range(film_thickness.shape[0]):
+        for j in range(film_thickness.shape[1]):
+            separation = film_thickness[i, j] / roughness_rms
+            if separation < TABLE_END:
+                value, derivative = _integral(table, 0, separation)
+                covered, dcovered = _integral(table, 2, separation)
+                pressure[i, j] = scale * value  # Eq. (A3)
+                slope[i, j] = scale * derivative / roughness_rms
+                area[i, j] = min(1.0, area_scale * covered)  # Eq. (A4)
+                darea = area_scale * dcovered / roughness_rms if area[i, j] < 1.0 else 0.0
+                stress[i, j] = friction_coefficient * pressure[i, j] + shear_strength * area[i, j]  # Eq. (A6)
+                stress_slope[i, j] = friction_coefficient * slope[i, j] + shear_strength * darea
+    return pressure, slope, area, stress, stress_slope

@@ -1,10 +1,20 @@
 """Options of the lubrication FMU that are fixed when it is built."""
 
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from master.fmi.errors import BadInput
+from master.fmi.quantities import to_si
+
+from .oil import vogel_constants
+from .variables import CHOICES, CONDITIONS, OIL
 
 SMALLEST, LARGEST = 4, 1000  # cells along one side
+POSSIBLE_INPUTS = [v.name for v in CONDITIONS] + ["oil_temperature"]
 
 
 class Options(BaseModel):
@@ -16,11 +26,23 @@ class Options(BaseModel):
         [n_circumferential, n_axial].
     no_fields : bool
         Leave out pressure, asperity_pressure and film_fraction.
+    inputs : list of str
+        Conditions that are inputs instead of parameters, `POSSIBLE_INPUTS`.
+    oil : str
+        Name in the oil library; its numbers become the start values of the oil's parameters.
+    oil_library : str
+        TOML file, relative to the case's folder; the one shipped by default.
+    mask : str
+        CSV file relative to the case's folder, one row a circumferential cell: 1 = film, 0 = cut-out without a film.
     """
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[int, int] = (40, 40)
     no_fields: bool = False
+    inputs: list[str] = []
+    oil: str | None = None
+    oil_library: str | None = None
+    mask: str | None = None
 
     @field_validator("grid")
     @classmethod
@@ -29,23 +51,30 @@ class Options(BaseModel):
             raise ValueError(f"both numbers of cells must lie between {SMALLEST} and {LARGEST}")
         return grid
 
+    @field_validator("inputs")
+    @classmethod
+    def _known(cls, names):
+        if unknown := [n for n in names if n not in POSSIBLE_INPUTS]:
+            raise ValueError(f"{', '.join(unknown)}: possible inputs are {', '.join(POSSIBLE_INPUTS)}")
+        return names
+
 
 def prepare(options, folder, progress):
-    """Check the build options; the lubrication FMU needs no offline work.
+    """Check the build options and read the oil and the mask; the lubrication FMU needs no offline work.
 
     Parameters
     ----------
     options : dict
         From the case file.
     folder : pathlib.Path
-        Folder of the case (unused: no files).
+        Folder of the case.
     progress : callable
         Takes a line of text (unused).
 
     Returns
     -------
     options : dict
-        Complete, JSON-able.
+        Complete, JSON-able: grid, no_fields, inputs, oil (start values in SI by parameter), mask (list of rows or None).
     files : list of pathlib.Path
         Empty.
 
@@ -55,6 +84,91 @@ def prepare(options, folder, progress):
         With every fault: key, value, what is allowed.
     """
     try:
-        return Options(**options).model_dump(mode="json"), []
+        chosen = Options(**options)
     except ValidationError as error:
         raise BadInput([f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors()]) from None
+    faults = []
+    oil = _oil(chosen, Path(folder), faults)
+    mask = _mask(chosen, Path(folder), faults)
+    if faults:
+        raise BadInput(faults)
+    return dict(grid=list(chosen.grid), no_fields=chosen.no_fields, inputs=chosen.inputs, oil=oil, mask=mask), []
+
+
+def _oil(chosen, folder, faults):
+    """Start values of the chosen oil in SI, {} without one."""
+    if chosen.oil is None:
+        return {}
+    path = folder / chosen.oil_library if chosen.oil_library else files("models") / "oils.toml"
+    try:
+        library = tomllib.loads(path.read_text())
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        faults.append(f"oil_library = {str(path)!r}: {error}")
+        return {}
+    if chosen.oil not in library:
+        faults.append(f"oil = {chosen.oil!r}: known oils are {', '.join(library)}")
+        return {}
+    return oil_values(chosen.oil, library[chosen.oil], faults)
+
+
+def oil_values(name, entry, faults):
+    """Start values of an oil's parameters in SI from its library entry.
+
+    Parameters
+    ----------
+    name : str
+        Of the oil.
+    entry : dict
+        Its table in the library.
+    faults : list of str
+        Every fault found is appended.
+
+    Returns
+    -------
+    dict
+        Parameter -> float or str.
+    """
+    known, values = {v.name: v for v in OIL}, {}
+    for key, value in entry.items():
+        if key in ("title", "sources"):
+            continue
+        if key not in entry.get("sources", {}):
+            faults.append(f"oil {name}: {key} has no source")
+        try:
+            if key == "points":
+                temperatures, viscosities = ([to_si(point[k], unit) for point in value] for k, unit in ((0, "K"), (1, "Pa.s")))
+                constants = vogel_constants(viscosities, temperatures)
+                values |= dict(zip(("vogel_viscosity", "vogel_b", "vogel_c"), map(float, constants)))
+            elif key in CHOICES:
+                values[key] = value
+            elif key in known:
+                values[key] = to_si(value, known[key].unit)
+            else:
+                faults.append(f"oil {name}: {key} is no parameter of an oil")
+        except (ValueError, IndexError, TypeError) as error:
+            faults.append(f"oil {name}: {key}: {error}")
+    for key, value in values.items():
+        if key in CHOICES and value not in CHOICES[key]:
+            faults.append(f"oil {name}: {key} = {value!r}: allowed are {', '.join(CHOICES[key])}")
+        elif fault := known[key].fault(value):
+            faults.append(f"oil {name}: {fault}")
+    return values
+
+
+def _mask(chosen, folder, faults):
+    """Rows of the mask, None without one."""
+    if chosen.mask is None:
+        return None
+    try:
+        mask = np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        faults.append(f"mask = {chosen.mask!r}: {error}")
+        return None
+    if mask.shape != tuple(chosen.grid):
+        faults.append(f"mask = {chosen.mask!r}: {mask.shape[0]} x {mask.shape[1]} values, the grid has "
+                      f"{chosen.grid[0]} x {chosen.grid[1]} cells")
+    elif not np.isin(mask, (0.0, 1.0)).all():
+        faults.append(f"mask = {chosen.mask!r}: only 1 (film) and 0 (cut-out) are allowed")
+    elif not mask.any():
+        faults.append(f"mask = {chosen.mask!r}: no cell is left with a film")
+    return mask.astype(int).tolist()

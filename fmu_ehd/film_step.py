@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import cavitation, reynolds
-from .blocks import BlockTridiagonal
+from .sparse import linear_solver
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -23,7 +23,7 @@ class FilmSolution:
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
-        |inflow - growth of content| / throughput [-].
+        |inflow - growth of content| / throughput [-]; throughput = edge flows + growth, at least 0.1 % of the film volume a step.
     iterations : int
         Number of factorisations.
     """
@@ -39,32 +39,43 @@ class FilmSolution:
 
 
 @dataclass(frozen=True)
-class Balance:
-    """Terms of the film balance: pressure [Pa], film fraction [-], residual and edge flow [m3/s]."""
+class _Step:
+    """What the last step leaves behind for its balance and its tangent."""
 
-    pressure: np.ndarray
-    fraction: np.ndarray
-    residual: np.ndarray
-    edge_flow: np.ndarray
+    film: tuple
+    velocity_c: np.ndarray
+    velocity_a: np.ndarray
+    faces: tuple
+    content: np.ndarray
+    rate: float
+    edges: object
+    full: np.ndarray
 
 
 class FilmStep:
-    """Steps of one grid; keeps the factorisation and the faces of the last one for its tangent.
+    """Steps of one grid; keeps the factorisation of the last one for its tangent.
 
     Parameters
     ----------
     grid : grid.Grid
-    edges : grid.Edges
+    model : str
+        Name of the cavitation model, a key of `cavitation.CAVITATION`.
+    open_cells : ndarray of bool, shape (n_c, n_a), optional
+        Cells without a film (cut-outs), which hold the pressure and film fraction of the lower edge.
     solver : object, optional
-        Linear solver with `factorise` and `solve`; block-tridiagonal by default.
+        Linear solver with `factorise` and `solve`; `sparse.linear_solver` by default.
     """
 
-    def __init__(self, grid, edges, solver=None):
+    def __init__(self, grid, model="jfo", open_cells=None, solver=None):
         self.grid = grid
-        self.edges = edges
-        self.solver = solver or BlockTridiagonal(grid.shape)
+        self.model = cavitation.CAVITATION[model]
+        self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
+        self.solver = solver or linear_solver(grid.shape)
+        self._everywhere = np.ones(grid.shape, dtype=bool)
+        self._nothing = np.zeros(grid.shape)
+        self._has_openings = bool(self.open_cells.any())
 
-    def solve(self, film, velocity_c, velocity_a, content, full, step):
+    def solve(self, film, velocity_c, velocity_a, edges, content, full, step):
         """Solve Eqs. (E1)-(E5) for one step.
 
         Parameters
@@ -73,6 +84,8 @@ class FilmStep:
             At the end of the step.
         velocity_c, velocity_a : ndarray, shape (n_c, n_a)
             Entrainment velocity along i and j at the end of the step [m/s].
+        edges : grid.Edges
+            At the end of the step.
         content : ndarray, shape (n_c, n_a)
             Content f s at the beginning of the step [m].
         full : ndarray of bool, shape (n_c, n_a)
@@ -88,56 +101,77 @@ class FilmStep:
         ------
         cavitation.NotConverged
         """
-        grid, edges = self.grid, self.edges
+        grid, model = self.grid, self.model
         faces = reynolds.faces(film.conductivity_c, film.conductivity_a, film.transport, velocity_c, velocity_a,
                                *grid.spacing, grid.ring)
         rate = grid.cell_area / step
-        ends = edges.pressure, edges.film_fraction, grid.ring
+        held = edges.pressure[0] if edges.film_fraction[0] >= 1.0 else edges.film_fraction[0] - 1.0
+        if self._has_openings:
+            full = np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full)
+        guess = model.first_guess(full)
 
         def assemble(pattern):
-            return reynolds.assemble(pattern, *faces, film.stored, content, rate, *ends)
+            stencil, right = reynolds.assemble(pattern if model.conserving else self._everywhere, *faces, film.stored, content,
+                                               rate, edges.pressure, edges.film_fraction, grid.ring)
+            if model.switching and not model.conserving:
+                cavitation.without_pressure(pattern, *stencil)
+            if self._has_openings:
+                reynolds.hold(self.open_cells, held, *stencil, right)
+            return stencil, right
 
-        unknown, full, iterations = cavitation.settle(assemble, self.solver, full)
-        self._last = film, velocity_c, velocity_a, faces, content, rate, ends, full
-        balance, imbalance = self._balance(unknown)
-        if imbalance > REFINE_ABOVE:
-            unknown = unknown + self.solver.solve(balance.residual[None])[0]
-            balance, imbalance = self._balance(unknown)
-        self._pressure, self._fraction = balance.pressure, balance.fraction
-        return FilmSolution(unknown, balance.pressure, balance.fraction, balance.fraction * film.stored, full,
-                            balance.edge_flow, imbalance, iterations)
+        unknown, full, iterations = cavitation.settle(model, assemble, self.solver, guess, self.open_cells)
+        self._step = _Step(film, velocity_c, velocity_a, faces, content, rate, edges, full)
+        pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
+        if model.conserving and imbalance > REFINE_ABOVE:
+            unknown = unknown + self.solver.solve(residual[None])[0]
+            pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
+        self._unknown, self._fraction = unknown, fraction
+        self._pressure = unknown if model.clipping else pressure  # the pressure that the balance was solved with
+        return FilmSolution(unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations)
 
     def _balance(self, unknown):
-        """Terms of Eq. (E1) for a signed unknown, and the mass imbalance of the whole film."""
-        film, _, _, faces, content, rate, ends, full = self._last
-        pressure, deficit = np.where(full, unknown, 0.0), np.where(full, 0.0, unknown)  # Eq. (E4)
-        out, edge_flow, gross = reynolds.outflow(pressure, 1.0 + deficit, *faces, *ends)
-        growth = rate * (film.stored - content + deficit * film.stored)
-        throughput = max(np.abs(edge_flow).sum() + np.abs(growth).sum(), 1e-3 * gross, np.finfo(float).tiny)
-        imbalance = abs(edge_flow.sum() - growth.sum()) / throughput
-        return Balance(pressure, 1.0 + deficit, -out - growth, edge_flow), float(imbalance)
+        """Pressure, and what `reynolds.balance` says, for a signed unknown."""
+        s = self._step
+        pressure, deficit = self.model.interpret(unknown, s.full)
+        return pressure, *reynolds.balance(pressure, deficit, s.faces, s.film.stored, s.content, s.rate, s.edges.pressure,
+                                           s.edges.film_fraction, self.grid.ring, self.open_cells)
 
-    def tangent(self, dfilm, dvelocity_c, dvelocity_a):
-        """Change of pressure and film fraction of the last step, Eq. (E6).
+    def linearise(self, by_film, by_velocity, dvelocity_c, dvelocity_a):
+        """Prepare the tangent of the last step, Eq. (E6).
 
         Parameters
         ----------
-        dfilm : films.FlowFilm
-            Change of the film.
+        by_film, by_velocity : films.FlowFilm
+            Derivatives of the film to film thickness and to sliding velocity.
         dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
-            Change of the entrainment velocity [m/s].
+            Derivatives of the entrainment velocities to the sliding velocity [-].
 
         Returns
         -------
-        dpressure, dfraction : ndarray, shape (n_c, n_a)
-            [Pa], [-].
+        by_pressure, by_fraction : ndarray, shape (n_c, n_a)
+            Derivatives of pressure and film fraction to the signed unknown.
         """
-        film, velocity_c, velocity_a, _, _, rate, ends, full = self._last
-        pressure, fraction = self._pressure, self._fraction
-        out = reynolds.outflow_change((film.conductivity_c, film.transport, velocity_c),
-                                      (film.conductivity_a, film.transport, velocity_a),
-                                      (dfilm.conductivity_c, dfilm.transport, dvelocity_c),
-                                      (dfilm.conductivity_a, dfilm.transport, dvelocity_a),
-                                      pressure, fraction, *self.grid.spacing, *ends)
-        unknown = self.solver.solve((-out - rate * fraction * dfilm.stored)[None])[0]  # Eq. (E6)
-        return np.where(full, unknown, 0.0), np.where(full, 0.0, unknown)
+        s, nothing = self._step, self._nothing
+        self._stencil = reynolds.linearise(
+            (s.film.conductivity_c, s.film.transport, s.velocity_c), (s.film.conductivity_a, s.film.transport, s.velocity_a),
+            (by_film.stored, by_film.transport, by_film.conductivity_c, by_film.conductivity_a, nothing, nothing),
+            (by_velocity.stored, by_velocity.transport, by_velocity.conductivity_c, by_velocity.conductivity_a,
+             dvelocity_c, dvelocity_a), self._pressure, self._fraction, *self.grid.spacing, s.rate, s.edges.pressure,
+            s.edges.film_fraction, self.grid.ring)
+        if self._has_openings:
+            self._stencil[:, :, self.open_cells] = 0.0
+        return self.model.shares(self._unknown, s.full)
+
+    def tangent(self, dfilm, dvelocity):
+        """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
+
+        Parameters
+        ----------
+        dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
+            m changes of film thickness [m] and sliding velocity [m/s].
+
+        Returns
+        -------
+        ndarray, shape (m, n_c, n_a)
+        """
+        return self.solver.solve(reynolds.apply_stencils(self._stencil, dfilm, dvelocity))  # Eq. (E6)

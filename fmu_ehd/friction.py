@@ -1,13 +1,20 @@
-"""Axial shear force on the skirt: viscous and asperity part.
+"""Axial shear force on the skirt: viscous and asperity part, and what sliding costs.
 
-Eq. (F1):  tau_v = -mu f V / s - (s/2) dp/dy                 on the skirt, which slides at V relative to the bore
-Eq. (F2):  tau_a = -mu_b p_a V / sqrt(V^2 + v0^2)
-Eq. (F3):  P = sum A V (mu f V / s - (s/2) dp/dy - tau_a)         shear of the film on the bore x sliding velocity
+Eq. (F1):  tau_v = -f (c - d) V - b dp/dy                    on the skirt, which slides at V relative to the bore
+Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
+Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]       shear of the film on the bore x sliding velocity
 
-The shear stresses on skirt and bore differ by s dp/dy: the axial part of the pressure on the sloping skirt. The bore is
+tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth surfaces: mu/h, 0, h/2).
+f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with `cavity_shear = full_film` f = 1 there.
+dp/dy is the central difference of face pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at
+rest, so that friction has a derivative.
+
+The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the sloping skirt. The bore is
 the straight surface, so its shear is the whole axial force between the bodies and gives the power that sliding costs.
-f is the film fraction: in the cavitated part only the oil shears [Elrod1981]. dp/dy is the central difference of face
-pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a derivative.
+
+References
+----------
+[Elrod1981] H. G. Elrod, A cavitation algorithm, J. Lubr. Technol. 103 (1981) 350-354.
 """
 
 import numpy as np
@@ -15,90 +22,139 @@ from numba import njit
 
 
 @njit(cache=True, inline="always")
-def _face_pressure(pressure, i, face, lower, upper):
-    """Pressure on an axial face: the edge's, or the mean of both cells."""
-    if face == 0:
-        return lower
-    if face == pressure.shape[1]:
-        return upper
-    return 0.5 * (pressure[i, face - 1] + pressure[i, face])
+def _gradients(pressure, lower, upper, dy, out):
+    """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
+    last = pressure.size - 1
+    half = 0.5 / dy
+    for j in range(1, last):
+        out[j] = half * (pressure[j + 1] - pressure[j - 1])
+    if last == 0:
+        out[0] = (upper - lower) / dy
+    else:
+        out[0] = (0.5 * (pressure[0] + pressure[1]) - lower) / dy
+        out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
 @njit(cache=True)
-def shear_forces(pressure, fraction, stored, velocity, viscosity, lower, upper, dy,
-                 asperity_pressure, boundary_coefficient, rounding_velocity, area):
-    """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1)-(F3).
+def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy,
+                 boundary_stress, rounding_velocity, area):
+    """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
 
     Parameters
     ----------
-    pressure, fraction, stored, velocity : ndarray, shape (n_c, n_a)
-        p [Pa], f [-], s [m], V [m/s].
-    viscosity : float
-        mu [Pa s].
+    pressure, shearing, velocity : ndarray, shape (n_c, n_a)
+        p [Pa], share of the film that shears f [-], V [m/s].
+    couette, drag, poiseuille : ndarray, shape (n_c, n_a)
+        c, d [Pa s/m], b [m].
     lower, upper : float
         Pressure at the axial edges [Pa].
     dy : float
         Axial cell size [m].
-    asperity_pressure : ndarray, shape (n_c, n_a)
-        p_a [Pa].
-    boundary_coefficient : float
-        mu_b [-].
+    boundary_stress : ndarray, shape (n_c, n_a)
+        tau_b [Pa].
     rounding_velocity : float
         v0 [m/s], > 0.
-    area : float
-        Cell area [m2].
+    area : ndarray, shape (n_c, n_a)
+        Lubricated area of each cell [m2].
 
     Returns
     -------
     viscous, boundary : ndarray, shape (n_c, n_a)
         Force on the skirt along +y [N].
-    power : float
+    power : ndarray, shape (n_c, n_a)
         [W].
     """
     n_c, n_a = pressure.shape
-    viscous, boundary = np.empty((n_c, n_a)), np.empty((n_c, n_a))
-    power = 0.0
+    viscous, boundary, power = np.empty((n_c, n_a)), np.empty((n_c, n_a)), np.empty((n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
-            v, s = velocity[i, j], stored[i, j]
-            gradient = (_face_pressure(pressure, i, j + 1, lower, upper) - _face_pressure(pressure, i, j, lower, upper)) / dy
-            couette, poiseuille = viscosity * fraction[i, j] * v / s, 0.5 * s * gradient
-            viscous[i, j] = -area * (couette + poiseuille)  # Eq. (F1)
+            v, f, a = velocity[i, j], shearing[i, j], area[i, j]
+            flow = poiseuille[i, j] * gradient[j]
+            viscous[i, j] = -a * (f * (couette[i, j] - drag[i, j]) * v + flow)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
-            boundary[i, j] = -area * boundary_coefficient * asperity_pressure[i, j] * v / speed  # Eq. (F2)
-            power += v * (area * (couette - poiseuille) - boundary[i, j])  # Eq. (F3)
+            boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
+            power[i, j] = v * (a * (f * (couette[i, j] + drag[i, j]) * v - flow) - boundary[i, j])  # Eq. (F3)
     return viscous, boundary, power
 
 
 @njit(cache=True)
-def shear_force_changes(pressure, fraction, stored, velocity, viscosity, lower, upper, dy,
-                        asperity_pressure, boundary_coefficient, rounding_velocity, area,
-                        dpressure, dfraction, dstored, dvelocity, dasperity_pressure):
-    """Change of the total shear force of each cell, the derivative of Eqs. (F1), (F2).
+def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy, boundary_stress, rounding_velocity,
+                 area, by_film, by_velocity, boundary_slope):
+    """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
 
     Parameters
     ----------
     pressure ... area
         As in `shear_forces`.
-    dpressure, dfraction, dstored, dvelocity, dasperity_pressure : ndarray, shape (n_c, n_a)
-        Changes of p, f, s, V, p_a.
+    by_film, by_velocity : ndarray, shape (3, n_c, n_a)
+        Derivatives of c, d, b to film thickness and to sliding velocity.
+    boundary_slope : ndarray, shape (n_c, n_a)
+        Derivative of tau_b to film thickness [Pa/m].
 
     Returns
     -------
-    ndarray, shape (n_c, n_a)
-        [N].
+    ndarray, shape (4, n_c, n_a)
+        To film thickness [N/m], sliding velocity [N s/m], shearing share [N], and to the pressure gradient [N m/Pa].
     """
     n_c, n_a = pressure.shape
-    force = np.empty((n_c, n_a))
+    slopes = np.empty((4, n_c, n_a))
+    gradient = np.empty(n_a)
     for i in range(n_c):
+        _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
-            v, s, f = velocity[i, j], stored[i, j], fraction[i, j]
-            gradient = (_face_pressure(pressure, i, j + 1, lower, upper) - _face_pressure(pressure, i, j, lower, upper)) / dy
-            dgradient = (_face_pressure(dpressure, i, j + 1, 0.0, 0.0) - _face_pressure(dpressure, i, j, 0.0, 0.0)) / dy
-            couette = viscosity * (dfraction[i, j] * v + f * dvelocity[i, j] - f * v * dstored[i, j] / s) / s
+            v, f, c, a = velocity[i, j], shearing[i, j], couette[i, j] - drag[i, j], -area[i, j]
             square = v * v + rounding_velocity * rounding_velocity
             direction = v / np.sqrt(square)
-            ddirection = dvelocity[i, j] * (1.0 - direction * direction) / np.sqrt(square)
-            force[i, j] = -area * (couette + 0.5 * (s * dgradient + dstored[i, j] * gradient) + boundary_coefficient
-                                   * (dasperity_pressure[i, j] * direction + asperity_pressure[i, j] * ddirection))
-    return force
+            slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
+                                   + boundary_slope[i, j] * direction)
+            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j])) + by_velocity[2, i, j] * gradient[j]
+                                   + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            slopes[2, i, j] = a * c * v
+            slopes[3, i, j] = a * poiseuille[i, j]
+    return slopes
+
+
+@njit(cache=True, fastmath={"contract"})
+def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown):
+    """Changes of both nodal forces.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (4, n_c, n_a)
+        From `shear_slopes`.
+    by_pressure : ndarray, shape (n_c, n_a)
+        Derivative of the shear force to the cell's own pressure, beyond the gradient [N/Pa].
+    contact_slope, area : ndarray, shape (n_c, n_a)
+        Derivative of the asperity pressure to film thickness [Pa/m], lubricated area [m2].
+    dy : float
+        Axial cell size [m].
+    pressure_share, fraction_share : ndarray, shape (n_c, n_a)
+        Derivatives of pressure and film fraction to the signed unknown.
+    dfilm, dvelocity, dunknown : ndarray, shape (m, n_c, n_a)
+        [m], [m/s], [Pa] or [-].
+
+    Returns
+    -------
+    dnormal, dshear : ndarray, shape (m, n_c, n_a)
+        [N].
+    """
+    m, n_c, n_a = dfilm.shape
+    normal, shear, p = np.empty((m, n_c, n_a)), np.empty((m, n_c, n_a)), np.empty(n_a)
+    half, last = 0.5 / dy, n_a - 1
+    for q in range(m):
+        for i in range(n_c):
+            h, v, u, to_p = dfilm[q, i], dvelocity[q, i], dunknown[q, i], pressure_share[i]
+            by_h, by_v, by_f, by_g, by_p = slopes[0, i], slopes[1, i], slopes[2, i], slopes[3, i], by_pressure[i]
+            out, force, a, k, to_f = shear[q, i], normal[q, i], area[i], contact_slope[i], fraction_share[i]
+            for j in range(n_a):
+                p[j] = to_p[j] * u[j]
+                force[j] = a[j] * (p[j] + k[j] * h[j])
+                out[j] = by_h[j] * h[j] + by_v[j] * v[j] + by_f[j] * to_f[j] * u[j] + by_p[j] * p[j]
+            for j in range(1, last):
+                out[j] += by_g[j] * half * (p[j + 1] - p[j - 1])
+            if n_a > 1:
+                out[0] += by_g[0] * half * (p[0] + p[1])
+                out[last] -= by_g[last] * half * (p[last] + p[last - 1])
+    return normal, shear

@@ -34,18 +34,8 @@ from numba import njit
 @njit(cache=True, inline="always")
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
     """Conductance K and transport T of a face, Eq. (E3)."""
-    total = g_a + g_b
-    return aspect * 2.0 * g_a * g_b / total, width * velocity * (t_a * g_b + t_b * g_a) / total
-
-
-@njit(cache=True, inline="always")
-def _face_tangent(g_a, g_b, t_a, t_b, velocity, aspect, width, dg_a, dg_b, dt_a, dt_b, dvelocity):
-    """Change of K and T, the derivative of Eq. (E3)."""
-    total = g_a + g_b
-    film = (t_a * g_b + t_b * g_a) / total
-    dfilm = (dt_a * g_b + dt_b * g_a + (t_a - t_b) * (g_a * dg_b - g_b * dg_a) / total) / total
-    conductance = aspect * 2.0 * (g_b * g_b * dg_a + g_a * g_a * dg_b) / (total * total)
-    return conductance, width * (dvelocity * film + velocity * dfilm)
+    inverse = 1.0 / (g_a + g_b)
+    return aspect * 2.0 * g_a * g_b * inverse, width * velocity * (t_a * g_b + t_b * g_a) * inverse
 
 
 @njit(cache=True)
@@ -165,6 +155,25 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     return (centre, south, north, west, east), right
 
 
+@njit(cache=True)
+def hold(fixed, value, centre, south, north, west, east, right):
+    """Replace the balance of fixed cells by u = value; in place.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n_c, n_a)
+    value : float
+        Signed unknown of fixed cells.
+    centre, south, north, west, east, right : ndarray, shape (n_c, n_a)
+        From `assemble`.
+    """
+    for i in range(fixed.shape[0]):
+        for j in range(fixed.shape[1]):
+            if fixed[i, j]:
+                centre[i, j], right[i, j] = 1.0, value
+                south[i, j] = north[i, j] = west[i, j] = east[i, j] = 0.0
+
+
 @njit(cache=True, inline="always")
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""
@@ -233,71 +242,173 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
     return out, edge_flow, gross
 
 
-@njit(cache=True, inline="always")
-def _film(film, a, b):
-    """The values of cells a and b that Eq. (E3) takes: conductivity, transport film, velocity."""
-    g, t, u = film
-    return g[a], g[b], t[a], t[b], 0.5 * (u[a] + u[b])
+@njit(cache=True)
+def balance(pressure, deficit, faces, stored, content, area_per_step, edge_pressure, edge_fraction, ring, open_cells):
+    """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of the whole film.
+
+    Parameters
+    ----------
+    pressure, deficit : ndarray, shape (n_c, n_a)
+        Pressure above cavitation pressure [Pa], film fraction - 1 [-].
+    faces : tuple of ndarray
+        From `faces`.
+    stored, content, area_per_step, edge_pressure, edge_fraction, ring
+        As in `assemble`.
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film; what flows out of them counts as inflow over an edge.
+
+    Returns
+    -------
+    fraction, now, residual : ndarray, shape (n_c, n_a)
+        f [-], f s [m], inflow - growth [m3/s].
+    edge_flow : ndarray, shape (4,)
+        As from `outflow`.
+    imbalance : float
+        |inflow - growth| / throughput of the film [-].
+    """
+    fraction = 1.0 + deficit
+    out, edge_flow, gross = outflow(pressure, fraction, *faces, edge_pressure, edge_fraction, ring)
+    now, residual = np.empty_like(pressure), np.empty_like(pressure)
+    total, inflow, throughput, volume = 0.0, edge_flow.sum(), np.abs(edge_flow).sum(), 0.0
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            now[i, j] = fraction[i, j] * stored[i, j]
+            growth = area_per_step * (stored[i, j] - content[i, j] + deficit[i, j] * stored[i, j])
+            residual[i, j] = -out[i, j] - growth
+            volume += stored[i, j]
+            if open_cells[i, j]:
+                residual[i, j] = 0.0
+                inflow += out[i, j]
+                throughput += abs(out[i, j])
+            else:
+                total += growth
+                throughput += abs(growth)
+    # round-off of pressures and film fractions says nothing about a film in which next to nothing moves
+    floor = max(1e-3 * gross, 1e-3 * area_per_step * volume, 1e-300)
+    return fraction, now, residual, edge_flow, abs(inflow - total) / max(throughput, floor)
 
 
 @njit(cache=True, inline="always")
-def _flow_change(film, dfilm, p_a, p_b, f_a, f_b, a, b, aspect, width):
-    """Change of the face flow, Eqs. (E2), (E3), at given pressure and film fraction; upstream stays upstream."""
-    g_a, g_b, t_a, t_b, velocity = _film(film, a, b)
-    dg_a, dg_b, dt_a, dt_b, dvelocity = _film(dfilm, a, b)
-    dk, dt = _face_tangent(g_a, g_b, t_a, t_b, velocity, aspect, width, dg_a, dg_b, dt_a, dt_b, dvelocity)
-    return dk * (p_a - p_b) + dt * (f_a if velocity > 0.0 else f_b)
+def _flow_slopes(g_a, g_b, t_a, t_b, velocity, aspect, width, drop, upstream):
+    """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of either cell."""
+    inverse = 1.0 / (g_a + g_b)
+    moved = width * velocity * upstream
+    by_g_a = g_b * (2.0 * aspect * g_b * drop + moved * (t_b - t_a)) * inverse * inverse
+    by_g_b = g_a * (2.0 * aspect * g_a * drop + moved * (t_a - t_b)) * inverse * inverse
+    return by_g_a, by_g_b, moved * g_b * inverse, moved * g_a * inverse, 0.5 * width * upstream * (t_a * g_b + t_b * g_a) * inverse
 
 
 @njit(cache=True)
-def outflow_change(film_c, film_a, dfilm_c, dfilm_a, pressure, fraction, dx, dy, edge_pressure, edge_fraction, ring):
-    """Change of the outward flow of each cell for a changed film at given pressure and film fraction, Eq. (E6).
+def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, area_per_step, edge_pressure, edge_fraction, ring):
+    """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two five-point stencils.
+
+    What is upstream of a face stays so; at rest the cell before the face counts as downstream of the one behind it.
 
     Parameters
     ----------
     film_c, film_a : tuple of ndarray, each shape (n_c, n_a)
         Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along j.
-    dfilm_c, dfilm_a : tuple of ndarray
-        Their changes.
+    by_film, by_velocity : tuple of ndarray, each shape (n_c, n_a)
+        Derivatives of stored film, transported film, conductivity along i and along j, and entrainment velocity along i
+        and along j, to film thickness and to sliding velocity.
     pressure, fraction : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction [-].
-    dx, dy : float
-        Cell size [m].
-    edge_pressure, edge_fraction : ndarray, shape (4,)
-    ring : bool
+    dx, dy, area_per_step, edge_pressure, edge_fraction, ring
+        As in `faces` and `assemble`.
 
     Returns
     -------
-    ndarray, shape (n_c, n_a)
-        [m3/s].
+    ndarray, shape (2, 5, n_c, n_a)
+        To film and to velocity; centre, south, north, west, east as in `assemble`.
     """
     n_c, n_a = pressure.shape
-    out = np.zeros((n_c, n_a))
+    stencil = np.zeros((2, 5, n_c, n_a))
     last = n_a - 1
     for i in range(n_c):
-        for j in range(1, n_a):
-            a, b = (i, j - 1), (i, j)
-            q = _flow_change(film_a, dfilm_a, pressure[a], pressure[b], fraction[a], fraction[b], a, b, dx / dy, dx)
-            out[a] += q
-            out[b] -= q
-        b = (i, 0)
-        out[b] -= _flow_change(film_a, dfilm_a, edge_pressure[0], pressure[b], edge_fraction[0], fraction[b],
-                               b, b, 2.0 * dx / dy, dx)
-        a = (i, last)
-        out[a] += _flow_change(film_a, dfilm_a, pressure[a], edge_pressure[1], fraction[a], edge_fraction[1],
-                               a, a, 2.0 * dx / dy, dx)
+        for j in range(n_a + 1):
+            a, b = (i, max(j - 1, 0)), (i, min(j, last))
+            aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
+            p_a, f_a = (pressure[a], fraction[a]) if j > 0 else (edge_pressure[0], edge_fraction[0])
+            p_b, f_b = (pressure[b], fraction[b]) if j < n_a else (edge_pressure[1], edge_fraction[1])
+            velocity = 0.5 * (film_a[2][a] + film_a[2][b])
+            g_a, g_b, t_a, t_b, v = _flow_slopes(film_a[0][a], film_a[0][b], film_a[1][a], film_a[1][b], velocity, aspect, dx,
+                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
+            for k in range(2):
+                by = by_film if k == 0 else by_velocity
+                on_a = g_a * by[3][a] + t_a * by[1][a] + v * by[5][a]
+                on_b = g_b * by[3][b] + t_b * by[1][b] + v * by[5][b]
+                if j == 0:
+                    stencil[k, 0, i, 0] -= on_a + on_b
+                elif j == n_a:
+                    stencil[k, 0, i, last] += on_a + on_b
+                else:
+                    stencil[k, 0, i, j - 1] += on_a
+                    stencil[k, 2, i, j - 1] += on_b
+                    stencil[k, 0, i, j] -= on_b
+                    stencil[k, 1, i, j] -= on_a
     last = n_c - 1
-    for j in range(n_a):
-        for i in range(0 if ring else 1, n_c):
-            a, b = ((i - 1) % n_c, j), (i, j)
-            q = _flow_change(film_c, dfilm_c, pressure[a], pressure[b], fraction[a], fraction[b], a, b, dy / dx, dy)
-            out[a] += q
-            out[b] -= q
-        if not ring:
-            b = (0, j)
-            out[b] -= _flow_change(film_c, dfilm_c, edge_pressure[2], pressure[b], edge_fraction[2], fraction[b],
-                                   b, b, 2.0 * dy / dx, dy)
-            a = (last, j)
-            out[a] += _flow_change(film_c, dfilm_c, pressure[a], edge_pressure[3], fraction[a], edge_fraction[3],
-                                   a, a, 2.0 * dy / dx, dy)
+    for i in range(0, n_c if ring else n_c + 1):
+        inner = ring or 0 < i < n_c
+        aspect = dy / dx if inner else 2.0 * dy / dx
+        lower = (i - 1) % n_c if ring else max(i - 1, 0)
+        for j in range(n_a):
+            a, b = (lower, j), (min(i, last), j)
+            p_a, f_a = (pressure[a], fraction[a]) if inner or i > 0 else (edge_pressure[2], edge_fraction[2])
+            p_b, f_b = (pressure[b], fraction[b]) if inner or i == 0 else (edge_pressure[3], edge_fraction[3])
+            velocity = 0.5 * (film_c[2][a] + film_c[2][b])
+            g_a, g_b, t_a, t_b, v = _flow_slopes(film_c[0][a], film_c[0][b], film_c[1][a], film_c[1][b], velocity, aspect, dy,
+                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
+            for k in range(2):
+                by = by_film if k == 0 else by_velocity
+                on_a = g_a * by[2][a] + t_a * by[1][a] + v * by[4][a]
+                on_b = g_b * by[2][b] + t_b * by[1][b] + v * by[4][b]
+                if inner:
+                    stencil[k, 0, a[0], j] += on_a
+                    stencil[k, 4, a[0], j] += on_b
+                    stencil[k, 0, b[0], j] -= on_b
+                    stencil[k, 3, b[0], j] -= on_a
+                elif i == 0:
+                    stencil[k, 0, 0, j] -= on_a + on_b
+                else:
+                    stencil[k, 0, last, j] += on_a + on_b
+    for i in range(n_c):
+        for j in range(n_a):
+            for k in range(2):
+                by = by_film if k == 0 else by_velocity
+                stencil[k, 0, i, j] += area_per_step * fraction[i, j] * by[0][i, j]
+    return stencil
+
+
+@njit(cache=True, fastmath={"contract"})
+def apply_stencils(stencil, dfilm, dvelocity):
+    """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
+
+    Parameters
+    ----------
+    stencil : ndarray, shape (2, 5, n_c, n_a)
+        From `linearise`.
+    dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
+        [m], [m/s].
+
+    Returns
+    -------
+    ndarray, shape (m, n_c, n_a)
+        [m3/s].
+    """
+    m, n_c, n_a = dfilm.shape
+    out = np.empty((m, n_c, n_a))
+    for q in range(m):
+        for i in range(n_c):
+            row = out[q, i]
+            row[:] = 0.0
+            for k in range(2):
+                x = dfilm[q] if k == 0 else dvelocity[q]
+                here, before, behind = x[i], x[(i - 1) % n_c], x[(i + 1) % n_c]
+                c, s, n, w, e = stencil[k, 0, i], stencil[k, 1, i], stencil[k, 2, i], stencil[k, 3, i], stencil[k, 4, i]
+                for j in range(n_a):
+                    row[j] -= c[j] * here[j] + w[j] * before[j] + e[j] * behind[j]
+                for j in range(1, n_a):
+                    row[j] -= s[j] * here[j - 1]
+                for j in range(n_a - 1):
+                    row[j] -= n[j] * here[j + 1]
     return out

@@ -43,8 +43,7 @@ class Mfbd(FieldSlave):
 
     def directional_derivative(self, seeds):
         """Product of the step map's derivative with the seed fields."""
-        nothing = np.zeros(self.model.film.shape)
-        film, sliding = self.model.directional_derivative(*(seeds.get(name, nothing) for name in self.derivative_inputs))
+        film, sliding = self.model.directional_derivative(*(seeds[name] for name in self.derivative_inputs))
         return {"film_thickness": film, "sliding_velocity": sliding}
 
     def _inputs(self, values):

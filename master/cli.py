@@ -1,4 +1,4 @@
-"""The command line `piston-cosim`: list, build, info, run, plot. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
+"""The command line `piston-cosim`: one function a command. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
 
 import os
 
@@ -7,9 +7,10 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import json  # noqa: E402
 import sys  # noqa: E402
+import time  # noqa: E402
 import tomllib  # noqa: E402
 from pathlib import Path  # noqa: E402
-from typing import Annotated  # noqa: E402
+from typing import Annotated, Literal  # noqa: E402
 
 from cyclopts import App, CycloptsError, Parameter  # noqa: E402
 from rich.console import Console  # noqa: E402
@@ -20,6 +21,7 @@ from .fmi.errors import BadInput  # noqa: E402
 
 app = App(name="piston-cosim", help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
           version_flags=["--version"])
+STARTED = time.perf_counter()
 console = Console()
 errors = Console(stderr=True)
 
@@ -131,7 +133,7 @@ def info(fmu: Path):
 
 @app.command
 def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str | None = None,
-        summary_json: Path | None = None, plots: bool = True):
+        summary_json: Path | None = None, plots: bool = True, lubrication: Path | None = None, bodies: Path | None = None):
     """Run a case and its variants: results file, summary, pictures.
 
     Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa s"
@@ -150,14 +152,17 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
         Also write the summary there.
     plots
         Draw the case's pictures at the end.
+    lubrication, bodies
+        FMU to take instead of the case's own; what the case says of variables it does not have is left out and named.
     """
+    from .check import swap_all
     from .report import print_summary, watching
     from .run import run as run_system
     from .system import open_system
 
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
-    trees = variant_trees(path, changes, only)
+    trees = swap_all(variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, _say)
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
     folder = output or Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
     systems = open_all(cases, path.parent, open_system)
@@ -166,6 +171,7 @@ def run(case: str, *, set_: Changes = [], output: Path | None = None, only: str 
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
             summaries[label] = run_system(system, cases[label], trees[label], files[label], watch)
+        summaries[label]["first_step_after_s"] = watch.first - STARTED
     print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
@@ -226,6 +232,53 @@ def plot(*files: Path, output: Path = Path("pictures")):
     _draw(case, {file.stem: file for file in files}, output)
 
 
+@app.command
+def verify(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=())] = False):
+    """Compute every verification figure and print it beside its reference and its error.
+
+    Example: piston-cosim verify ehd
+
+    Parameters
+    ----------
+    parts
+        ehd, mfbd, master; all of them by default.
+    all_
+        The slow studies too (minutes).
+    """
+    from .verify import PARTS
+    from .verify import verify as compute
+
+    unknown = [part for part in parts if part not in PARTS]
+    if unknown:
+        raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join(PARTS)}")
+    if compute(parts or tuple(PARTS), all_, Console(width=max(console.width, 190))):
+        sys.exit(1)
+
+
+@app.command
+def bench(*names: str):
+    """Run the benchmarks of a source checkout: ratios measured side by side, one thread.
+
+    Example: piston-cosim bench mfbd_step
+
+    Parameters
+    ----------
+    names
+        Scripts in tests/bench without their ending; all of them by default.
+    """
+    import subprocess
+
+    folder = Path(__file__).resolve().parents[1] / "tests" / "bench"
+    known = sorted(path.stem for path in folder.glob("*.py"))
+    unknown = [name for name in names if name not in known]
+    if unknown or not known:
+        raise BadInput(f"no benchmark {', '.join(unknown)}: there are {', '.join(known)}" if known else
+                       "benchmarks are in the source checkout, not in the installed package")
+    for name in names or known:
+        console.print(f"[bold]{name}[/]")
+        subprocess.run([sys.executable, str(folder / f"{name}.py")], check=True)
+
+
 def _draw(case, files, folder):
     from .pictures import draw
     from .recorder import Results
@@ -236,3 +289,67 @@ def _draw(case, files, folder):
 
 def _say(text):
     console.print(f"[dim]{text}[/]", soft_wrap=True)
+
+
+@app.command
+def check(fmu: Path):
+    """Compare an FMU with the lubrication contract: names, units, shapes, capabilities.
+
+    Example: piston-cosim check film.fmu
+    """
+    from .check import check_fmu
+
+    if not fmu.is_file():
+        raise BadInput(f"{fmu}: no such file")
+    role, breaches, remarks = check_fmu(fmu)
+    for line in remarks:
+        console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
+    if breaches:
+        raise BadInput([f"{fmu}, as {role}: {line}" for line in breaches])
+    console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)
+
+
+@app.command
+def pack(slave: str, *, grid: str = "40x40", output: Path):
+    """Make an FMU of a slave written in one file, e.g. of the template of a lubrication model.
+
+    Example: piston-cosim pack models/lubrication_template/axial_film.py:AxialFilm --output film.fmu
+
+    Parameters
+    ----------
+    slave
+        FILE.py:CLASS.
+    grid
+        Circumferential x axial cells.
+    output
+        Where to put the FMU.
+    """
+    from .fmi.builder import build_fmu_of_file
+
+    output.write_bytes(build_fmu_of_file(slave, {"grid": parse_grid(grid)}, _say).read_bytes())
+    console.print(str(output), soft_wrap=True, highlight=False)
+
+
+@app.command
+def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step.
+
+    Example: piston-cosim export fmu numerical_example --output engine.fmu
+
+    Parameters
+    ----------
+    kind
+        fmu.
+    case
+        Name of a case (see list), its folder, or a case file.
+    set_
+        Change of the case, KEY=VALUE.
+    output
+        Where to put it.
+    """
+    from .export import export_fmu
+
+    path = find_case(case)
+    checked = check_case(read_tree(path, [parse_change(text) for text in set_]), path)
+    output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    console.print(str(output), soft_wrap=True, highlight=False)

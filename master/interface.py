@@ -87,7 +87,8 @@ class Interface:
         for name, participant in self.participants.items():
             if not self.outputs[name]:
                 continue
-            products = participant.derivative({field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]})
+            seeds = {field: seen[part].reshape(shape) for field, part, shape in self.inputs[name]}
+            products = participant.derivative(seeds, [field for field, _, _ in self.outputs[name]])
             for field, part, _ in self.outputs[name]:
                 result[part] = np.ravel(products[field])
                 if not self.feedback[part.start]:

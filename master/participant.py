@@ -22,6 +22,8 @@ from .fmi.errors import BadInput, Discard
 from .fmi.fields import gather_fields
 
 REAL = ctypes.POINTER(ctypes.c_double)
+DIFFERENCE = 1e-5
+"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends the step map."""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -44,7 +46,7 @@ class Participant(Protocol):
     def save(self): ...
     def restore(self, saved): ...
     def serialise(self, saved): ...
-    def derivative(self, seeds): ...
+    def derivative(self, seeds, products): ...
     def close(self): ...
 
 
@@ -75,13 +77,14 @@ class FmuParticipant:
         self.fields = gather_fields(self.description)
         self.folder = unpack(self.path)
         self.log = []
-        self._references, self._derivative = {}, self._reserved_references()
+        self._references, self._pairs, self._derivative = {}, {}, self._reserved_references()
+        self._standard_derivative = bool(self.description.coSimulation.providesDirectionalDerivative)
         self._fmu = None
 
     @property
     def has_derivatives(self):
-        """Whether the FMU names reserved references for its directional derivative."""
-        return bool(self._derivative)
+        """Whether the FMU answers the standard directional derivative, or names reserved references for one."""
+        return self._standard_derivative or bool(self._derivative)
 
     @property
     def can_redo(self):
@@ -109,15 +112,19 @@ class FmuParticipant:
             self._fmu.enterInitializationMode()
             self._fmu.exitInitializationMode()
         except Exception as error:
-            raise BadInput([f"{self.name}: {error}", *(text for _, text in self.log)]) from error
+            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+        if refusal := self._refusal():
+            raise refusal
+
+    def _refusal(self):
+        """What the log says against a start: a bug, bad input, or None."""
         if any(text.startswith("Traceback") for _, text in self.log):
-            raise ParticipantFault(f"{self.name}: {self.log[-1][1]}")
-        refusals = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
-        if refusals:
-            raise BadInput(refusals)
+            return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
+        lines = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+        return BadInput(lines) if lines else None
 
     def _note(self, _environment, _instance, status, _category, message):
-        self.log.append((status, message.decode(errors="replace") if message else ""))
+        self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
 
     def _vector(self, name):
         """ctypes references and a NumPy buffer with its pointer for a field, made once."""
@@ -162,6 +169,7 @@ class FmuParticipant:
     def step(self, time, step):
         """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
         self.log.clear()
+        self._last_step = (time, step)
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
@@ -175,6 +183,8 @@ class FmuParticipant:
         return self._fmu.getFMUstate()
 
     def restore(self, saved):
+        """Go back to a saved state; the next step counts from it."""
+        self._begin = saved
         self._fmu.setFMUstate(saved)
 
     def free(self, saved):
@@ -184,27 +194,68 @@ class FmuParticipant:
         """The saved state as bytes."""
         return bytes(self._fmu.serializeFMUstate(saved))
 
-    def derivative(self, seeds):
-        """Directional derivative of the last step.
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step: the FMU's own, or for an FMU without one a difference of two steps.
 
         Parameters
         ----------
         seeds : dict of str to ndarray
             Change of input fields; inputs left out are zero.
+        products : iterable of str
+            Output fields whose change is wanted.
 
         Returns
         -------
         dict of str to ndarray
-            Change of all output fields that depend on them.
+            Their change.
         """
-        write, read = self._derivative["seed"], self._derivative["product"]
-        buffer = write["buffer"]
-        buffer[:] = 0.0
+        if not self._standard_derivative:
+            return self._reserved_derivative(seeds) if self._derivative else self._difference(seeds, products)
+        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
-            buffer[write["slices"][name]] = np.ravel(value)
-        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(buffer), write["pointer"])
+            known["buffer"][known["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown["references"], len(unknown["buffer"]),
+                                               known["references"], len(known["buffer"]), known["pointer"], unknown["pointer"])
+        return self._cut(unknown)
+
+    def _pair(self, names):
+        """References of several fields in one array, with a buffer; made once."""
+        if names not in self._pairs:
+            self._pairs[names] = _block({name: self.fields[name].references for name in names})
+        return self._pairs[names]
+
+    def _cut(self, block):
+        return {name: block["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in block["slices"].items()}
+
+    def _reserved_derivative(self, seeds):
+        """The same through the reserved references of an FMU without the standard call."""
+        write, read = self._derivative["seed"], self._derivative["product"]
+        write["buffer"][:] = 0.0
+        for name, value in seeds.items():
+            write["buffer"][write["slices"][name]] = np.ravel(value)
+        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(write["buffer"]), write["pointer"])
         self._fmu.fmi2GetReal(self._fmu.component, read["references"], len(read["buffer"]), read["pointer"])
-        return {name: read["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in read["slices"].items()}
+        return self._cut(read)
+
+    def _difference(self, seeds, products):
+        """The same from the last step taken once more with changed inputs; the FMU is left as it was.
+
+        Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / nominal|
+        """
+        largest = max(float(np.max(np.abs(value))) / (self.fields[name].nominal or 1.0) for name, value in seeds.items())
+        before = {name: self.get(name) for name in (*seeds, *products)}
+        if largest == 0.0:
+            return {name: np.zeros_like(before[name]) for name in products}
+        end, size = self.save(), DIFFERENCE / largest
+        try:
+            self.restore(self._begin)
+            for name, value in seeds.items():
+                self.set(name, before[name] + size * value)
+            self.step(*self._last_step)
+            return {name: (self.get(name) - before[name]) / size for name in products}      # Eq. (P1)
+        finally:
+            self._fmu.setFMUstate(end)
+            self.free(end)
 
     def _reserved_references(self):
         """Reference arrays and buffers of all seeds and all products, from the FMU's vendor annotation."""
@@ -212,21 +263,11 @@ class FmuParticipant:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         found = {}
         for kind in ("seed", "product"):
-            references, slices = [], {}
-            for node in root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/DirectionalDerivative/{kind.capitalize()}"):
-                first, size = int(node.get("valueReference")), self.fields[node.get("name")].size
-                slices[node.get("name")] = slice(len(references), len(references) + size)
-                references += range(first, first + size)
-            if references:
-                buffer = np.zeros(len(references))
-                found[kind] = {"references": (ctypes.c_uint * len(references))(*references), "slices": slices,
-                               "buffer": buffer, "pointer": buffer.ctypes.data_as(REAL)}
+            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
+            first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+            if first:
+                found[kind] = _block({name: range(k, k + self.fields[name].size) for name, k in first.items()})
         return found
-
-    @property
-    def derivative_fields(self):
-        """Names of the input and of the output fields that the directional derivative knows."""
-        return {kind: tuple(part["slices"]) for kind, part in self._derivative.items()}
 
     def close(self):
         """Terminate and free the instance."""
@@ -234,6 +275,17 @@ class FmuParticipant:
             self._fmu.terminate()
             self._fmu.freeInstance()
             self._fmu = None
+
+
+def _block(references):
+    """References of several fields (name -> sequence) in one C array, their places in it, and a buffer of values."""
+    slices, together = {}, []
+    for name, own in references.items():
+        slices[name] = slice(len(together), len(together) + len(own))
+        together += own
+    buffer = np.zeros(len(together))
+    return {"references": (ctypes.c_uint * len(together))(*together), "slices": slices, "buffer": buffer,
+            "pointer": buffer.ctypes.data_as(REAL)}
 
 
 def unpack(path):

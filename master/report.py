@@ -1,5 +1,6 @@
 """What a run says on the screen: a progress line while it goes, a one-screen summary at its end."""
 
+import time as clock
 from contextlib import contextmanager
 
 from rich.progress import BarColumn, Progress, TextColumn
@@ -19,16 +20,18 @@ def short(value, unit):
 
 @contextmanager
 def watching(console, label):
-    """Progress bar; gives the `watch` callable of `run`."""
+    """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step was done."""
     columns = (TextColumn("{task.description}", table_column=Column(min_width=len(label))), BarColumn(8), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=5) as progress:
         task = progress.add_task(label, total=1.0, state="")
 
         def watch(time, stop, solution, monitored):
+            watch.first = watch.first or clock.perf_counter()
             parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
             parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
             progress.update(task, completed=time / stop, state="  ".join(parts))
 
+        watch.first = None
         yield watch
 
 

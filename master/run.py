@@ -10,18 +10,9 @@ import numpy as np
 from .methods import method_of
 from .recorder import Recorder
 from .stepping import Stepper
+from .wiring import start
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
-
-
-def start(system):
-    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs."""
-    started = {}
-    for name, participant in system.participants.items():
-        fed = {c.target[1]: started[c.source[0]].get(c.source[1]) for c in system.connections
-               if c.target[0] == name and c.source[0] in started}
-        participant.start(system.parameters[name] | fed, 0.0, system.stop)
-        started[name] = participant
 
 
 def run(system, case, tree, output, watch=lambda *args: None):

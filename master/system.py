@@ -1,59 +1,13 @@
 """From a case to participants and wires, with every fault of wiring, units, shapes and capabilities found before the run."""
 
-from dataclasses import dataclass
 from difflib import get_close_matches
-
-import numpy as np
 
 from .case import times
 from .fmi.builder import build_fmu
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
 from .participant import FmuParticipant
-
-
-@dataclass(frozen=True)
-class Connection:
-    """A wire ready for use: both ends, shape, and in SI its nominal and tolerance."""
-
-    source: tuple
-    target: tuple
-    shape: tuple
-    unit: str
-    nominal: float
-    tolerance: float
-    largest_decrease: float | None
-    relative_tolerance: float = 0.0
-
-    def allowed(self, values):
-        """Size of an element's residual that counts as converged, for given values of the field."""
-        return max(self.tolerance, self.relative_tolerance * _rms(values))
-
-    def measure(self, residual, values):
-        """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
-
-        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)))
-        """
-        share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
-        if self.relative_tolerance:
-            share = np.minimum(share, _rms(residual) / max(self.relative_tolerance * _rms(values), np.finfo(float).tiny))
-        return float(share)
-
-
-def _rms(values):
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
-@dataclass(frozen=True)
-class System:
-    """Participants in the order they start, stepping order, connections, parameters in SI, stop time and macro step [s]."""
-
-    participants: dict
-    order: tuple
-    connections: tuple
-    parameters: dict
-    stop: float
-    step: float
+from .wiring import Connection, System
 
 
 def open_system(case, folder, progress):

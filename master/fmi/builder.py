@@ -11,21 +11,38 @@ import os
 import re
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
+from xml.dom.minidom import parseString
+from xml.etree.ElementTree import tostring
 
 import pythonfmu
-from pythonfmu.builder import FmuBuilder
 
-EMBEDDED = ("__init__", "errors", "variables", "description", "slave")
+from .compiler import compile_front, compiler, front_sources
+from .description import model_description
+from .description3 import model_description_3, terminals
+from .errors import BadInput
+
+EMBEDDED = ("__init__", "errors", "variables", "requirements", "slave")
 """Modules of master.fmi that a running FMU needs."""
+
+PACKING = ("builder.py", "compiler.py", "description.py", "description3.py")
+"""What else has a say in an FMU's content."""
+
+STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
+"""pythonfmu's own libraries: what an FMU gets where no front can be compiled; they run in Python hosts alone."""
 
 ENTRY = '''"""Entry script of the FMU; its code is the package {code}."""
 
+import ctypes
 import os
 import shutil
 import sys
 import tempfile
 from pathlib import Path
+
+# pythonfmu's library drops one reference too many to this module's dictionary each time it runs this text
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
 def code_folder():
@@ -38,14 +55,24 @@ def code_folder():
             root.mkdir(parents=True, exist_ok=True)
             partial = Path(tempfile.mkdtemp(dir=root))
             shutil.copytree(here / "{code}", partial / "{code}")
-            os.rename(partial, root / "{code}")
+            os.rename(partial / "{code}", root / "{code}")
+            partial.rmdir()
     except OSError:
         pass  # another process was faster, or there is no writable cache
-    return root / "{code}" if (root / "{code}").exists() else here
+    return root if (root / "{code}").exists() else here
 
 
-sys.path.insert(0, str(code_folder()))
-from {code}.{package}.slave import {slave} as Fmi2Slave  # noqa: E402
+if "{code}" not in sys.modules:
+    sys.path.insert(0, str(code_folder()))
+    try:
+        from {code}.master.fmi.requirements import missing
+
+        if missing():
+            raise ImportError(missing())
+        import {code}.{module}
+    finally:
+        sys.path.pop(0)
+from {code}.{module} import {slave} as Fmi2Slave  # noqa: E402
 
 
 class Entry(Fmi2Slave):
@@ -67,7 +94,12 @@ def cache_folder(kind):
     return folder
 
 
-def build_fmu(package, options, folder, progress=lambda text: None):
+def slave_of(package):
+    """Where a participant package has its slave: fmu_ehd -> fmu_ehd.slave:Ehd."""
+    return f"{package}.slave:{package.removeprefix('fmu_').capitalize()}"
+
+
+def build_fmu(package, options, folder, progress=lambda text: None, version="2.0"):
     """FMU of a participant package, from the cache if the same was built before.
 
     Parameters
@@ -81,6 +113,8 @@ def build_fmu(package, options, folder, progress=lambda text: None):
         Folder that relative paths in the options start from.
     progress : callable
         Told a line of text before long work.
+    version : {"2.0", "3.0"}
+        Of the standard; 3.0 needs a C compiler.
 
     Returns
     -------
@@ -93,48 +127,138 @@ def build_fmu(package, options, folder, progress=lambda text: None):
         With every fault of the options.
     """
     resolved, files = importlib.import_module(f"{package}.build").prepare(options, Path(folder), progress)
-    sources = _sources(package)
-    contents = {"build.json": json.dumps(resolved, sort_keys=True).encode()} | {f.name: f.read_bytes() for f in files}
-    digest = _digest(sources | contents)
-    fmu = cache_folder("fmus") / f"{package}-{digest}.fmu"
+    return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress, version)
+
+
+def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0"):
+    """FMU of a slave written in a single file, from the cache if the same was packed before.
+
+    Parameters
+    ----------
+    place : str
+        "path/to/file.py:Class".
+    options : dict
+        Becomes build.json, what `variables(options)` is given.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file or class in it.
+    """
+    file, _, slave = place.rpartition(":")
+    path = Path(file)
+    if path.suffix != ".py" or not path.is_file():
+        raise BadInput(f"{place!r}: write FILE.py:CLASS; there is no file {file!r}")
+    sys.path.insert(0, str(path.resolve().parent))
+    try:
+        if not hasattr(importlib.import_module(path.stem), slave):
+            raise BadInput(f"{place!r}: {path.name} has no class {slave}")
+        return pack_fmu(path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version)
+    finally:
+        sys.path.pop(0)
+
+
+def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
+    """FMU of a slave, from the cache if the same was packed before.
+
+    Parameters
+    ----------
+    name : str
+        Begins the file's name.
+    slave : str
+        "module:class".
+    packages : list of str
+        What of the project the slave's code needs: packages, or single modules of `master`; `master.fmi` comes by itself.
+    options : dict
+        Becomes build.json.
+    files : dict of str to bytes
+        Further resources.
+    """
+    if version == "3.0" and not compiler():
+        raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
+    sources = _sources(packages)
+    contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
+    code = f"code_{_digest(sources | contents | {'entry': (ENTRY + slave).encode()})}"
+    contents["python.txt"] = sys.executable.encode()
+    front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
+    packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
+    fmu = cache_folder("fmus") / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
-        _pack(package, f"code_{digest}", sources, contents, fmu)
+        entry = ENTRY.format(code=code, module=slave.split(":")[0], slave=slave.split(":")[1]).encode()
+        contents |= {f"{code}/__init__.py": b""} | {f"{code}/{name}": data for name, data in sources.items()}
+        contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
+        contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
+        contents |= {f"pythonfmu/{path.name}": path.read_bytes() for path in Path(pythonfmu.__file__).parent.glob("*.py")}
+        _pack(contents, f"{code}_entry", fmu, version)
     return fmu
 
 
-def _sources(package):
-    """Relative path -> bytes of all code the FMU carries, `master.fmi` imports turned into relative ones."""
-    here = Path(__file__).parent
-    home = Path(importlib.import_module(package).__file__).parent
-    found = {f"fmi/{name}.py": here / f"{name}.py" for name in EMBEDDED}
-    found |= {f"{package}/{path.relative_to(home).as_posix()}": path for path in sorted(home.rglob("*.py"))}
-    return {name: re.sub(rb"(?m)^(\s*from) master\.fmi", rb"\1 ..fmi", path.read_bytes()) for name, path in found.items()}
+def _sources(packages):
+    """Relative path -> bytes of all code the FMU carries, absolute imports of this project turned into relative ones."""
+    own = Path(__file__).parent
+    paths = {f"master/fmi/{name}.py": own / f"{name}.py" for name in EMBEDDED}
+    paths["master/__init__.py"] = own.parent / "__init__.py"
+    for package in packages:
+        home, folder = Path(importlib.import_module(package).__file__), package.replace(".", "/")
+        found = home.parent.rglob("*.py") if home.name == "__init__.py" else []
+        paths |= {f"{folder}/{path.relative_to(home.parent).as_posix()}": path for path in found} or {f"{folder}.py": home}
+    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 " + b"." * (name.count("/") + 1) + b"master.", path.read_bytes())
+            for name, path in paths.items()}
 
 
 def _digest(contents):
-    digest = hashlib.sha256((pythonfmu.__version__ + ENTRY).encode())
+    digest = hashlib.sha256(pythonfmu.__version__.encode())
     for name in sorted(contents):
         digest.update(name.encode() + b"\0" + hashlib.sha256(contents[name]).digest())
     return digest.hexdigest()[:16]
 
 
-def _pack(package, code, sources, contents, fmu):
-    """Lay the files out in a scratch folder, let pythonfmu zip them, and move the FMU into place in one go."""
+def _pack(contents, entry, fmu, version):
+    """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU into place in one go."""
     with tempfile.TemporaryDirectory() as scratch:
-        root, entry = Path(scratch), Path(scratch) / f"{code}_entry.py"
-        for name, data in ({f"{code}/__init__.py": b""} | {f"{code}/{n}": d for n, d in sources.items()} | contents).items():
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-            (root / name).write_bytes(data)
-        entry.write_text(ENTRY.format(code=code, package=package, slave=package.removeprefix("fmu_").capitalize()))
-        sys.path.insert(0, scratch)
-        try:
-            FmuBuilder.build_FMU(entry, dest=root / "out.fmu", project_files=[root / code, *(root / n for n in contents)],
-                                 needsExecutionTool=False, canGetAndSetFMUstate=True, canSerializeFMUstate=True)
-            partial = fmu.with_suffix(f".{os.getpid()}.part")
-            partial.write_bytes((root / "out.fmu").read_bytes())
-            os.replace(partial, fmu)
-        finally:
-            sys.path[:] = [p for p in sys.path if str(p) != scratch]
-            for name in [n for n in sys.modules if n.startswith(code)]:
+        for name, data in contents.items():
+            path = Path(scratch) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        slave = _instance(entry, scratch)
+        members = _members_3(slave) if version == "3.0" else _members_2(slave)
+    members |= {f"resources/{name}": data for name, data in contents.items()}
+    partial = fmu.with_suffix(f".{os.getpid()}.part")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(members):
+            info = zipfile.ZipInfo(name)    # the same date in every build
+            info.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            archive.writestr(info, members[name], zipfile.ZIP_DEFLATED)
+    os.replace(partial, fmu)
+
+
+def _members_2(slave):
+    """Description and binaries of an FMI 2.0 FMU: the front, or pythonfmu's libraries without a compiler."""
+    binaries = {f"binaries/linux64/{slave.name}.so": compile_front("2.0")} if compiler() else {
+        f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes() for path in STOCK.rglob("*.*")}
+    return {"modelDescription.xml": _xml(model_description(slave, any_host=compiler() is not None))} | binaries
+
+
+def _members_3(slave):
+    """Description, terminals and front of an FMI 3.0 FMU."""
+    return {"modelDescription.xml": _xml(model_description_3(slave)),
+            f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
+            "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave))}
+
+
+def _xml(root):
+    return parseString(tostring(root)).toprettyxml(encoding="UTF-8")
+
+
+def _instance(entry, resources):
+    """An instance of the packed slave, its modules gone from this process afterwards."""
+    before = set(sys.modules)
+    sys.path.insert(0, resources)
+    try:
+        return importlib.import_module(entry).Entry(instance_name="description", resources=resources)
+    finally:
+        sys.path.remove(resources)
+        for name in set(sys.modules) - before:
+            if name.startswith("code_"):
                 del sys.modules[name]

@@ -5,6 +5,9 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
 
+from .requirements import PACKAGES
+from .slave import element_names
+
 VENDOR = "piston-cosim"
 """Name of the VendorAnnotations tool entry that lists the reserved directional-derivative references."""
 
@@ -21,23 +24,45 @@ BASE_UNITS = {
 """Exponents of the SI base units for every unit a table may use ("1" is declared by leaving the unit out)."""
 
 
-def model_description(slave, options):
-    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its content."""
+def model_description(slave, any_host):
+    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its content.
+
+    Parameters
+    ----------
+    slave : FieldSlave
+    any_host : bool
+        True if the FMU carries the C front, so that hosts need not be Python and the standard directional derivative
+        is answered; else its library is pythonfmu's, which runs in Python hosts alone.
+    """
     root = Element("fmiModelDescription", {
         "fmiVersion": "2.0", "modelName": slave.name, "guid": "", "description": slave.description,
         "generationTool": "piston-cosim", "variableNamingConvention": "structured"})
     SubElement(root, "CoSimulation", {
-        "modelIdentifier": slave.name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
-        "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"})
+        "modelIdentifier": slave.name, "needsExecutionTool": str(not any_host).lower(),
+        "canHandleVariableCommunicationStepSize": "true", "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": str(any_host and bool(slave.derivative_inputs)).lower()})
+    common_parts(root, slave)
+    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host)
+    _variables(SubElement(root, "ModelVariables"), slave)
+    _structure(SubElement(root, "ModelStructure"), slave.table)
+    root.set("guid", content_guid(root))
+    return root
+
+
+def content_guid(root):
+    """The same description has the same identifier in every build."""
+    return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
+
+
+def common_parts(root, slave):
+    """Units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
-    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave)
-    _variables(SubElement(root, "ModelVariables"), slave)
-    _structure(SubElement(root, "ModelStructure"), slave.table)
-    root.set("guid", "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}")
-    return root
+    SubElement(root, "DefaultExperiment", {
+        "startTime": "0.0", "stopTime": repr(100 * slave.usual_step), "stepSize": repr(slave.usual_step)})
 
 
 def _units(parent, table):
@@ -46,27 +71,30 @@ def _units(parent, table):
         SubElement(node, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[unit].items()})
 
 
-def _vendor_annotations(parent, slave):
-    """First reserved value reference of each seed and product field; present only if the slave has derivatives."""
-    tool = SubElement(SubElement(parent, "Tool", {"name": VENDOR}), "DirectionalDerivative")
+def _vendor_annotations(parent, slave, any_host):
+    """What the FMU needs of its host; without the front also the first reserved reference of each seed and product."""
+    needs = SubElement(SubElement(parent, "Tool", {"name": VENDOR}), "Needs", {
+        "hosts": "any on Linux x86-64" if any_host else "Python only", "python": ">=3.11", "packages": " ".join(PACKAGES)})
+    if any_host or not slave.derivative_inputs:
+        return
+    node = SubElement(needs, "DirectionalDerivative")
     for kind, names in (("seed", slave.derivative_inputs), ("product", slave.derivative_outputs)):
         for name in names:
-            SubElement(tool, kind.capitalize(), {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])})
+            SubElement(node, kind.capitalize(), {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])})
 
 
 def _variables(parent, slave):
-    from .slave import element_names
-
     for v in slave.table:
-        common = _scalar_attributes(v)
-        typed = _type_attributes(v)
+        common = causality_attributes(v)
+        typed = type_attributes(v)
         for k, name in enumerate(element_names(v)):
             node = SubElement(parent, "ScalarVariable", {
                 "name": name, "valueReference": str(slave.references[v.name] + k), **common})
             SubElement(node, v.type, typed)
 
 
-def _scalar_attributes(v):
+def causality_attributes(v):
+    """Description, causality, variability and initial."""
     kind = {"parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
             "input": {"causality": "input", "variability": "continuous" if v.type == "Real" else "discrete"},
             "output": {"causality": "output", "variability": "continuous" if v.type == "Real" else "discrete",
@@ -74,7 +102,8 @@ def _scalar_attributes(v):
     return {"description": v.description, **kind}
 
 
-def _type_attributes(v):
+def type_attributes(v):
+    """Start, unit, nominal and range."""
     attributes = {}
     if v.causality != "output":
         attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.start)

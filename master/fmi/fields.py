@@ -65,7 +65,7 @@ def _field(base, members):
     if [index for index, _ in members] != [tuple(k + 1 for k in index) for index in np.ndindex(*shape)]:
         raise ValueError(f"{base}: its elements do not fill an array of shape {shape}")
     first = members[0][1]
-    number = {key: None if getattr(first, key) in (None, "") else float(getattr(first, key)) for key in ("nominal", "min", "max")} \
-        if first.type != "String" else dict.fromkeys(("nominal", "min", "max"))
+    number = {key: float(value) if (value := getattr(first, key)) not in (None, "") and first.type != "String" else None
+              for key in ("nominal", "min", "max")}
     return Field(base, shape, tuple(v.valueReference for _, v in members), first.type, first.causality or "local",
                  first.unit or "1", number["nominal"], number["min"], number["max"], first.start, first.description or "")

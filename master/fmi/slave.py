@@ -1,16 +1,17 @@
 """The slave every FMU of this project is made of: one variable table, whole-object state, fields moved as slices.
 
-pythonfmu calls the methods of `FieldSlave`; a participant derives from it and writes three: `start`, `advance` and
-`directional_derivative`. What is stored where:
+The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`; a participant derives from it and
+writes three: `start`, `advance` and `directional_derivative`. What is stored where:
 
 - `real`: one array [variables of type Real | seeds | products]; a value reference is an index into it, and each
   declared array is a view of it. Seeds and products are the reserved references of the directional derivative.
-- `integer`, `string`: likewise for the two other types.
+- `integer`, `string`: likewise for the two other types. The front reads and writes `real` and `integer` in place: they are
+  allocated once and stay where they are.
 - `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings, state); Integer outputs
   count work done, which no rollback undoes, so they are not part of it.
 
 Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host later. A step that
-cannot be taken is logged and answered with False (fmi2Discard).
+cannot be taken is logged, leaves the state as it was, and sets `status` to discard (a bug: to error).
 """
 
 import json
@@ -22,7 +23,6 @@ import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from .description import model_description
 from .errors import BadInput, Discard
 
 
@@ -42,6 +42,7 @@ class FieldSlave(Fmi2Slave):
     name = "slave"
     description = ""
     state_type = None
+    usual_step = 5e-5
     derivative_inputs = ()
     derivative_outputs = ()
 
@@ -52,6 +53,7 @@ class FieldSlave(Fmi2Slave):
         self.options = json.loads((self.resources / "build.json").read_text())
         self.table = self.variables(self.options)
         self.state = self.fault = self.started_with = None
+        self.status = Fmi2Status.ok
         self._lay_out()
 
     # ---- the participant's part ---------------------------------------------------------------------------------
@@ -117,7 +119,36 @@ class FieldSlave(Fmi2Slave):
         for name, value in outputs.items():
             self.views[name][...] = value
 
-    # ---- what pythonfmu calls -----------------------------------------------------------------------------------
+    # ---- what the C front calls besides -------------------------------------------------------------------------
+
+    def layout(self):
+        """Where the numbers lie, for the front (front.h): addresses, lengths, seed and product blocks, all variables."""
+        real, integer = self.real.ctypes.data, self.integer.ctypes.data
+        blocks = [[(self.references[n], self.views[n].size, self.references[f"{kind}:{n}"]) for n in names]
+                  for kind, names in (("seed", self.derivative_inputs), ("product", self.derivative_outputs))]
+        kinds = ("Real", "Integer", "String")
+        entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
+        head = [real, integer, self.real_count, len(self.integer), len(self.string), *map(len, blocks), len(entries)]
+        return np.array([*head, *np.ravel(blocks[0]), *np.ravel(blocks[1]), *np.ravel(entries)], dtype=np.int64).tobytes()
+
+    def verdict(self):
+        """Status of the call just made and what it logged, (status, category, text) each; both are forgotten here."""
+        status, self.status = int(self.status), Fmi2Status.ok
+        messages = [(int(m.status), m.category or "logAll", m.msg) for m in self.log_queue]
+        self.log_queue.clear()
+        return status, messages
+
+    def update_products(self):
+        """Fill the product storage for what the seed storage holds; NaN and an error if that fails."""
+        try:
+            products = self.directional_derivative({n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs})
+            self._publish({f"product:{name}": value for name, value in products.items()})
+        except Exception:
+            self._fail(traceback.format_exc(), Fmi2Status.error)
+            self.real[self.first_product:] = np.nan
+        self.products_due = False
+
+    # ---- what both call -----------------------------------------------------------------------------------------
 
     def exit_initialization_mode(self):
         """Check every parameter range, start the participant; a fault is logged and every later step discarded."""
@@ -142,7 +173,11 @@ class FieldSlave(Fmi2Slave):
 
     def _refuse(self, text):
         self.fault = text
-        self.log(text, Fmi2Status.error)
+        self._fail(text, Fmi2Status.error)
+
+    def _fail(self, text, status):
+        self.status = status
+        self.log(text, status)
 
     def _range_faults(self):
         """Sentences on all parameters and inputs that are not finite or out of range (the first element of each)."""
@@ -166,9 +201,9 @@ class FieldSlave(Fmi2Slave):
             self._publish(outputs)
             return True
         except Discard as refusal:
-            self.log(str(refusal), Fmi2Status.discard)
+            self._fail(str(refusal), Fmi2Status.discard)
         except Exception:
-            self.log(traceback.format_exc(), Fmi2Status.error)
+            self._fail(traceback.format_exc(), Fmi2Status.error)
         return False
 
     def _check_step(self, step_size):
@@ -192,19 +227,10 @@ class FieldSlave(Fmi2Slave):
     def get_real(self, vrs):
         first, last = vrs[0], vrs[-1] + 1
         if last > self.first_product and self.products_due:
-            self._update_products()
+            self.update_products()
         if vrs == self.all_references[first:last]:
             return self.real[first:last].tolist()
         return self.real[vrs].tolist()
-
-    def _update_products(self):
-        try:
-            products = self.directional_derivative({n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs})
-            self._publish({f"product:{name}": value for name, value in products.items()})
-        except Exception:
-            self.log(traceback.format_exc(), Fmi2Status.error)
-            self.real[self.first_product:] = np.nan
-        self.products_due = False
 
     def set_integer(self, vrs, values):
         self.integer[vrs] = values
@@ -258,11 +284,6 @@ class FieldSlave(Fmi2Slave):
             arrays[name] = array if shape else array.item()
         real = arrays.pop("")
         return real, tuple(header["strings"]), arrays if header["started"] else None
-
-    # ---- model description --------------------------------------------------------------------------------------
-
-    def to_xml(self, model_options=None):
-        return model_description(self, model_options or {})
 
 
 def element_names(variable):

@@ -16,20 +16,20 @@ def test_slope_is_the_derivative_across_table_cells_and_overlap():
     film = np.linspace(-2.0, 9.0, 1001)[None]
     table = asperity.contact_table()
     size = 1e-6
-    slope = asperity.contact(film, 1.0, 1.0, 1.0, table)[1]
-    difference = (asperity.contact(film + size, 1.0, 1.0, 1.0, table)[0]
-                  - asperity.contact(film - size, 1.0, 1.0, 1.0, table)[0]) / (2.0 * size)
+    slope = asperity.contact(film, 1.0, 1.0, 1.0, 0.1, 0.0, table)[1]
+    difference = (asperity.contact(film + size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
+                  - asperity.contact(film - size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]) / (2.0 * size)
     assert np.abs(slope - difference).max() <= 1e-8  # the second derivative jumps at the table's points
 
 
 def test_overlap_goes_on_straight():
-    pressure, slope, _ = asperity.contact(np.array([[0.0, -1.0, -2.0]]), 1.0, 1.0, 1.0, asperity.contact_table())
+    pressure, slope, *_ = asperity.contact(np.array([[0.0, -1.0, -2.0]]), 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
     assert slope[0, 1] == slope[0, 0] and np.diff(pressure[0]) == pytest.approx(-slope[0, 0])
 
 
 def test_smooth_surfaces_do_not_touch():
-    pressure, slope, area = asperity.contact(np.array([[-1e-6]]), 0.0, 1e9, 0.1, asperity.contact_table())
-    assert pressure[0, 0] == slope[0, 0] == area == 0.0
+    pressure, slope, area, stress, _ = asperity.contact(np.array([[-1e-6]]), 0.0, 1e9, 0.1, 0.1, 1e6, asperity.contact_table())
+    assert pressure[0, 0] == slope[0, 0] == area[0, 0] == stress[0, 0] == 0.0
 
 
 def test_scale():

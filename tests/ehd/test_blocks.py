@@ -39,17 +39,43 @@ def test_solution_satisfies_the_system(shape):
         assert np.abs(product(coefficients, x) - b).max() <= 1e-11 * np.abs(x).max()  # round-off times condition
 
 
-def test_refactorising_from_the_first_changed_station_is_the_full_factorisation():
+def with_columns(old, new, chosen):
+    """Stencil with the columns of axial stations `chosen` taken from `new`, the others from `old`."""
+    j = np.arange(old[0].shape[1])
+    offset = (0, 1, -1, 0, 0)  # south of station j stands in column j - 1, north in j + 1
+    return tuple(np.where(np.isin(j - o, chosen), b, a) for a, b, o in zip(old, new, offset))
+
+
+@pytest.mark.parametrize("emptied", [1, 2], ids=["descending", "ascending"])
+@pytest.mark.parametrize("chosen", [[4, 5], [0], [8]])
+def test_refactorising_the_changed_stations_is_the_full_factorisation(emptied, chosen):
     rng = np.random.default_rng(2)
     shape = (6, 9)
-    before, after = stencil(rng, shape), stencil(rng, shape)
-    mixed = []
-    for k, (old, new) in enumerate(zip(before, after)):
-        offset = {1: 1, 2: -1}.get(k, 0)  # south of station j stands in column j - 1, north in j + 1
-        mixed.append(np.ascontiguousarray(np.where(np.arange(shape[1]) >= 4 + offset, new, old)))
+    before, after = (list(stencil(rng, shape)) for _ in range(2))
+    for coefficients in (before, after):
+        coefficients[emptied][2, 4] = 0.0  # tells the solver which way is downstream
+    mixed = with_columns(before, after, chosen)
     partly, wholly = BlockTridiagonal(shape), BlockTridiagonal(shape)
-    partly.factorise(before)
-    partly.factorise(tuple(mixed), first=4)
-    wholly.factorise(tuple(mixed))
+    partly.factorise(tuple(before))
+    partly.factorise(mixed, (chosen[0], chosen[-1]))
+    wholly.factorise(mixed)
     right = rng.standard_normal((1, *shape))
     assert np.array_equal(partly.solve(right), wholly.solve(right))
+
+
+@pytest.mark.parametrize("downstream", ["up", "down"])
+def test_columns_with_a_diagonal_alone_are_solved_too(downstream):
+    rng = np.random.default_rng(3)
+    shape = (8, 7)
+    centre, south, north, west, east = stencil(rng, shape)
+    empty = rng.random(shape) < 0.5  # cells whose column reaches one neighbour downstream, like cavitated ones
+    ahead = north if downstream == "up" else south
+    shift = 1 if downstream == "up" else -1
+    ahead[np.roll(empty, -shift, 1)] = 0.0
+    west[np.roll(empty, 1, 0)] = 0.0
+    east[np.roll(empty, -1, 0)] = 0.0
+    solver = BlockTridiagonal(shape)
+    solver.factorise((centre, south, north, west, east))
+    right = rng.standard_normal((1, *shape))
+    x = solver.solve(right)[0]
+    assert np.abs(product((centre, south, north, west, east), x) - right[0]).max() <= 1e-11 * np.abs(x).max()

@@ -59,3 +59,87 @@ def test_bad_build_options_are_reported_together():
     with pytest.raises(BadInput) as error:
         prepare({"grid": [40, 2], "grit": 1}, Path("."), print)
     assert len(error.value.faults) == 2
+
+
+@pytest.mark.parametrize("name, value, element, words", [
+    ("film_thickness", np.nan, (0, 0), "film_thickness[1,1] = nan m"),
+    ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
+    ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
+    ("sliding_velocity", np.inf, (1, 2), "sliding_velocity[2,3] = inf m/s")])
+def test_senseless_input_is_refused_by_name_and_changes_nothing(slave, name, value, element, words):
+    slave.exit_initialization_mode()
+    log = []
+    slave.log = lambda text, *_: log.append(text)
+    slave.views[name][element] = value
+    before = slave._fmu_state_to_bytes(slave._get_fmu_state())
+    assert not slave.do_step(0.0, 1e-4)
+    assert words in log[0]
+    assert slave._fmu_state_to_bytes(slave._get_fmu_state()) == before
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-5, np.nan, np.inf])
+def test_senseless_step_is_refused(slave, step):
+    slave.exit_initialization_mode()
+    assert not slave.do_step(0.0, step)
+
+
+def test_a_film_starved_everywhere_is_a_film(slave):
+    for edge in ("lower", "upper"):
+        slave.views[f"film_fraction_{edge}_edge"][...] = 0.0
+    slave.exit_initialization_mode()
+    slave.views["sliding_velocity"][...] = 5.0
+    for k in range(400):
+        assert slave.do_step(k * 1e-4, 1e-4)
+    assert slave.views["film_fraction"].max() < 1e-3
+    assert np.abs(slave.views["nodal_pressure_force"]).max() == 0.0
+
+
+def test_unknown_law_is_a_fault_with_the_allowed_ones(slave):
+    slave.set_string([slave.references["cavitation_model"]], ["jakob"])
+    slave.exit_initialization_mode()
+    assert "cavitation_model = 'jakob': allowed are jfo, reynolds, gumbel, full_film" in slave.fault
+
+
+def test_an_oil_that_stiffens_without_limit_is_a_refused_step(slave):
+    slave.set_string([slave.references["pressure_viscosity_law"]], ["barus_1893"])
+    slave.views["pressure_viscosity_coefficient"][...] = 1e-7
+    slave.exit_initialization_mode()
+    log = []
+    slave.log = lambda text, *_: log.append(text)
+    slave.views["film_thickness"][...] = 2e-6  # from 10 um in a tenth of a millisecond
+    assert not slave.do_step(0.0, 1e-4)
+    assert "no pressure answers a reduced pressure" in log[0]
+
+
+def test_conditions_become_inputs(tmp_path):
+    options, _ = prepare({"grid": [8, 6], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print)
+    (tmp_path / "build.json").write_text(json.dumps(options))
+    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    assert {v.name for v in slave.table if v.causality == "input"} == {
+        "film_thickness", "sliding_velocity", "pressure_upper_edge", "oil_temperature"}
+    slave.set_string([slave.references["viscosity_law"]], ["vogel_1921"])
+    slave.exit_initialization_mode()
+    slave.views["pressure_upper_edge"][...] = 2e5
+    slave.views["oil_temperature"][...] = 400.0
+    assert slave.do_step(0.0, 1e-4)
+    assert slave.views["pressure"].max() > 1e5
+
+
+def test_mask_and_library_faults_are_reported_together(tmp_path):
+    (tmp_path / "mask.csv").write_text("1,1,2\n0,0,0\n")
+    with pytest.raises(BadInput) as error:
+        prepare({"grid": [8, 6], "mask": "mask.csv", "oil": "olive"}, tmp_path, print)
+    assert len(error.value.faults) == 2 and "2 x 3 values" in "\n".join(error.value.faults)
+
+
+def test_mask_cuts_cells_out(tmp_path):
+    mask = np.ones((8, 6), dtype=int)
+    mask[2:4, 1:4] = 0
+    np.savetxt(tmp_path / "mask.csv", mask, fmt="%d", delimiter=",")
+    options, _ = prepare({"grid": [8, 6], "mask": "mask.csv"}, tmp_path, print)
+    (tmp_path / "build.json").write_text(json.dumps(options))
+    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    slave.exit_initialization_mode()
+    slave.views["film_thickness"][...] = 9e-6
+    assert slave.do_step(0.0, 1e-4)
+    assert np.array_equal(slave.views["nodal_pressure_force"] == 0.0, mask == 0)

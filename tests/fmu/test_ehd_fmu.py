@@ -4,12 +4,8 @@ import json
 import subprocess
 import sys
 import textwrap
-from pathlib import Path
 
-import pytest
 from fmpy.validation import validate_fmu
-
-from master.fmi.builder import build_fmu
 
 PRELUDE = """
 import json, sys
@@ -46,11 +42,6 @@ def step(fmu, film, time=0.0, size=5e-5, speed=6.0):
     fmu.doStep(time, size)
     return np.array(fmu.getReal(forces))
 """
-
-
-@pytest.fixture(scope="module")
-def fmu():
-    return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."))
 
 
 def outside(fmu, body):

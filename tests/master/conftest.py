@@ -60,7 +60,7 @@ class Film(Toy):
         self.slope = -self.coefficient / step * (1 / h**3 - 3 * (h - self.state) / h**4)
         self.state = h.copy()
 
-    def derivative(self, seeds):
+    def derivative(self, seeds, products):
         return {"force": self.slope * seeds["film"]}
 
 
@@ -75,7 +75,7 @@ class Mass(Toy):
         self.state, self.stepped = np.array([h + step * v, v]), step
         self.values["film"] = self.state[0].copy()
 
-    def derivative(self, seeds):
+    def derivative(self, seeds, products):
         return {"film": self.stepped**2 / self.mass * seeds["force"]}
 
 

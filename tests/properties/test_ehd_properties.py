@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fmu_ehd.model import LubricationModel, Parameters
+from fmu_ehd.oil import Oil
 
 SHAPE = (8, 10)
 STEP = 1e-4
@@ -80,7 +81,7 @@ def test_rotation_of_the_ring_rotates_the_answer(case, cells):
 @given(cases())
 def test_double_viscosity_doubles_every_force(case):
     films, velocities = case
-    single, double = last(films, velocities, viscosity=0.01), last(films, velocities, viscosity=0.02)
+    single, double = last(films, velocities, oil=Oil(viscosity=0.01)), last(films, velocities, oil=Oil(viscosity=0.02))
     assert close(double["nodal_pressure_force"], 2.0 * single["nodal_pressure_force"])
     assert close(double["nodal_friction_force"], 2.0 * single["nodal_friction_force"])
     assert close(double["film_fraction"], single["film_fraction"])

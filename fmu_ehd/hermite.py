@@ -1,0 +1,30 @@
+"""Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a consistent slope."""
+
+from numba import njit
+
+
+@njit(cache=True, inline="always")
+def interpolate(table, column, end, x):
+    """Value and slope of a tabulated function, for 0 <= x < end.
+
+    Parameters
+    ----------
+    table : ndarray, shape (cells + 1, 2 * functions)
+        Values and slopes of the functions at x = 0 ... end, side by side.
+    column : int
+        Column of the function's values; its slopes stand in the next one.
+    end : float
+        Last x of the table.
+    x : float
+
+    Returns
+    -------
+    value, slope : float
+    """
+    step = end / (table.shape[0] - 1)
+    k = min(int(x / step), table.shape[0] - 2)
+    t = x / step - k
+    y0, y1 = table[k, column], table[k + 1, column]
+    m0, m1 = table[k, column + 1] * step, table[k + 1, column + 1] * step
+    c2, c3 = 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1
+    return y0 + t * (m0 + t * (c2 + t * c3)), (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / step

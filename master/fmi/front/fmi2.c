@@ -1,0 +1,186 @@
+/* The functions of FMI 2.0 for co-simulation, answered by the slave behind front.h. */
+
+#include "front.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef void Logger(void *environment, const char *instance, int status, const char *category, const char *message, ...);
+typedef struct { Logger *logger; void *allocate, *release, *finished, *environment; } Callbacks;
+
+#define EXPORT __attribute__((visibility("default")))
+
+/* ---- instances -------------------------------------------------------------------------------------------------- */
+
+/* A printf-like logger must not find a conversion in a message: every % is doubled. */
+static void send(Instance *I, int status, const char *category, const char *text)
+{
+    if (!I->logger)
+        return;
+    char *safe = malloc(2 * strlen(text) + 1), *end = safe;
+    for (const char *c = text; *c; c++) {
+        *end++ = *c;
+        if (*c == '%')
+            *end++ = '%';
+    }
+    *end = 0;
+    ((Logger *)I->logger)(I->environment, I->name, status, category, safe);
+    free(safe);
+}
+
+/* Path of a URI: scheme and authority dropped, %XX decoded. */
+static char *path_of(const char *location)
+{
+    const char *c = strncmp(location, "file:", 5) ? location : location + 5;
+    if (c != location && !strncmp(c, "//", 2))
+        c = strchr(c + 2, '/') ? strchr(c + 2, '/') : c + 2;
+    char *path = malloc(strlen(c) + 1), *end = path;
+    for (unsigned int code; *c; end++) {
+        int escaped = c[0] == '%' && sscanf(c + 1, "%2x", &code) == 1 && c[1] && c[2];
+        *end = escaped ? (char)code : *c;
+        c += escaped ? 3 : 1;
+    }
+    for (*end = 0; end > path + 1 && end[-1] == '/';)
+        *--end = 0;
+    return path;
+}
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
+                             const Callbacks *host, int visible, int logging)
+{
+    (void)visible, (void)guid;
+    Instance settings = {.send = send, .logging = logging, .name = (char *)name};
+    if (host)
+        settings.environment = host->environment, settings.logger = (void (*)(void))host->logger;
+    if (type != 1) {
+        front_log(&settings, ERROR, "fmi2Instantiate: this FMU is for co-simulation");
+        return NULL;
+    }
+    return front_create(name, path_of(location ? location : ""), settings);
+}
+
+EXPORT void fmi2FreeInstance(void *I) { if (I) front_free(I); }
+EXPORT int fmi2Reset(void *I) { return front_reset(I); }
+EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+
+EXPORT int fmi2SetDebugLogging(Instance *I, int logging, size_t count, const char *const *categories)
+{
+    (void)count, (void)categories;
+    I->logging = logging;
+    return OK;
+}
+
+EXPORT int fmi2SetupExperiment(Instance *I, int tolerant, double tolerance, double start, int stops, double stop)
+{
+    (void)tolerant, (void)tolerance, (void)stops, (void)stop;
+    I->reached = start;
+    return OK;
+}
+
+EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_call(I, "enter_initialization_mode", "()"); }
+EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_call(I, "exit_initialization_mode", "()"); }
+EXPORT int fmi2Terminate(Instance *I) { return front_call(I, "terminate", "()"); }
+
+EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
+{
+    (void)keeps_no_state;
+    return front_step(I, time, step);
+}
+
+/* ---- values ----------------------------------------------------------------------------------------------------- */
+
+static int unknown(Instance *I, const char *where, Reference reference)
+{
+    front_log(I, ERROR, "%s: there is no variable of value reference %u", where, reference);
+    return ERROR;
+}
+
+/* A function that does `action` for each reference k, all below `limit`. */
+#define EACH(name, constant, type, limit, action)                                             \
+    EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
+    {                                                                                         \
+        for (size_t k = 0; k < count; k++) {                                                  \
+            if ((int64_t)vr[k] >= (limit))                                                    \
+                return unknown(I, __func__, vr[k]);                                           \
+            action;                                                                           \
+        }                                                                                     \
+        return OK;                                                                            \
+    }
+EACH(fmi2SetReal, const, double, I->reals, I->real[vr[k]] = value[k])
+EACH(fmi2GetReal, , double, I->reals, value[k] = I->real[vr[k]])
+EACH(fmi2SetInteger, const, int, I->integers, I->integer[vr[k]] = value[k])
+EACH(fmi2GetInteger, , int, I->integers, value[k] = (int)I->integer[vr[k]])
+EACH(fmi2SetBoolean, const, int, 0, (void)value)
+EACH(fmi2GetBoolean, , int, 0, (void)value)
+EACH(fmi2SetString, const, char *const, I->strings, front_set_text(I, vr[k], value[k]))
+
+EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const char **value)
+{
+    for (size_t k = 0; k < count; k++)
+        if ((int64_t)vr[k] >= I->strings)
+            return unknown(I, __func__, vr[k]);
+    return front_get_texts(I, vr, count, value);
+}
+
+/* Seeds in, products out, in the slave's own storage: the step-map derivative of the interface contract. */
+EXPORT int fmi2GetDirectionalDerivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known,
+                                        size_t knowns, const double *seed, double *product)
+{
+    return front_derivative(I, unknown, unknowns, known, knowns, seed, product);
+}
+
+/* ---- states ----------------------------------------------------------------------------------------------------- */
+
+EXPORT int fmi2GetFMUstate(Instance *I, void **state) { return front_get_state(I, state); }
+EXPORT int fmi2SetFMUstate(Instance *I, void *state) { return front_set_state(I, state); }
+EXPORT int fmi2FreeFMUstate(Instance *I, void **state) { (void)I; if (state) front_free_state(state); return OK; }
+
+EXPORT int fmi2SerializedFMUstateSize(Instance *I, void *state, size_t *size)
+{
+    return front_state_to_bytes(I, state, NULL, size);
+}
+
+EXPORT int fmi2SerializeFMUstate(Instance *I, void *state, char *bytes, size_t size)
+{
+    return front_state_to_bytes(I, state, bytes, &size);
+}
+
+EXPORT int fmi2DeSerializeFMUstate(Instance *I, const char *bytes, size_t size, void **state)
+{
+    return front_state_from_bytes(I, bytes, size, state);
+}
+
+/* ---- what this FMU does not offer, as its model description says ------------------------------------------------ */
+
+static int not_offered(Instance *I, const char *name)
+{
+    front_log(I, ERROR, "%s: not offered by this FMU", name);
+    return ERROR;
+}
+
+EXPORT int fmi2SetRealInputDerivatives(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetRealOutputDerivatives(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2CancelStep(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetStatus(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetIntegerStatus(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetStringStatus(Instance *I) { return not_offered(I, __func__); }
+
+EXPORT int fmi2GetBooleanStatus(Instance *I, int kind, int *value)
+{
+    enum { TERMINATED = 3 };
+    if (kind != TERMINATED)
+        return not_offered(I, __func__);
+    *value = 0;
+    return OK;
+}
+
+EXPORT int fmi2GetRealStatus(Instance *I, int kind, double *value)
+{
+    enum { LAST_SUCCESSFUL_TIME = 2 };
+    if (kind != LAST_SUCCESSFUL_TIME)
+        return not_offered(I, __func__);
+    *value = I->reached;
+    return OK;
+}

@@ -1,0 +1,470 @@
+/* Finds or starts Python, imports the slave, calls its methods. See front.h. */
+
+#include "front.h"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- the part of Python's C interface that is used, fetched by name --------------------------------------------- */
+
+typedef void PyObject;
+
+#define PYTHON(F)                                                                                       \
+    F(int, Py_IsInitialized, (void)) F(void, Py_InitializeEx, (int)) F(PyObject *, PyEval_SaveThread, (void))            \
+    F(int, PyGILState_Ensure, (void)) F(void, PyGILState_Release, (int))                                                 \
+    F(void, Py_SetProgramName, (const wchar_t *)) F(wchar_t *, Py_DecodeLocale, (const char *, size_t *))                \
+    F(PyObject *, PyRun_String, (const char *, int, PyObject *, PyObject *)) F(PyObject *, PyDict_New, (void))           \
+    F(int, PyDict_SetItemString, (PyObject *, const char *, PyObject *))                                                 \
+    F(PyObject *, Py_BuildValue, (const char *, ...))                                                                    \
+    F(PyObject *, Py_VaBuildValue, (const char *, va_list))                                                              \
+    F(PyObject *, PyObject_GetAttrString, (PyObject *, const char *))                                                    \
+    F(PyObject *, PyObject_CallObject, (PyObject *, PyObject *)) F(PyObject *, PyImport_ImportModule, (const char *))    \
+    F(long, PyLong_AsLong, (PyObject *)) F(const char *, PyUnicode_AsUTF8, (PyObject *))                                 \
+    F(PyObject *, PyUnicode_FromString, (const char *)) F(PyObject *, PyList_New, (ptrdiff_t))                           \
+    F(int, PyList_SetItem, (PyObject *, ptrdiff_t, PyObject *)) F(ptrdiff_t, PyList_Size, (PyObject *))                  \
+    F(PyObject *, PyList_GetItem, (PyObject *, ptrdiff_t)) F(PyObject *, PyTuple_GetItem, (PyObject *, ptrdiff_t))       \
+    F(PyObject *, PyBytes_FromStringAndSize, (const char *, ptrdiff_t))                                                  \
+    F(int, PyBytes_AsStringAndSize, (PyObject *, char **, ptrdiff_t *))                                                  \
+    F(void, PyErr_Fetch, (PyObject **, PyObject **, PyObject **)) F(PyObject *, PyObject_Str, (PyObject *))              \
+    F(void, PyErr_NormalizeException, (PyObject **, PyObject **, PyObject **)) F(void, PyErr_Clear, (void))              \
+    F(void, Py_DecRef, (PyObject *))
+
+#define MEMBER(result, name, arguments) result (*name) arguments;
+static struct { PYTHON(MEMBER) } py;
+static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
+
+/* Name of the first function that `library` lacks, NULL if it has all. */
+static const char *fetch(void *library)
+{
+#define FETCH(result, name, arguments) if (!(*(void **)&py.name = dlsym(library, #name))) return #name;
+    PYTHON(FETCH)
+    return NULL;
+}
+
+/* ---- finding a Python ------------------------------------------------------------------------------------------- */
+
+/* A libpython that the host loaded for itself alone is made visible to extension modules. */
+static int promote(struct dl_phdr_info *info, size_t size, void *found)
+{
+    (void)size;
+    const char *file = strrchr(info->dlpi_name, '/');
+    if (!file || strncmp(file, "/libpython3.", 12))
+        return 0;
+    *(void **)found = dlopen(info->dlpi_name, RTLD_NOLOAD | RTLD_NOW | RTLD_GLOBAL);
+    return 1;
+}
+
+static void *python_in_process(void)
+{
+    void *library = NULL, *everything = dlopen(NULL, RTLD_NOW);
+    if (dlsym(everything, "Py_IsInitialized"))
+        return everything;
+    dl_iterate_phdr(promote, &library);
+    return library;
+}
+
+/* First line of a file or of a command's output; empty if there is none. */
+static void first_line(FILE *stream, char *line, int size)
+{
+    if (!fgets(line, size, stream))
+        line[0] = 0;
+    line[strcspn(line, "\n")] = 0;
+}
+
+/* Appends `text` in single quotes, as a shell reads it. */
+static void quote(char *command, size_t size, const char *text)
+{
+    size_t end = strlen(command);
+    for (const char *c = text; *c && end + 8 < size; c++)
+        end += (size_t)sprintf(command + end, "%s", *c == '\'' ? "'\\''" : (char[]){*c, 0});
+}
+
+/* Asks an interpreter for its shared library; "library PATH", or a sentence on what it lacks. */
+static void probe(const char *interpreter, const char *resources, char *answer, int size)
+{
+    char command[16384] = "'";
+    quote(command, sizeof command - 64, interpreter);
+    strcat(command, "' '");
+    quote(command, sizeof command - 64, resources);
+    strcat(command, "/requirements.py' 2>/dev/null");
+    FILE *stream = popen(command, "r");
+    answer[0] = 0;
+    if (stream) {
+        first_line(stream, answer, size);
+        pclose(stream);
+    }
+    if (!answer[0])
+        snprintf(answer, (size_t)size, "does not run");
+}
+
+/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, the one that built the FMU, python3. */
+static void *start_python(Instance *I)
+{
+    char recorded[4096] = "", path[8192], answer[8192], refusals[16384] = "";
+    snprintf(path, sizeof path, "%s/python.txt", I->resources);
+    FILE *file = fopen(path, "r");
+    if (file) {
+        first_line(file, recorded, sizeof recorded);
+        fclose(file);
+    }
+    const char *candidates[] = {getenv("PISTON_COSIM_PYTHON"), recorded, "python3"};
+    for (int k = 0; k < 3; k++) {
+        if (!candidates[k] || !candidates[k][0])
+            continue;
+        probe(candidates[k], I->resources, answer, sizeof answer);
+        char *library = answer + 8, *executable = strchr(answer, '\t');
+        if (strncmp(answer, "library ", 8) || !executable) {
+            size_t end = strlen(refusals);
+            snprintf(refusals + end, sizeof refusals - end, "\n  %.2000s: %.3000s", candidates[k], answer);
+            continue;
+        }
+        *executable++ = 0;
+        void *handle = dlopen(library, RTLD_NOW | RTLD_GLOBAL);
+        const char *lacking = handle ? fetch(handle) : dlerror();
+        if (lacking) {
+            front_log(I, ERROR, "%s: %s", library, lacking);
+            return NULL;
+        }
+        py.Py_SetProgramName(py.Py_DecodeLocale(executable, NULL));   /* tells Python its venv */
+        py.Py_InitializeEx(0);                                        /* 0: the signal handlers stay the host's */
+        py.PyEval_SaveThread();
+        return handle;
+    }
+    front_log(I, ERROR, "this FMU needs a Python; set PISTON_COSIM_PYTHON to one, or mend one of these:%s", refusals);
+    return NULL;
+}
+
+static int have_python(Instance *I)
+{
+    pthread_mutex_lock(&starting);
+    int ready = py.Py_IsInitialized && py.Py_IsInitialized();
+    void *library = ready ? NULL : python_in_process();
+    if (!ready && library) {
+        const char *lacking = fetch(library);
+        if (lacking)
+            front_log(I, ERROR, "the Python in this process has no %s", lacking);
+        ready = !lacking && py.Py_IsInitialized();
+    }
+    if (!ready && !library)
+        ready = start_python(I) != NULL;
+    pthread_mutex_unlock(&starting);
+    return ready;
+}
+
+/* ---- calling the slave (the interpreter is held) ---------------------------------------------------------------- */
+
+/* Logs the exception that has just been raised and clears it. */
+static int raised(Instance *I, const char *where)
+{
+    PyObject *type = NULL, *value = NULL, *trace = NULL;
+    py.PyErr_Fetch(&type, &value, &trace);
+    py.PyErr_NormalizeException(&type, &value, &trace);
+    PyObject *text = value ? py.PyObject_Str(value) : NULL;
+    const char *said = text ? py.PyUnicode_AsUTF8(text) : NULL;
+    front_log(I, ERROR, "%s: %s", where, said ? said : "unknown exception");
+    py.PyErr_Clear();
+    PyObject *owned[] = {type, value, trace, text};
+    for (int k = 0; k < 4; k++)
+        py.Py_DecRef(owned[k]);
+    return ERROR;
+}
+
+static PyObject *invoke(PyObject *owner, const char *method, PyObject *arguments)
+{
+    PyObject *function = arguments ? py.PyObject_GetAttrString(owner, method) : NULL;
+    PyObject *result = function ? py.PyObject_CallObject(function, arguments) : NULL;
+    py.Py_DecRef(function);
+    py.Py_DecRef(arguments);
+    return result;
+}
+
+/* Sends what the slave has logged; its verdict on the call just made. */
+static int verdict(Instance *I)
+{
+    PyObject *verdict = invoke(I->slave, "verdict", py.Py_BuildValue("()"));
+    if (!verdict)
+        return raised(I, "verdict");
+    long status = py.PyLong_AsLong(py.PyTuple_GetItem(verdict, 0));
+    PyObject *messages = py.PyTuple_GetItem(verdict, 1);
+    for (ptrdiff_t k = 0; k < py.PyList_Size(messages); k++) {
+        PyObject *message = py.PyList_GetItem(messages, k);
+        long severity = py.PyLong_AsLong(py.PyTuple_GetItem(message, 0));
+        const char *text = py.PyUnicode_AsUTF8(py.PyTuple_GetItem(message, 2));
+        if (text && (I->logging || severity != OK))
+            I->send(I, (int)severity, py.PyUnicode_AsUTF8(py.PyTuple_GetItem(message, 1)), text);
+    }
+    py.PyErr_Clear();
+    py.Py_DecRef(verdict);
+    return (int)status;
+}
+
+/* Calls a method; its result, or NULL where it failed, the reason logged. */
+static PyObject *ask(Instance *I, const char *method, PyObject *arguments, int *status)
+{
+    PyObject *result = invoke(I->slave, method, arguments);
+    if (!result)
+        raised(I, method);
+    int judged = verdict(I);
+    *status = result ? judged : ERROR;
+    return result;
+}
+
+int front_call(Instance *I, const char *method, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    int held = py.PyGILState_Ensure();
+    int status;
+    py.Py_DecRef(ask(I, method, py.Py_VaBuildValue(format, list), &status));
+    py.PyGILState_Release(held);
+    va_end(list);
+    return status;
+}
+
+int front_step(Instance *I, double time, double step)
+{
+    int status = front_call(I, "do_step", "(dd)", time, step);
+    if (status == OK)
+        I->reached = time + step;
+    return status;
+}
+
+/* ---- instances -------------------------------------------------------------------------------------------------- */
+
+/* Copies `count` records of `width` numbers and moves the cursor behind them. */
+static void *take(const int64_t **cursor, int64_t count, int64_t width)
+{
+    size_t size = (size_t)(count * width) * sizeof(int64_t);
+    void *copy = malloc(size + 1);
+    memcpy(copy, *cursor, size);
+    *cursor += count * width;
+    return copy;
+}
+
+static void forget_layout(Instance *I)
+{
+    free(I->seed);
+    free(I->product);
+    free(I->variable);
+    I->seed = I->product = NULL;
+    I->variable = NULL;
+}
+
+/* Learns where the slave's numbers lie. */
+static int read_layout(Instance *I)
+{
+    char *bytes;
+    ptrdiff_t size;
+    int status;
+    PyObject *layout = ask(I, "layout", py.Py_BuildValue("()"), &status);
+    if (status != OK || py.PyBytes_AsStringAndSize(layout, &bytes, &size))
+        return ERROR;
+    const int64_t *cursor = (const int64_t *)bytes;
+    I->real = (double *)(intptr_t)cursor[0];
+    I->integer = (int64_t *)(intptr_t)cursor[1];
+    I->reals = cursor[2], I->integers = cursor[3], I->strings = cursor[4];
+    I->seeds = cursor[5], I->products = cursor[6], I->variables = cursor[7];
+    cursor += 8;
+    forget_layout(I);
+    I->seed = take(&cursor, I->seeds, 3);
+    I->product = take(&cursor, I->products, 3);
+    I->variable = take(&cursor, I->variables, 3);
+    py.Py_DecRef(layout);
+    return OK;
+}
+
+static const char IMPORT[] =
+    "import sys, importlib\n"
+    "sys.path.insert(0, resources)\n"
+    "try:\n"
+    "    name = open(resources + '/slavemodule.txt', encoding='utf-8').readline().strip()\n"
+    "    entry = importlib.import_module(name)\n"
+    "finally:\n"
+    "    sys.path.remove(resources)\n"
+    "slave = entry.Entry(instance_name=instance, resources=resources)\n";
+
+static int create_slave(Instance *I)
+{
+    PyObject *scope = py.PyDict_New(), *done = NULL;
+    PyObject *resources = py.PyUnicode_FromString(I->resources), *name = py.PyUnicode_FromString(I->name);
+    if (resources && name) {
+        py.PyDict_SetItemString(scope, "resources", resources);
+        py.PyDict_SetItemString(scope, "instance", name);
+        done = py.PyRun_String(IMPORT, 257 /* Py_file_input */, scope, scope);
+    }
+    int status = done ? OK : raised(I, "instantiate");
+    if (status == OK) {
+        py.Py_DecRef(I->slave);
+        I->slave = invoke(scope, "__getitem__", py.Py_BuildValue("(s)", "slave"));
+        status = read_layout(I);
+    }
+    PyObject *owned[] = {scope, resources, name, done};
+    for (int k = 0; k < 4; k++)
+        py.Py_DecRef(owned[k]);
+    return status;
+}
+
+Instance *front_create(const char *name, char *resources, Instance settings)
+{
+    Instance *I = malloc(sizeof *I);
+    *I = settings;
+    I->name = strdup(name ? name : "instance");
+    I->resources = resources;
+    int status = ERROR;
+    if (have_python(I)) {
+        int held = py.PyGILState_Ensure();
+        status = create_slave(I);
+        py.PyGILState_Release(held);
+    }
+    if (status == OK)
+        return I;
+    front_free(I);
+    return NULL;
+}
+
+void front_free(Instance *I)
+{
+    if (py.Py_IsInitialized && py.Py_IsInitialized()) {
+        int held = py.PyGILState_Ensure();
+        py.Py_DecRef(I->slave);
+        py.Py_DecRef(I->text);
+        py.PyGILState_Release(held);
+    }
+    forget_layout(I);
+    free(I->name);
+    free(I->resources);
+    free(I);
+}
+
+int front_reset(Instance *I)
+{
+    int held = py.PyGILState_Ensure();
+    int status = create_slave(I);
+    py.PyGILState_Release(held);
+    return status;
+}
+
+void front_log(Instance *I, int status, const char *format, ...)
+{
+    char text[20000];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    I->send(I, status, status == DISCARD ? "logStatusDiscard" : "logStatusError", text);
+}
+
+/* ---- derivatives ------------------------------------------------------------------------------------------------ */
+
+/* Index into `real` that is reserved for the seed or product of a reference; -1, logged, if there is none. */
+static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Reference reference)
+{
+    for (int64_t k = 0; k < count; k++)
+        if (reference >= blocks[k].first && reference < blocks[k].first + blocks[k].size)
+            return blocks[k].reserved + reference - blocks[k].first;
+    front_log(I, ERROR, "directional derivative: none for value reference %u", reference);
+    return -1;
+}
+
+int front_derivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,
+                     const double *seed, double *product)
+{
+    for (int64_t k = 0; k < I->seeds; k++)
+        memset(I->real + I->seed[k].reserved, 0, (size_t)I->seed[k].size * sizeof(double));
+    for (size_t k = 0; k < knowns; k++) {
+        int64_t index = reserved(I, I->seed, I->seeds, known[k]);
+        if (index < 0)
+            return ERROR;
+        I->real[index] = seed[k];
+    }
+    int status = front_call(I, "update_products", "()");
+    for (size_t k = 0; status == OK && k < unknowns; k++) {
+        int64_t index = reserved(I, I->product, I->products, unknown[k]);
+        if (index < 0)
+            return ERROR;
+        product[k] = I->real[index];
+    }
+    return status;
+}
+
+/* ---- texts and states ------------------------------------------------------------------------------------------- */
+
+int front_set_text(Instance *I, Reference reference, const char *text)
+{
+    return front_call(I, "set_string", "([I][s])", reference, text);
+}
+
+int front_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
+{
+    int status, held = py.PyGILState_Ensure();
+    PyObject *list = py.PyList_New((ptrdiff_t)count);
+    for (size_t k = 0; k < count; k++)
+        py.PyList_SetItem(list, (ptrdiff_t)k, py.Py_BuildValue("I", reference[k]));
+    PyObject *result = ask(I, "get_string", py.Py_BuildValue("(N)", list), &status);
+    py.Py_DecRef(I->text);
+    I->text = result;
+    for (size_t k = 0; result && k < count; k++)
+        texts[k] = py.PyUnicode_AsUTF8(py.PyList_GetItem(result, (ptrdiff_t)k));
+    py.PyGILState_Release(held);
+    return status;
+}
+
+int front_get_state(Instance *I, void **state)
+{
+    front_free_state(state);
+    int status, held = py.PyGILState_Ensure();
+    *state = ask(I, "_get_fmu_state", py.Py_BuildValue("()"), &status);
+    py.PyGILState_Release(held);
+    return status;
+}
+
+int front_set_state(Instance *I, void *state)
+{
+    return front_call(I, "_set_fmu_state", "(O)", state);
+}
+
+void front_free_state(void **state)
+{
+    if (!*state)
+        return;
+    int held = py.PyGILState_Ensure();
+    py.Py_DecRef(*state);
+    *state = NULL;
+    py.PyGILState_Release(held);
+}
+
+int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
+{
+    char *data;
+    ptrdiff_t length;
+    int status, held = py.PyGILState_Ensure();
+    PyObject *result = ask(I, "_fmu_state_to_bytes", py.Py_BuildValue("(O)", state), &status);
+    if (status == OK && py.PyBytes_AsStringAndSize(result, &data, &length))
+        status = ERROR;
+    if (status == OK && bytes && *size < (size_t)length) {
+        front_log(I, ERROR, "the state takes %td bytes, %zu were given", length, *size);
+        status = ERROR;
+    }
+    if (status == OK && bytes)
+        memcpy(bytes, data, (size_t)length);
+    if (status == OK && !bytes)
+        *size = (size_t)length;
+    py.Py_DecRef(result);
+    py.PyGILState_Release(held);
+    return status;
+}
+
+int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
+{
+    int status, held = py.PyGILState_Ensure();
+    PyObject *data = py.PyBytes_FromStringAndSize(bytes, (ptrdiff_t)size);
+    *state = ask(I, "_fmu_state_from_bytes", py.Py_BuildValue("(N)", data), &status);
+    py.PyGILState_Release(held);
+    return status;
+}

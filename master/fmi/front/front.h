@@ -1,0 +1,52 @@
+/* One FMU instance as the C front sees it: a Python slave, its storage, and the host's logger.
+
+   The front is the shared library of an FMU on Linux. It holds no Python symbol of its own: it takes the Python that is
+   already in the process, or finds one and starts it, imports the slave, and hands every call on. Numbers do not pass
+   through Python: the slave tells where its two arrays lie (layout), and they are read and written there. */
+
+#ifndef FRONT_H
+#define FRONT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef unsigned int Reference;
+typedef struct { int64_t first, size, reserved; } Block;         /* references first..first+size-1 <-> reserved.. */
+typedef struct { int64_t type, offset, size; } Entry;   /* a variable of the table; type 0 real, 1 integer, 2 text */
+
+typedef struct Instance {
+    void *slave;                            /* PyObject, owned */
+    char *name, *resources;
+    void *environment;                      /* the host's */
+    int logging;                            /* warnings and worse are sent even without */
+    void (*send)(struct Instance *, int status, const char *category, const char *text);
+    void (*logger)(void);                   /* the host's, of the type its standard gives it */
+    void *text;                             /* PyObject: keeps the strings last handed out alive */
+    double reached;                         /* end of the last step taken */
+    double *real;
+    int64_t *integer;
+    int64_t reals, integers, strings;
+    int64_t seeds, products, variables;     /* lengths of the arrays below */
+    Block *seed, *product;
+    Entry *variable;
+} Instance;
+
+enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* both standards number their statuses so */
+
+Instance *front_create(const char *name, char *resources, Instance settings);   /* takes the path over; NULL if refused */
+void front_free(Instance *);
+int front_reset(Instance *);
+void front_log(Instance *, int status, const char *format, ...);
+int front_call(Instance *, const char *method, const char *format, ...);   /* arguments as for Py_BuildValue; a status */
+int front_step(Instance *, double time, double step);
+int front_set_text(Instance *, Reference, const char *text);
+int front_get_texts(Instance *, const Reference *, size_t count, const char **texts);
+int front_derivative(Instance *, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,
+                     const double *seed, double *product);                      /* of the step map, Reals alone */
+int front_get_state(Instance *, void **state);
+int front_set_state(Instance *, void *state);
+void front_free_state(void **state);
+int front_state_to_bytes(Instance *, void *state, char *bytes, size_t *size);   /* bytes NULL: the size alone */
+int front_state_from_bytes(Instance *, const char *bytes, size_t size, void **state);
+
+#endif

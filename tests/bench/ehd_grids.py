@@ -1,0 +1,71 @@
+"""How the cost of a factorisation and of a step grows with the grid, for each solver. Run: python tests/bench/ehd_grids.py [cells ...]
+
+One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film ruptures.
+"""
+
+import os
+import sys
+
+for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")  # before numpy is loaded
+
+from time import perf_counter  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+from fmu_ehd.model import LubricationModel, Parameters  # noqa: E402
+from fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
+from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
+
+STEPS = 8
+
+
+def measure(cells, solver):
+    """Step [s], factorisations a step, one factorisation [s], highest pressure [Pa]; means over the steps after the first."""
+    shape = cells, cells
+    model = LubricationModel(Parameters(shape, roughness_rms=5e-7))
+    model.film_step.solver = solver
+    spent, factorise = [], solver.factorise
+
+    def timed(stencil, stations=None):
+        begin = perf_counter()
+        factorise(stencil)  # all stations: what one factorisation costs
+        spent.append(perf_counter() - begin)
+
+    solver.factorise = timed
+    inputs = [motored_film(shape, k * DEGREE) for k in range(STEPS + 1)]
+    state, _ = model.start(*inputs[0])
+    state, outputs = model.advance(state, *inputs[1], DEGREE)
+    spent.clear()
+    solver.factorise = factorise  # the steps as they are, with partial factorisations
+    counts, begin = [], perf_counter()
+    for film, velocity in inputs[2:]:
+        state, outputs = model.advance(state, film, velocity, DEGREE)
+        counts.append(outputs["solver_iterations"])
+    step = (perf_counter() - begin) / len(counts)
+    solver.factorise = timed
+    for _ in range(3):
+        model.advance(state, film, velocity, DEGREE)
+    return step, np.mean(counts), np.mean(spent), outputs["maximum_pressure"]
+
+
+def main():
+    measure(12, BlockTridiagonal((12, 12)))  # compile
+    sizes = [int(argument) for argument in sys.argv[1:]] or [20, 40, 80, 160]
+    print(f"{'grid':>9s}  {'solver':16s}{'factorisation ms':>17s}{'step ms':>10s}{'a step':>8s}{'step/(n x fact.)':>18s}"
+          f"{'us a cell':>11s}{'peak MPa':>10s}")
+    for cells in sizes:
+        for kind in (BlockTridiagonal, Pardiso, SuperLU):
+            if kind is SuperLU and cells > 160:
+                continue
+            try:
+                step, count, one, peak = measure(cells, kind((cells, cells)))
+            except ImportError:
+                print(f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}   not installed")
+                continue
+            print(f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}{1e3 * one:17.2f}{1e3 * step:10.2f}{count:8.2f}"
+                  f"{step / count / one:18.2f}{1e6 * step / cells**2:11.2f}{1e-6 * peak:10.4f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+import tomllib
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from fmu_ehd.build import oil_values
+from fmu_ehd.oil import Barus1893, Oil, Roelands1966
+
+LIBRARY = tomllib.loads((files("models") / "oils.toml").read_text())
+
+
+@pytest.mark.parametrize("law", [Barus1893, Roelands1966])
+def test_reduced_pressure_is_its_integral_and_inverts(law):
+    oil = law(2e-8, 0.03)
+    pressure = np.array([0.0, 1e5, 1e7, 1e8])
+    grid = np.linspace(0.0, 1.0, 20001)
+    integral = [np.trapezoid(1.0 / oil.ratio(p * grid)[0], p * grid) for p in pressure]
+    assert oil.reduced(pressure) == pytest.approx(integral, rel=1e-7)  # trapezoid rule
+    assert oil.pressure(oil.reduced(pressure)) == pytest.approx(pressure, rel=1e-9, abs=1e-6)
+
+
+@pytest.mark.parametrize("law", [Barus1893, Roelands1966])
+def test_ratio_has_slope_alpha_at_zero_and_its_own_slope_elsewhere(law):
+    oil = law(2e-8, 0.03)
+    assert oil.ratio(0.0)[1] == pytest.approx(2e-8)
+    difference = (oil.ratio(5e7 + 1e3)[0] - oil.ratio(5e7 - 1e3)[0]) / 2e3
+    assert oil.ratio(5e7)[1] == pytest.approx(difference, rel=1e-8)
+
+
+def test_barus_has_no_pressure_beyond_its_limit():
+    assert not np.isfinite(Barus1893(2e-8, 0.03).pressure(np.array([6e7]))).any()
+
+
+def test_two_points_are_met():
+    oil = Oil(viscosity_law="two_point", viscosity_40=0.08, viscosity_100=0.01)
+    assert oil.low_shear_viscosity(np.array([313.15, 373.15])) == pytest.approx([0.08, 0.01])
+
+
+@pytest.mark.parametrize("law, exponent", [("cross_1965", 0.8), ("carreau_1972", 0.5)])
+def test_thinning_falls_from_one_to_the_high_shear_ratio_with_its_own_slope(law, exponent):
+    oil = Oil(shear_thinning_law=law, shear_thinning_exponent=exponent, high_shear_ratio=0.6)
+    temperature = np.full(3, 373.15)
+    factor, slope = oil.thinning(np.array([0.0, 1e6, 1e14]), temperature)
+    assert factor[[0, 2]] == pytest.approx([1.0, 0.6], abs=2e-3)
+    size = 1.0
+    difference = (oil.thinning(1e6 + size, temperature)[0] - oil.thinning(1e6 - size, temperature)[0]) / (2.0 * size)
+    assert slope[1] == pytest.approx(difference[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_every_oil_of_the_library_is_usable_and_sourced(name):
+    faults = []
+    values = oil_values(name, LIBRARY[name], faults)
+    assert faults == []
+    viscosity = Oil(**values).low_shear_viscosity(np.array([313.15, 373.15, 423.15]))
+    assert np.all(np.diff(viscosity) < 0.0) and 1e-3 < viscosity[1] < 0.1
+
+
+def test_points_of_a_library_oil_are_met():
+    oil = Oil(**oil_values("heavy_machine_oil", LIBRARY["heavy_machine_oil"], []))
+    assert oil.low_shear_viscosity(np.array([303.15, 333.15, 373.15])) == pytest.approx([0.153, 0.034, 0.0091], rel=1e-9)
+
+
+def test_library_faults_are_reported_together():
+    faults = []
+    oil_values("x", dict(viscosity="1 m", vogel_b="1e6 K", grade="a", viscosity_law="linear"), faults)
+    text = "\n".join(faults)
+    assert all(word in text for word in ("viscosity has no source", "'1 m'", "vogel_b = 1e+06 K", "grade is no parameter", "'linear'"))

@@ -1,0 +1,34 @@
+import numpy as np
+import pytest
+
+from fmu_ehd import sparse
+from fmu_ehd.model import LubricationModel, Parameters
+from fmu_ehd.verification import DEGREE, motored_film
+
+SHAPE = (11, 9)
+
+
+def pressure_force(solver):
+    """Nodal pressure force after a few degrees, and its derivative, with a given solver class."""
+    model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
+    model.film_step.solver = solver(SHAPE)
+    state, _ = model.start(*motored_film(SHAPE, 0.0))
+    for k in range(1, 20):
+        state, outputs = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
+    derivative = model.tangent(*np.ones((2, 3, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None])
+    return outputs["nodal_pressure_force"], derivative[1]
+
+
+@pytest.mark.parametrize("name", ["SuperLU", "Pardiso"])
+def test_every_solver_gives_the_same_answer(name):
+    try:
+        other = pressure_force(getattr(sparse, name))
+    except ImportError:
+        pytest.skip("pypardiso is an optional extra")
+    for value, reference in zip(other, pressure_force(sparse.BlockTridiagonal)):
+        assert np.abs(value - reference).max() <= 1e-10 * np.abs(reference).max()  # round-off x condition
+
+
+def test_small_grids_get_dense_blocks_and_huge_ones_do_not():
+    assert isinstance(sparse.linear_solver((40, 40)), sparse.BlockTridiagonal)
+    assert not isinstance(sparse.linear_solver((700, 700)), sparse.BlockTridiagonal)

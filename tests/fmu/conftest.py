@@ -1,0 +1,62 @@
+"""FMUs built once for all tests here, and a small body mesh."""
+
+import subprocess
+import urllib.parse
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from master.fmi.builder import build_fmu
+from master.fmi.compiler import compiler
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture(scope="session")
+def fmu():
+    """The lubrication FMU on a small grid."""
+    return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."))
+
+
+@pytest.fixture(scope="session")
+def bodies_fmu():
+    """The body FMU of the numerical example, rigid, on the same small grid."""
+    from master.case import check_case, find_case, read_tree
+
+    path = find_case("numerical_example")
+    table = check_case(read_tree(path), path).participants["bodies"]
+    build = table.build | {"grid": [12, 10]}
+    build |= {part: build[part] | {"modes": 0} for part in ("piston", "block")}
+    return build_fmu(table.package, build, path.parent)
+
+
+@pytest.fixture(scope="session")
+def host(tmp_path_factory):
+    """A compiled host that is not Python."""
+    if not compiler():
+        pytest.skip("no C compiler")
+    program = tmp_path_factory.mktemp("host") / "host"
+    subprocess.run([compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"], check=True)
+    return program
+
+
+class Unpacked:
+    """An FMU unpacked into a folder, with its references by name."""
+
+    def __init__(self, path, folder):
+        self.folder = Path(fmpy.extract(str(path), unzipdir=str(folder)))
+        self.description = fmpy.read_model_description(str(path))
+        self.identifier = self.description.coSimulation.modelIdentifier
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.location = "file://" + urllib.parse.quote(str(self.folder / "resources"))
+
+    def arguments(self, given, value, wanted, seed):
+        """What the host wants to know of this FMU."""
+        return [self.folder, self.identifier, self.location, self.references[given], value, self.references[wanted],
+                self.references[seed]]
+
+
+@pytest.fixture(scope="session")
+def unpack():
+    return Unpacked

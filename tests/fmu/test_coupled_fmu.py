@@ -1,0 +1,118 @@
+"""The coupled system as one FMU gives what a run gives, at any communication step, and its state is whole."""
+
+import subprocess
+import sys
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from master.case import check_case, find_case, read_tree
+from master.export import export_fmu
+from master.fmi.errors import BadInput
+from master.participant import FmuParticipant
+from master.recorder import Results
+from master.run import run
+from master.system import open_system
+
+STEPS = 12
+WATCHED = ("lateral_displacement", "minimum_film_thickness", "side_force", "friction_power")
+SMALL = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]), ("time.stop", f"{STEPS} deg"),
+         ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+PATH = find_case("numerical_example")
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return read_tree(PATH, SMALL)
+
+
+@pytest.fixture(scope="module")
+def reference(tree, tmp_path_factory):
+    """Watched outputs after every macro step of a run, shape (STEPS + 1, 4), and the macro step [s]."""
+    case, output = check_case(tree, PATH), tmp_path_factory.mktemp("run") / "run.h5"
+    system = open_system(case, PATH.parent, print)
+    run(system, case, tree, output)
+    results = Results(output)
+    owner = {name: next(o for o, p in system.participants.items() if name in p.fields) for name in WATCHED}
+    return np.array([results.series(f"{owner[name]}.{name}")[0] for name in WATCHED]).T, system.step
+
+
+@pytest.fixture(scope="module")
+def coupled(tree):
+    return export_fmu(check_case(tree, PATH), PATH.parent, print)
+
+
+def started(path):
+    participant = FmuParticipant("coupled", path)
+    participant.start({}, 0.0, 1.0)
+    return participant
+
+
+def watched(participant):
+    return [participant.get(name) for name in WATCHED]
+
+
+def test_model_description_is_valid(coupled):
+    assert validate_fmu(str(coupled)) == []
+    inputs = {v.name for v in fmpy.read_model_description(str(coupled)).modelVariables if v.causality == "input"}
+    assert inputs == {"crank_speed", "gas_pressure"}
+
+
+def test_same_results_as_run_at_the_macro_step(coupled, reference):
+    values, step = reference
+    participant = started(coupled)
+    found = [watched(participant)]
+    for k in range(STEPS):
+        participant.step(k * step, step)
+        found.append(watched(participant))
+    # the same steps from the same code: what differs is round-off in the time points, times the amplification of a step
+    np.testing.assert_allclose(found, values, rtol=1e-6, atol=1e-12)
+
+
+def test_longer_communication_steps_are_cut_into_macro_steps(coupled, reference):
+    values, step = reference
+    participant = started(coupled)
+    for k in range(STEPS // 3):
+        participant.step(3 * k * step, 3 * step)
+    np.testing.assert_allclose(watched(participant), values[-1], rtol=1e-6)
+
+
+def test_state_is_whole(coupled, reference):
+    """A step repeated from a saved, or a serialised, state gives the same bytes, in this instance and in another."""
+    _, step = reference
+    one, two = started(coupled), started(coupled)
+    for k in range(3):
+        one.step(k * step, step)
+    saved = one.save()
+    data = one.serialise(saved)
+    one.step(3 * step, step)
+    first, after = watched(one), one.serialise(one.save())
+    two.restore(two._fmu.deSerializeFMUstate(data))
+    for participant in (one, two):
+        if participant is one:
+            one.restore(saved)
+        participant.step(3 * step, step)
+        assert watched(participant) == first
+        assert participant.serialise(participant.save()) == after
+
+
+def test_a_bare_python_simulates_it(coupled):
+    script = ("import sys, fmpy\n"
+              "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, output=['side_force'], "
+              "start_values={'crank_speed': 300.0})\nprint(len(r), r['side_force'][-1])")
+    done = subprocess.run([sys.executable, "-I", "-c", script, str(coupled)], capture_output=True, text=True, cwd="/", timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split()[0] == "3"
+
+
+def test_refusals_name_the_participant(coupled):
+    with pytest.raises(BadInput, match="radial_clearance = -1"):
+        FmuParticipant("coupled", coupled).start({"radial_clearance": -1.0}, 0.0, 1.0)
+
+
+def test_an_fmu_cannot_be_taken_inside(tree, coupled):
+    case = check_case(tree | {"participants": tree["participants"] | {"ehd": {"fmu": str(coupled)}}}, PATH)
+    with pytest.raises(BadInput, match="participants.ehd"):
+        export_fmu(case, PATH.parent, print)

@@ -1,0 +1,117 @@
+"""The FMI 3.0 twin: true arrays, the same results to the bit as FMI 2.0, wrong counts refused aloud."""
+
+import zipfile
+from xml.etree import ElementTree
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import fmi3
+from fmpy.validation import validate_fmu
+
+from master.fmi.builder import build_fmu
+from master.fmi.compiler import compiler
+from master.fmi.errors import BadInput
+from master.participant import FmuParticipant
+
+CELLS = (12, 10)
+
+
+@pytest.fixture(scope="module")
+def twin():
+    if not compiler():
+        pytest.skip("no C compiler")
+    return build_fmu("fmu_ehd", {"grid": list(CELLS)}, ".", version="3.0")
+
+
+@pytest.fixture(scope="module")
+def references(twin):
+    return {v.name: v.valueReference for v in fmpy.read_model_description(str(twin)).modelVariables}
+
+
+@pytest.fixture
+def slave(twin, references, tmp_path):
+    description = fmpy.read_model_description(str(twin))
+    folder = fmpy.extract(str(twin), unzipdir=str(tmp_path))
+    one = fmi3.FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier,
+                         instanceName="one")
+    one.said = []
+    one.instantiate(loggingOn=False, logMessage=fmi3.fmi3LogMessageCallback(
+        lambda environment, status, category, message: one.said.append((status, message.decode()))))
+    one.enterInitializationMode(startTime=0.0)
+    one.setFloat64([references["film_thickness"]], np.full(CELLS, 3e-5).ravel())
+    one.exitInitializationMode()
+    yield one
+    one.terminate()
+    one.freeInstance()
+
+
+def film(k):
+    return 2e-5 + 8e-6 * np.random.default_rng(k).random(CELLS)
+
+
+def test_description_is_valid_with_arrays_and_terminals(twin):
+    assert validate_fmu(str(twin)) == []
+    variables = {v.name: v for v in fmpy.read_model_description(str(twin)).modelVariables}
+    assert [int(d.start) for d in variables["film_thickness"].dimensions] == list(CELLS)
+    assert variables["film_thickness"].unit == "m"
+    with zipfile.ZipFile(twin) as archive:
+        root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    members = {m.get("variableName") for m in root.iter("TerminalMemberVariable")}
+    assert members == {"film_thickness", "sliding_velocity", "nodal_pressure_force", "nodal_friction_force"}
+
+
+def test_same_bits_as_fmi_2(fmu, slave, references):
+    two = FmuParticipant("two", fmu)
+    two.start({"film_thickness": np.full(CELLS, 3e-5)}, 0.0, 1.0)
+    for k in range(4):
+        two.set("film_thickness", film(k))
+        two.set("sliding_velocity", np.full(CELLS, 4.0))
+        slave.setFloat64([references["film_thickness"], references["sliding_velocity"]],
+                         [*film(k).ravel(), *np.full(CELLS, 4.0).ravel()])
+        two.step(k * 5e-5, 5e-5)
+        slave.doStep(k * 5e-5, 5e-5)
+    forces = slave.getFloat64([references["nodal_pressure_force"]], CELLS[0] * CELLS[1])
+    assert np.array_equal(np.reshape(forces, CELLS), two.get("nodal_pressure_force"))
+    assert max(forces) > 0
+    seed = np.random.default_rng(9).random(CELLS)
+    product = slave.getDirectionalDerivative([references["nodal_pressure_force"]], [references["film_thickness"]],
+                                             list(seed.ravel()), CELLS[0] * CELLS[1])
+    expected = two.derivative({"film_thickness": seed}, ["nodal_pressure_force"])["nodal_pressure_force"]
+    assert np.array_equal(np.reshape(product, CELLS), expected)
+    two.close()
+
+
+def test_repeated_step_repeats_every_bit(slave, references):
+    saved = slave.getFMUState()
+    found = []
+    for _ in range(2):
+        slave.setFloat64([references["film_thickness"]], film(1).ravel())
+        slave.doStep(0.0, 5e-5)
+        found.append(slave.getFloat64([references["nodal_pressure_force"]], 120))
+        slave.setFMUState(saved)
+    slave.freeFMUState(saved)
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("count", [0, 119, 121])
+def test_wrong_number_of_values_is_refused_aloud(slave, references, count):
+    with pytest.raises(Exception, match="3"):
+        slave.setFloat64([references["film_thickness"]], [1e-5] * count)
+    status, text = slave.said[-1]
+    assert status == fmi3.fmi3Error
+    assert text == f"fmi3SetFloat64: the variables have 120 elements, {count} values were given"
+
+
+def test_wrong_type_is_refused_aloud(slave, references):
+    with pytest.raises(Exception, match="3"):
+        slave.getFloat64([references["n_axial"]])
+    assert "no variable of this type" in slave.said[-1][1]
+    assert slave.getInt32([references["n_axial"]]) == [10]
+    assert slave.getFloat64([references["time"]]) == [0.0]
+
+
+def test_without_compiler_there_is_no_twin(monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(BadInput, match="C compiler"):
+        build_fmu("fmu_ehd", {"grid": list(CELLS)}, ".", version="3.0")

@@ -1,0 +1,128 @@
+"""Other lubrication FMUs in the place of the shipped one: the template, one in C, one without derivatives."""
+
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from master.case import check_case, find_case, read_tree
+from master.check import check_fmu, swap
+from master.fmi.builder import build_fmu_of_file
+from master.fmi.compiler import compiler
+from master.fmi.errors import BadInput
+from master.participant import FmuParticipant
+from master.recorder import Results
+from master.run import run
+from master.system import open_system
+
+CELLS = (12, 10)
+HERE = Path(__file__).parent
+PATH = find_case("numerical_example")
+TEMPLATE = PATH.parents[1] / "lubrication_template" / "axial_film.py"
+SMALL = [("participants.bodies.build.grid", list(CELLS)), ("participants.ehd.build.grid", list(CELLS)), ("time.stop", "20 deg"),
+         ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+
+
+@pytest.fixture(scope="module")
+def template():
+    return build_fmu_of_file(f"{TEMPLATE}:AxialFilm", {"grid": list(CELLS)})
+
+
+@pytest.fixture(scope="module")
+def in_c(template, tmp_path_factory):
+    """The template's model in C: its model description with a library that has never heard of Python."""
+    if not compiler():
+        pytest.skip("no C compiler")
+    folder = tmp_path_factory.mktemp("c")
+    library, fmu = folder / "axial_c.so", folder / "axial_c.fmu"
+    subprocess.run([compiler(), "-O1", "-ffp-contract=off", "-shared", "-fPIC", f"-DN={CELLS[0]}", f"-DM={CELLS[1]}",
+                    str(HERE / "axial_film.c"), "-lm", "-o", str(library)], check=True)
+    with zipfile.ZipFile(template) as source, zipfile.ZipFile(fmu, "w") as target:
+        text = source.read("modelDescription.xml").decode()
+        text = re.sub(r"<VendorAnnotations>.*</VendorAnnotations>", "", text, flags=re.S)
+        target.writestr("modelDescription.xml", text.replace('modelIdentifier="axial_film"', 'modelIdentifier="axial_c"'))
+        target.write(library, "binaries/linux64/axial_c.so")
+    return fmu
+
+
+def test_template_is_short_and_valid(template):
+    assert len(TEMPLATE.read_text().splitlines()) < 60
+    assert validate_fmu(str(template)) == []
+
+
+def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
+    rng = np.random.default_rng(5)
+    found = []
+    for path in (template, in_c):
+        participant = FmuParticipant("film", path)
+        participant.start({}, 0.0, 1.0)
+        rng = np.random.default_rng(5)
+        for k in range(3):
+            participant.set("film_thickness", 2e-5 + 1e-5 * rng.random(CELLS))
+            participant.set("sliding_velocity", 5 * rng.random(CELLS))
+            participant.step(k * 1e-4, 1e-4)
+        found.append(participant.get("nodal_pressure_force"))
+        participant.close()
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-9)      # sums in another order
+    assert found[0].max() > 1.0
+
+
+def run_with(fmu, folder):
+    tree, left_out = swap(read_tree(PATH, SMALL), "ehd", fmu)
+    case = check_case(tree, PATH)
+    output = folder / "run.h5"
+    summary = run(open_system(case, PATH.parent, print), case, tree, output)
+    return summary, Results(output), left_out
+
+
+def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_path):
+    """Without derivatives: Newton on differences of two steps; every step converges."""
+    results = {}
+    for name, fmu in (("template", template), ("c", in_c)):
+        folder = tmp_path / name
+        folder.mkdir()
+        summary, results[name], left_out = run_with(fmu, folder)
+        assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
+        assert "participants.ehd.parameters.roughness_rms" in left_out
+    one, two = (r.series("bodies.lateral_displacement")[0] for r in results.values())
+    np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)     # a step is converged to 1 nm
+    assert abs(one[-1]) > 1e-7
+
+
+def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
+    role, breaches, remarks = check_fmu(template)
+    assert (role, breaches) == ("lubrication", [])
+    assert any(line.startswith("mass_imbalance") for line in remarks)
+    assert check_fmu(fmu) == ("lubrication", [], [])
+    assert check_fmu(bodies_fmu) == ("bodies", [], [])
+
+
+def test_check_lists_every_breach(fmu, tmp_path):
+    wrong = tmp_path / "wrong.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(wrong, "w") as target:
+        text = source.read("modelDescription.xml").decode()
+        text = re.sub(r'canSerializeFMUstate="true"', 'canSerializeFMUstate="false"', text)
+        text = text.replace('name="sliding_velocity[', 'name="slide[').replace('name="contract_version"', 'name="version"')
+        target.writestr("modelDescription.xml", text)
+    _, breaches, _ = check_fmu(wrong)
+    assert len(breaches) == 3
+    assert any("canSerializeFMUstate" in b for b in breaches) and any(b.startswith("sliding_velocity") for b in breaches)
+
+
+def test_an_fmu_of_no_role_is_bad_input(tmp_path, fmu):
+    other = tmp_path / "other.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(other, "w") as target:
+        target.writestr("modelDescription.xml", source.read("modelDescription.xml").decode().replace("nodal_pressure_force", "load"))
+    with pytest.raises(BadInput, match="no role"):
+        check_fmu(other)
+
+
+def test_missing_file_or_class_is_bad_input(tmp_path):
+    with pytest.raises(BadInput, match="no file"):
+        build_fmu_of_file(f"{tmp_path}/none.py:Film", {"grid": [4, 4]})
+    with pytest.raises(BadInput, match="no class Film"):
+        build_fmu_of_file(f"{TEMPLATE}:Film", {"grid": [4, 4]})
