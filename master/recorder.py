@@ -140,6 +140,11 @@ class Results:
         """Resolved TOML tree of the run."""
         return json.loads(self.file.attrs["case"])
 
+    @property
+    def summary(self):
+        """Summary of a finished run, None of one that is not."""
+        return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
+
     def series(self, port):
         """Values, unit and description of a scalar output "participant.name"."""
         dataset = self.file[port.replace(".", "/")]
