@@ -84,10 +84,14 @@ class Coupling(Table):
 
 
 class Record(Table):
-    """What goes into the results file: all scalar outputs every macro step, `fields` every so many."""
+    """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
+
+    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and SIGTERM.
+    """
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
+    checkpoint_every: int = Field(0, ge=0)
 
 
 class Picture(Table):

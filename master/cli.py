@@ -31,6 +31,7 @@ Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
+    from .checkpoint import Interrupted
     from .participant import ParticipantFault
     from .stepping import StepFailed
 
@@ -46,6 +47,9 @@ def main():
     except StepFailed as error:
         errors.print("[bold red]stopped:[/] a macro step did not converge, and no halving is left")
         errors.print(f"  {error}", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except Interrupted as error:
+        errors.print(f"[bold red]stopped:[/] {error}", highlight=False, soft_wrap=True)
         sys.exit(1)
     except ParticipantFault as error:
         errors.print("[bold red]stopped:[/] an FMU reports a fault of its own")
@@ -218,6 +222,29 @@ def parse_change(text):
         return key.strip(), tomllib.loads(f"v = {value}")["v"]
     except tomllib.TOMLDecodeError:
         return key.strip(), value.strip().strip("\"'")
+
+
+@app.command
+def resume(checkpoint: Path):
+    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had happened.
+
+    Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
+    """
+    from .checkpoint import Checkpoint
+    from .report import print_summary, watching
+    from .run import run as run_system
+    from .system import open_system
+
+    if not checkpoint.name.endswith(".h5.checkpoint"):
+        raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
+    found = Checkpoint.read(checkpoint)
+    output = checkpoint.with_suffix("")
+    case = check_case(found.tree, checkpoint)
+    system = open_system(case, Path(found.folder), _say)
+    with watching(console, output.stem) as watch:
+        summary = run_system(system, case, found.tree, output, watch, found)
+    print_summary(console, {output.stem: summary})
+    console.print(f"results  {output}", highlight=False, soft_wrap=True)
 
 
 @app.command
