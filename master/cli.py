@@ -421,8 +421,12 @@ def open_runs(files):
     if missing or not files:
         raise BadInput(missing or "give one or more results files")
     labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
-    runs = {label: Results(file) for label, file in zip(labels, files)}
-    return check_case(next(iter(runs.values())).case, files[0]), runs
+    try:
+        runs = {label: Results(file) for label, file in zip(labels, files)}
+        tree = next(iter(runs.values())).case
+    except (OSError, KeyError) as error:
+        raise BadInput(f"{', '.join(map(str, files))}: not all are results of a run: {error}") from None
+    return check_case(tree, files[0]), runs
 
 
 @app.command
