@@ -46,7 +46,8 @@ def main():
     (one, _, processor_one), (two, inside, processor_two) = (timed_sweep(found, path.parent, workers) for workers in (1, 2))
     print(f"{count} points; load of the machine before: {load:.1f}")
     print(f"1 process {one:.1f} s, 2 processes {two:.1f} s: efficiency {one / two / 2:.2f}")
-    print(f"two processes spent {inside / two / 2:.2f} of their time in points; processor time a point grew by {processor_two / processor_one:.2f}")
+    print(f"two processes spent {inside / two / 2:.2f} of their time in points; "
+          f"processor time a point grew by {processor_two / processor_one:.2f}")
 
 
 if __name__ == "__main__":
