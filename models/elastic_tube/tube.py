@@ -74,7 +74,10 @@ class Fluid(FieldSlave):
         v, p = state.velocity.copy(), state.pressure.copy()
         for _ in range(30):
             residual, tangent = balance(v, p, area, state, inflow, step)
-            change = np.linalg.solve(tangent, residual)
+            try:
+                change = np.linalg.solve(tangent, residual)
+            except np.linalg.LinAlgError:
+                raise Discard(f"flow at t = {time + step:g} s: singular for this cross-section") from None
             v, p = v - change[:NODES], p - change[NODES:]
             if np.linalg.norm(change) <= 1e-12 * np.linalg.norm(np.concatenate([v, p])):
                 return Flow(v, p, area), {"pressure": p}
