@@ -44,7 +44,7 @@ def test_two_builds_of_one_fmu_do_not_mix_their_code(fmu, tmp_path):
                 assert b"return state, self._shown(outputs)" in data
                 data = data.replace(b"def _shown(self, outputs):", b"def _shown(self, outputs):\n        outputs = {**outputs, "
                                     b"'nodal_pressure_force': 10 * outputs['nodal_pressure_force']}")
-            target.writestr(name.replace(code, "code_changed"), data.replace(code.encode(), b"code_changed"))
+            target.writestr(name.replace(code, f"{code}x"), data.replace(code.encode(), f"{code}x".encode()))
     one, two = started(fmu), started(changed, "two")
     try:
         np.testing.assert_array_equal(forces(two), 10 * forces(one))
