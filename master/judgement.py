@@ -70,9 +70,9 @@ def loop_work(case, results, loop):
 
     Eq. (J1):  W = |closed integral of y dx|  by trapezia between the recorded steps, second order in the step
     """
-    from .fmi.quantities import registry
+    from .fmi.quantities import pint_unit, registry
 
     x, x_unit, y, y_unit = loop_curve(case, results, loop)
     work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))                                        # Eq. (J1)
-    quantity = registry().Quantity(work, f"{y_unit.replace('.', '*')} * {x_unit.replace('.', '*')}")
+    quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
     return float((quantity / registry().Quantity(loop.per)).to(loop.unit).magnitude)

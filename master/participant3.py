@@ -37,8 +37,9 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.setInt32(references, values)
 
     def _derive(self, known, unknown):
-        self._fmu.fmi3GetDirectionalDerivative(self._fmu.component, unknown.references, unknown.count, known.references, known.count,
-                                               known.pointer, known.values.size, unknown.pointer, unknown.values.size)
+        self._fmu.fmi3GetDirectionalDerivative(
+            self._fmu.component, unknown.references, unknown.count, known.references, known.count,
+            known.pointer, known.values.size, unknown.pointer, unknown.values.size)
 
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""

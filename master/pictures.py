@@ -8,7 +8,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from .fmi.quantities import registry, to_si  # noqa: E402
+from .fmi.quantities import pint_unit, registry, to_si  # noqa: E402
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a")
 WINDOW = "#3a7d44"
@@ -50,7 +50,7 @@ def scaled(values, unit, wanted):
     """`values` from SI `unit` in the unit the picture asks for, and its label."""
     if not wanted:
         return values, "" if unit == "1" else unit
-    quantity = registry().Quantity(1.0, "dimensionless" if unit == "1" else unit.replace(".", "*"))
+    quantity = registry().Quantity(1.0, pint_unit(unit))
     return np.asarray(values) * quantity.to(wanted).magnitude, wanted
 
 

@@ -17,7 +17,7 @@ from .fmi.builder import cache_folder
 from .fmi.description import BASE_UNITS, VENDOR
 from .fmi.errors import BadInput
 from .fmi.fields import ELEMENT
-from .fmi.quantities import spelt_out
+from .fmi.quantities import pint_unit
 
 SPACE = {part: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for part, name in
          (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))}
@@ -152,7 +152,7 @@ def _read_parameters(component, folder):
     for binding in component.iter(_q("ssd:ParameterBinding")):
         for node in ElementTree.parse(folder / binding.get("source")).getroot().iter(_q("ssv:Parameter")):
             value, = node
-            unit = spelt_out(value.get("unit", ""))
+            unit = pint_unit(value.get("unit", ""))
             text = f"{value.get('value')} {unit}".strip()
             is_number = value.tag != _q("ssv:String") and not unit
             values[node.get("name")] = float(text) if is_number else text

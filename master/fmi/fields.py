@@ -15,8 +15,9 @@ TYPES_3 = {"Float64": "Real", "Int32": "Integer", "String": "String"}
 class Field:
     """An array (or scalar, shape ()) variable of an FMU.
 
-    `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI 3 the array's one; `unit`, `nominal`, `minimum`, `maximum`, `start` are
-    those of the first element ("1" and None where the FMU says nothing).
+    `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI 3 the array's one.
+    `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first element ("1" and None where the FMU says
+    nothing).
     """
 
     name: str

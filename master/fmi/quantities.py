@@ -15,9 +15,9 @@ def registry():
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
-def spelt_out(unit):
-    """An FMI unit as pint and people write it: "kg.m2" -> "kg*m**2"."""
-    return re.sub(r"([A-Za-z])(\d)", r"\1**\2", unit).replace(".", "*")
+def pint_unit(unit):
+    """A unit as pint writes it, from FMI's way: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
+    return "dimensionless" if unit == "1" else re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", unit).replace(".", "*")
 
 
 def to_si(value, unit):
@@ -36,7 +36,7 @@ def to_si(value, unit):
         If the text is no quantity, or of another dimension; the sentence names value and unit.
     """
     ureg = registry()
-    target = ureg.Unit("dimensionless" if unit == "1" else spelt_out(unit))
+    target = ureg.Unit(pint_unit(unit))
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise ValueError(f"{value!r} is not a quantity in {unit}")
     try:
