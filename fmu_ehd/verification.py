@@ -440,8 +440,9 @@ def motored_rows():
 
 def checks():
     """All fast rows, in order."""
-    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows, pocket_slider_rows,
-                 parabolic_slider_rows, journal_bearing_rows, oil_rows, roughness_rows, contact_rows, motored_rows):
+    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows,
+                 pocket_slider_rows, parabolic_slider_rows, journal_bearing_rows, oil_rows, roughness_rows, contact_rows,
+                 motored_rows):
         yield from case()
 
 
