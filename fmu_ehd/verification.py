@@ -6,7 +6,7 @@ tolerance, kind ("relative", "absolute" or "at most"), source and the reason of 
 
 import numpy as np
 from scipy.integrate import quad
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from . import asperity, oil, roughness
 from .cavitation import NotConverged
@@ -71,6 +71,10 @@ def inclined_pad_rows():
     for name, value, reference in zip(("load W*", "drag F*", "highest pressure p*"), inclined_pad(320), exact):
         yield row("Infinite inclined pad K=1, 320 cells", f"{name} [-]", value, reference, 2e-5, "relative", "closed form",
                   SECOND_ORDER)
+    best = minimize_scalar(lambda ratio: -inclined_pad(320, ratio)[0], bounds=(1.0, 1.4), method="bounded")
+    case = "Infinite inclined pad of highest load, 320 cells"
+    yield row(case, "film ratio K [-]", best.x, 1.18870, 2e-4, "relative", "closed form", SECOND_ORDER)
+    yield row(case, "load W* [-]", -best.fun, 0.160243, 3e-5, "relative", "closed form", SECOND_ORDER + " and six printed digits")
     errors = [abs(inclined_pad(n)[0] - exact[0]) for n in (40, 80, 160)]
     yield row("Infinite inclined pad K=1, 40 to 160 cells", "observed order of the load [-]",
               np.log2(errors[0] / errors[2]) / 2.0, 2.0, 0.05, "absolute", "theory", "leading error term alone from 40 cells on")
@@ -286,6 +290,10 @@ def oil_rows():
                                    (25.6e-3, 8.16e-3, 3.21e-3)):
         yield row("Engine oil, Vogel law", f"viscosity at {t} C [Pa s]", value, reference, 2e-3, "relative",
                   "published constants", "three printed digits")
+    engine = oil.Oil("vogel_1921", shear_thinning_law="cross_1965")
+    halfway = engine.thinning(10.0 ** (2.5 + 0.0213 * 100.0), temperatures[1])[0]
+    yield row("Engine oil, Cross law at 100 C", "mu/mu_0 at the critical shear rate [-]", halfway, 0.87, 1e-12, "relative",
+              "definition", "half of the way from 1 to 0.74")
 
 
 def roughness_rows():
@@ -296,6 +304,9 @@ def roughness_rows():
     for gamma, c, r in ((1 / 9, 1.48, 0.42), (1.0, 0.9, 0.56), (9.0, 0.87, 1.5)):
         reference = 1.0 - c * np.exp(-2.0 * r) if gamma <= 1.0 else 1.0 + c * 2.0**-r
         yield row("Patir-Cheng", f"phi_x(2), gamma = {gamma:.3g} [-]", roughness.pressure_flow_factor(2.0, gamma), reference,
+                  1e-12, "relative", "published table", "the same formula")
+    for separation, reference in ((1.0, 1.899 * np.exp(-0.87)), (8.0, 1.126 * np.exp(-2.0))):
+        yield row("Patir-Cheng", f"Phi_s({separation:g}), gamma = 1 [-]", roughness.shear_flow_factor(separation, 1.0), reference,
                   1e-12, "relative", "published table", "the same formula")
     from_table = rough_film(np.array([[2.0]]), np.ones((1, 1)), FLOOR, 1.0, 1.0, roughness.factor_table(1.0))[0][:, 0, 0]
     exact = (roughness.average_gap(2.0), roughness.pressure_flow_factor(2.0, 1.0) * 8.0 / 12.0,
@@ -317,6 +328,10 @@ def contact_rows():
             yield row("Greenwood-Tripp integral", f"F_{order:g}({separation:g}) [-]",
                       asperity.gaussian_integral(order, separation), reference, 1e-5, "relative", "numerical quadrature",
                       "six printed digits")
+    for separation, percent in zip(separations, (-10.7, -3.5, -9.2, -74.0)):
+        ratio = asperity.fitted_integral(separation)[0] / asperity.gaussian_integral(2.5, separation)
+        yield row("Greenwood-Tripp power fit", f"error at H = {separation:g} [%]", 100.0 * (ratio - 1.0), percent, 0.5,
+                  "absolute", "exact integral", "two printed digits")
     offset = film + 1.0 / 3.0  # between the table's points
     table = asperity.contact(offset, 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())[0]
     error = np.abs(table / asperity.gaussian_integral(2.5, offset) - 1.0).max()
