@@ -3,12 +3,14 @@
 from math import pi
 from pathlib import Path
 
+import numpy as np
+
 from master.fmi.builder import cache_folder
 from master.fmi.errors import BadInput
 
 from .mesh import MeshFault
 from .options import read_options
-from .reduction import cached, reduce_block, reduce_piston
+from .reduction import cached, reduce_block, reduce_piston, shapes_file
 from .tables import TableFault, gas_table, profile_table
 
 
@@ -51,6 +53,7 @@ def prepare(options, folder, progress):
     for part in ("piston", "block"):
         resolved[part]["mesh"] = Path(resolved[part]["mesh"]).name      # where it lay is no property of the FMU
         resolved[part]["profiles"] = shapes[part]
+        resolved[part]["modes"] -= len(set(resolved[part]["modes_off"]))
     resolved["gas"] = gas
     return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
 
@@ -73,3 +76,9 @@ def _tables(resolved):
     if faults:
         raise BadInput(faults)
     return shapes, gas
+
+
+def reduced_bodies(options, folder, progress):
+    """Both reduced bodies of a build table, for reports: {name: (reduced body, mesh and shapes)}, mappings of ndarray."""
+    files = dict(zip(("piston", "block"), prepare(options, folder, progress)[1]))
+    return {name: (np.load(path), np.load(shapes_file(path))) for name, path in files.items()}

@@ -207,3 +207,46 @@ def surface_matrix(points, triangles):
     value, weight, normal = _face_rule(points, triangles)
     area = np.linalg.norm(normal, axis=2) * weight
     return scatter(np.einsum("tq,qi,qj->tij", area, value, value, optimize=True), triangles, len(points))       # Eq. (F5)
+
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+NODES = np.vstack([CORNERS, CORNERS[EDGES].mean(axis=1)])
+"""Reference coordinates of the ten nodes."""
+
+
+def nodal_stress(points, tets, displacement, young, poisson):
+    """Stress at the nodes, the mean of the values in the elements that meet there.
+
+    Eq. (F6):  sigma = lambda tr(eps) 1 + 2 mu eps,   eps = (grad u + grad u^T)/2
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        [m]
+    tets : ndarray of int, shape (e, 10)
+    displacement : ndarray, shape (n, 3)
+        [m]
+    young, poisson : float
+        [Pa], [-]
+
+    Returns
+    -------
+    ndarray, shape (n, 6)
+        xx, yy, zz, xy, yz, zx [Pa]. The jump between elements, not shown, is the error of the mesh.
+    """
+    lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
+    _, reference = shape_functions(NODES)
+    map_, _ = jacobians(points, tets, reference)
+    slope = np.einsum("eqib,eia->eqab", np.einsum("qib,eqba->eqia", reference, np.linalg.inv(map_), optimize=True), displacement[tets],
+                      optimize=True)
+    strain = (slope + slope.swapaxes(2, 3)) / 2
+    stress = 2 * shear * strain + lame * np.trace(strain, axis1=2, axis2=3)[:, :, None, None] * np.eye(3)         # Eq. (F6)
+    total, count = np.zeros((len(points), 6)), np.bincount(tets.ravel(), minlength=len(points))
+    np.add.at(total, tets, stress[:, :, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
+    return total / count[:, None]
+
+
+def von_mises(stress):
+    """Equivalent stress of (n, 6) stresses xx, yy, zz, xy, yz, zx [Pa]."""
+    xx, yy, zz, xy, yz, zx = stress.T
+    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy**2 + yz**2 + zx**2))

@@ -1,13 +1,13 @@
 """The body side as one model: a flexible piston on its crank in a flexible bore, one implicit step at a time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from .film import film_now, generalised, opening, sliding, window_at
 from .generalised_alpha import coefficients, predict
-from .piston_motion import Load, settle, tangent
+from .piston_motion import Load, imbalance, settle, tangent
 from .slider_crank import height, motion
 from .tables import gas_pressure
 
@@ -22,14 +22,16 @@ class State:
 
     Parameters
     ----------
-    crank_angle : float
-        [rad], 0 at firing top dead centre.
+    crank_angle, crank_speed, crank_acceleration : float
+        [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
     place, rate, acceleration, auxiliary : ndarray, shape (n,)
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives in time, and the
         time integrator's auxiliary acceleration.
     """
 
     crank_angle: float
+    crank_speed: float
+    crank_acceleration: float
     place: np.ndarray
     rate: np.ndarray
     acceleration: np.ndarray
@@ -43,7 +45,7 @@ class Inputs:
     Parameters
     ----------
     crank_speed : float
-        Constant over the step [rad/s].
+        At the end of the step, linear within it [rad/s]; a free crank heeds it at the start only.
     gas_pressure : float
         On the crown, gauge [Pa].
     pressure_force, friction_force : ndarray, shape (c, a)
@@ -54,6 +56,25 @@ class Inputs:
     gas_pressure: float
     pressure_force: np.ndarray
     friction_force: np.ndarray
+
+
+@dataclass(frozen=True)
+class Crank:
+    """How the crank turns.
+
+    Parameters
+    ----------
+    free : bool
+        Driven by the forces alone, instead of at given speed.
+    inertia : float
+        Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
+    load_torque : float
+        That a free crank works against [N m].
+    """
+
+    free: bool
+    inertia: float
+    load_torque: float
 
 
 @dataclass(frozen=True)
@@ -72,6 +93,7 @@ class PistonInBore:
     piston : FlexibleBody
     block : Block
     mechanism : Mechanism
+    crank : Crank
     skirt : Skirt
     bore : Bore
     gas_area : float
@@ -84,8 +106,8 @@ class PistonInBore:
         Gas pressure over crank angle (`tables.gas_table`), added to the input.
     """
 
-    def __init__(self, piston, block, mechanism, skirt, bore, gas_area, gas_force, spectral_radius, gas_table=None):
-        self.piston, self.block, self.mechanism, self.skirt, self.bore = piston, block, mechanism, skirt, bore
+    def __init__(self, piston, block, mechanism, crank, skirt, bore, gas_area, gas_force, spectral_radius, gas_table=None):
+        self.piston, self.block, self.mechanism, self.crank, self.skirt, self.bore = piston, block, mechanism, crank, skirt, bore
         self.gas_area, self.gas_force, self.spectral_radius, self.gas_table = gas_area, gas_force, spectral_radius, gas_table
         self.flexible = slice(2, 2 + len(piston.stiffness))
         self.coordinates = 2 + len(piston.stiffness) + len(block.stiffness)
@@ -108,10 +130,14 @@ class PistonInBore:
         nothing = np.zeros(self.coordinates)
         place = nothing.copy()
         place[:2] = lateral, angle
-        return self._settle(coefficients(0.0, self.spectral_radius), place, nothing, nothing, nothing, 1.0, crank_angle, inputs)
+        return self._settle(coefficients(0.0, self.spectral_radius), place, nothing, nothing, nothing, 1.0,
+                            (crank_angle, inputs.crank_speed, 0.0), inputs)
 
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
+
+        The crank turns with constant acceleration over the step: what the input's change asks for, or, free, what its torques ask for at
+        the start of the step (order 1 in the step, for this slow motion alone).
 
         Parameters
         ----------
@@ -132,11 +158,14 @@ class PistonInBore:
         c = coefficients(step, self.spectral_radius)
         place, rate, auxiliary = predict(c, state.place, state.rate, state.acceleration, state.auxiliary)
         weight = (1 - c.alpha_f) / (1 - c.alpha_m)
-        crank_angle = state.crank_angle + step * inputs.crank_speed
-        return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank_angle, inputs)
+        turn = state.crank_acceleration if self.crank.free else (inputs.crank_speed - state.crank_speed) / step
+        speed = state.crank_speed + step * turn if self.crank.free else inputs.crank_speed
+        crank = state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
+        return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank, inputs)
 
-    def _settle(self, c, place, rate, guess, auxiliary, weight, crank_angle, inputs):
+    def _settle(self, c, place, rate, guess, auxiliary, weight, crank, inputs):
         """State and outputs whose accelerations balance the forces; places and rates come predicted without these accelerations."""
+        crank_angle, crank_speed, _ = crank
         window = window_at(self.bore.lowest, self.bore.spacing, height(self.mechanism, 0.0, crank_angle)[0] + self.skirt.height)
         forces = generalised(self.skirt, self.bore, window, inputs.pressure_force, inputs.friction_force)
         gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank_angle) if self.gas_table else 0.0))
@@ -144,33 +173,49 @@ class PistonInBore:
         n = self.flexible.stop
         acceleration = np.empty(self.coordinates)
         acceleration[:n], pin_x, pin_y, torque, evaluations, size = settle(
-            self.piston, self.mechanism, load, place[:n], rate[:n], guess[:n], crank_angle, inputs.crank_speed, c.rate, c.place)
+            self.piston, self.mechanism, load, place[:n], rate[:n], guess[:n], *crank, c.rate, c.place)
         if not evaluations:
             raise NotConverged(f"piston motion at crank angle {crank_angle:.6g} rad: relative change of the accelerations stays at {size:.3g}")
         self.residual_evaluations += evaluations
         self.jacobian_evaluations += 1
         acceleration[n:] = ((forces.block - self.block.damping * rate[n:] - self.block.stiffness * place[n:])
                             / (1 + c.rate * self.block.damping + c.place * self.block.stiffness))
-        state = State(crank_angle, place + c.place * acceleration, rate + c.rate * acceleration, acceleration, auxiliary + weight * acceleration)
-        self._last, self._factor = (c, load, state, inputs.crank_speed, window), None
-        return state, self._outputs(state, inputs, window, forces, (pin_x, pin_y), torque)
+        state = State(*crank, place + c.place * acceleration, rate + c.rate * acceleration, acceleration, auxiliary + weight * acceleration)
+        self._last, self._factor = (c, load, state, crank, window), None
+        outputs = self._outputs(state, inputs, window, forces, (pin_x, pin_y), torque)
+        if self.crank.free:
+            outputs["crank_torque"], freed = self._release(load, state, outputs["crank_torque"])
+            state = replace(state, crank_acceleration=freed)
+        return state, outputs
+
+    def _release(self, load, state, torque):
+        """Torque on a free crank (minus its load) and the acceleration at which its torques balance.
+
+        Eq. (M2):  torque(w') + load_torque = 0,   torque linear in w'
+        """
+        n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
+        motion_now = state.place[:n], state.rate[:n], state.acceleration[:n]
+        one, none = (imbalance(self.piston, self.mechanism, load, *motion_now, *crank, turn)[3] for turn in (1.0, 0.0))
+        inertia = one - none + self.crank.inertia
+        return -self.crank.load_torque, state.crank_acceleration - (torque + self.crank.load_torque) / inertia    # Eq. (M2)
 
     def _outputs(self, state, inputs, window, forces, pin, torque):
         """Everything the outside sees (units in `variables.py`), by name."""
         n = self.flexible.stop
         Y, slope, lever = height(self.mechanism, state.place[0], state.crank_angle)
-        climb = slope * state.rate[0] + lever * inputs.crank_speed
+        climb = slope * state.rate[0] + lever * state.crank_speed
         guided = height(self.mechanism, 0.0, state.crank_angle)[2]
         thickness, velocity, lift, power, size = film_now(
-            self.skirt, self.bore, window, (inputs.pressure_force, inputs.friction_force), climb, guided * inputs.crank_speed,
+            self.skirt, self.bore, window, (inputs.pressure_force, inputs.friction_force), climb, guided * state.crank_speed,
             state.place, state.rate)
         own = np.concatenate([[forces.lateral * state.rate[0], forces.axial * climb, forces.moment * state.rate[1],
-                               lift * guided * inputs.crank_speed], forces.piston * state.rate[2:n], forces.block * state.rate[n:]])
+                               lift * guided * state.crank_speed], forces.piston * state.rate[2:n], forces.block * state.rate[n:]])
         size += np.abs(own).sum()
         outputs = {
             "film_thickness": thickness, "sliding_velocity": velocity, "crank_angle": state.crank_angle, "piston_position": Y,
             "piston_velocity": climb, "lateral_displacement": state.place[0], "rocking_angle": state.place[1],
-            "side_force": -forces.lateral, "crank_torque": torque - lift * guided, "pin_force_x": pin[0], "pin_force_y": pin[1] - lift,
+            "side_force": -forces.lateral, "crank_torque": torque - lift * guided + self.crank.inertia * state.crank_acceleration,
+            "rotation_speed": state.crank_speed, "pin_force_x": pin[0], "pin_force_y": pin[1] - lift,
             "interface_work_error": abs(power - own.sum()) / size if size > 0.0 else 0.0,
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
         return outputs | ({"modal_coordinate": state.place[2:].copy()} if self.coordinates > 2 else {})
@@ -190,10 +235,10 @@ class PistonInBore:
         film_thickness, sliding_velocity : ndarray, shape (c, a)
             [m], [m/s]
         """
-        c, _, state, crank_speed, window = self._last
+        c, _, state, crank, window = self._last
         film = self.skirt, self.bore, window
         forces = generalised(*film, pressure_force, friction_force)
-        link = motion(self.mechanism, state.place[0], state.rate[0], state.acceleration[0], state.crank_angle, crank_speed)
+        link = motion(self.mechanism, state.place[0], state.rate[0], state.acceleration[0], *crank)
         right = np.concatenate([[forces.lateral + link[4] * forces.axial, forces.moment], forces.piston])
         piston = dgetrs(*self._factorised(), right)[0]                                                          # Eq. (D1)
         block = forces.block / (1 + c.rate * self.block.damping + c.place * self.block.stiffness)
@@ -204,10 +249,10 @@ class PistonInBore:
     def _factorised(self):
         """The tangent at the end of the last step, factorised when it is first asked for."""
         if self._factor is None:
-            c, load, state, crank_speed, _ = self._last
+            c, load, state, crank, _ = self._last
             n = self.flexible.stop
-            matrix = tangent(self.piston, self.mechanism, load, state.place[:n], state.rate[:n], state.acceleration[:n],
-                             state.crank_angle, crank_speed, c.rate, c.place)
+            matrix = tangent(self.piston, self.mechanism, load, state.place[:n], state.rate[:n], state.acceleration[:n], *crank,
+                             c.rate, c.place)
             self.jacobian_evaluations += 1
             self._factor = dgetrf(matrix, overwrite_a=True)[:2]
         return self._factor

@@ -40,7 +40,7 @@ class Surface(BaseModel):
 class Body(BaseModel):
     """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are thrust (x),
     towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by geometry what the file
-    does not name."""
+    does not name. `modes_off` switches single modes off, by their number in the table of modes."""
 
     model_config = STRICT
     mesh: str
@@ -53,6 +53,7 @@ class Body(BaseModel):
     poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
     basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
     modes: Annotated[int, Field(ge=0, le=200)] = 60
+    modes_off: list[Annotated[int, Field(ge=1)]] = []
 
 
 class ShapeTable(BaseModel):
@@ -157,6 +158,9 @@ def read_options(options, folder):
     for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
         part = resolved[body]
         part["mesh"] = str((Path(folder) / part["mesh"]).resolve())
+        unknown = sorted({n for n in part["modes_off"] if n > part["modes"]})
+        if unknown:
+            faults.append(f"{body}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes")
         if not Path(part["mesh"]).is_file():
             faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
         if None not in (part[low], part[high]) and part[low] >= part[high]:

@@ -32,7 +32,7 @@ class Load(NamedTuple):
 
 
 @njit(cache=True)
-def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed):
+def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration):
     """Residual of the equations of motion.
 
     Eq. (M1):  x_A:   e . (R F + m_pin A'') + rod - (load_x + Y_x load_y) = 0          e = (1, Y_x),  A'' = (x_A'', Y'')
@@ -46,8 +46,8 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
     load : Load
     place, rate, acceleration : ndarray, shape (2 + k,)
         [x_A [m], rocking angle [rad], modal coordinates [kg^1/2 m]] and derivatives in time.
-    crank_angle, crank_speed : float
-        [rad], [rad/s]
+    crank_angle, crank_speed, crank_acceleration : float
+        [rad], [rad/s], [rad/s2]
 
     Returns
     -------
@@ -59,7 +59,7 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
         Torque that the drive exerts on the crank, positive in its direction of turning [N m].
     """
     r = mechanism.crank_radius
-    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed)
+    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration)
     ax, ay, slope = acceleration[0], link[0], link[4]
     c, s = np.cos(place[1]), np.sin(place[1])
     frame = frame_force(body, c * ax + s * ay, -s * ax + c * ay, acceleration[1], rate[1], place[2:], rate[2:], acceleration[2:])
@@ -75,12 +75,12 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
 
 
 @njit(cache=True)
-def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, c1, c2):
+def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration, c1, c2):
     """Derivative of the residual (Eq. (M1)) when each end acceleration moves its velocity by c1 [s] and its place by c2 [s2].
 
     Parameters
     ----------
-    body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed
+    body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration
         As for `imbalance`.
     c1, c2 : float
         `Coefficients.rate` and `Coefficients.place` of the time integrator.
@@ -89,7 +89,7 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
     -------
     ndarray, shape (2 + k, 2 + k)
     """
-    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed)
+    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration)
     lift = link[1] + c1 * link[2] + c2 * link[3]
     slope, bend = link[4], c2 * link[5]
     c, s = np.cos(place[1]), np.sin(place[1])
@@ -115,7 +115,7 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
 
 
 @njit(cache=True)
-def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, c1, c2):
+def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, crank_acceleration, c1, c2):
     """End accelerations that balance the equations of motion to 1e-15 or so of their size.
 
     Newton's method with the part of the exact tangent that couples the rigid motion to everything and each mode to itself. What it
@@ -128,8 +128,8 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     place, rate : ndarray, shape (2 + k,)
         Predicted with accelerations of zero.
     guess : ndarray, shape (2 + k,)
-    crank_angle, crank_speed : float
-        [rad], [rad/s]
+    crank_angle, crank_speed, crank_acceleration : float
+        [rad], [rad/s], [rad/s2]
     c1, c2 : float
         [s], [s2]: what an acceleration of 1 adds to rate and place.
 
@@ -144,7 +144,7 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
         Last change of the accelerations in the norm of the inertia; relative if it did not converge.
     """
     a = guess.copy()
-    matrix = tangent(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, c1, c2)
+    matrix = tangent(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
     diagonal = np.diag(matrix).copy()
     scale = np.sqrt(np.abs(diagonal))
     # rigid motions with the modes eliminated
@@ -154,7 +154,7 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     s10, s11 = matrix[1, 0] - row[1] @ column[:, 0].copy(), matrix[1, 1] - row[1] @ column[:, 1].copy()
     size, total, change = 0.0, 0.0, np.empty_like(a)
     for evaluation in range(1, 40):
-        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed)
+        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, crank_acceleration)
         if evaluation > 1 and size <= 1e-12 * total:
             return a, pin_x, pin_y, torque, evaluation, size
         part = residual[2:] / diagonal[2:]

@@ -13,7 +13,7 @@ from .mesh import read_mesh
 from .surface import cell_centres, interpolation, radial_and_axial
 from .symmetry import symmetric_modes
 
-VERSION = 6       # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 7       # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
 P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
 
@@ -62,7 +62,7 @@ def reduce_piston(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, tie, skirt_lower, skirt_upper [m above A, None: the mesh's],
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off, tie, skirt_lower, skirt_upper [m above A, None: the mesh's],
         pin_offset [m].
     grid : (int, int)
         Cells around and along the skirt.
@@ -88,7 +88,8 @@ def reduce_piston(options, grid, progress=print):
     loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
     modes, omega, kind = _modes(mesh, M, options, "pin_bore", "skirt", radial, expected_pressure(angle, grid[1]), loads, progress)
     return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
-        "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high}
+        "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high,
+        "angles": grid[0], "points": position, "tets": mesh.tets, "shapes": modes.reshape(len(position), 3, len(omega))}
 
 
 def reduce_block(options, grid, progress=print):
@@ -97,7 +98,7 @@ def reduce_block(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, tie, spring_stiffness [N/m], bore_lower, bore_upper [m above the crank axis, None: the
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off, tie, spring_stiffness [N/m], bore_lower, bore_upper [m above the crank axis, None: the
         mesh's], stations.
     grid : (int, int)
         Film grid; its angles are the table's.
@@ -118,7 +119,8 @@ def reduce_block(options, grid, progress=print):
                                 np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
-            "heights": heights, "radius": radius, "mass": float(M.sum())}
+            "heights": heights, "radius": radius, "mass": float(M.sum()), "angles": grid[0], "points": mesh.points, "tets": mesh.tets,
+            "shapes": modes.reshape(len(mesh.points), 3, len(omega))}
 
 
 def _mesh(options, names, progress):
@@ -152,7 +154,9 @@ def _modes(mesh, M, options, held, surface, radial, weight, loads, progress):
     else:
         shapes = pressure_modes(body, radial[:, body.free], weight, count, loads[body.free])
     modes, omega = orthonormal_modes(body, shapes)
-    return symmetric_modes(body, body.full(modes), omega, mesh.points)
+    modes, omega, kind = symmetric_modes(body, body.full(modes), omega, mesh.points)
+    kept = np.setdiff1d(np.arange(count), np.asarray(options["modes_off"], dtype=int) - 1)
+    return modes[:, kept], omega[kept], kind[kept]
 
 
 def _held(mesh, K, M, surface, options):
@@ -181,7 +185,17 @@ def cached(reduce, options, grid, folder, progress=print):
     if not path.exists():
         body = reduce(options, grid, progress)
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_suffix(".partial.npz")
-        np.savez(partial, **body)
-        partial.replace(path)
+        _save(shapes_file(path), {name: body.pop(name) for name in ("points", "tets", "shapes")})
+        _save(path, body)
     return path
+
+
+def shapes_file(path):
+    """The file beside a reduced body that holds its mesh and mode shapes: for pictures and recovery, not for the FMU."""
+    return path.with_name(path.stem + "-shapes.npz")
+
+
+def _save(path, arrays):
+    partial = path.with_suffix(".partial.npz")
+    np.savez(partial, **arrays)
+    partial.replace(path)

@@ -65,10 +65,10 @@ def height(mechanism, lateral, crank_angle):
 
 
 @njit(cache=True)
-def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, crank_speed):
-    """Acceleration of A along y and the rod's share of the equations of motion, at constant crank speed.
+def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, crank_speed, crank_acceleration):
+    """Acceleration of A along y and the rod's share of the equations of motion.
 
-    Eq. (K2):  Y'' = -r cos(phi) w^2 + f1 xi'' + f2 xi'^2          f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5
+    Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2          f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5
     Eq. (K3):  rod angle psi = -asin(xi/L);  centre of mass G = (1-k) P + k A, P the crank pin, k = rod_centre
                rod force on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1);  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
 
@@ -77,8 +77,8 @@ def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, 
     mechanism : Mechanism
     lateral, lateral_rate, lateral_acceleration : float
         x_A [m] and its derivatives in time.
-    crank_angle, crank_speed : float
-        [rad], [rad/s]
+    crank_angle, crank_speed, crank_acceleration : float
+        [rad], [rad/s], [rad/s2]
 
     Returns
     -------
@@ -89,18 +89,20 @@ def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, 
     r, length, k = mechanism.crank_radius, mechanism.rod_length, mechanism.rod_centre
     mass, inertia = mechanism.rod_mass, mechanism.rod_inertia
     sine, cosine, w = np.sin(crank_angle), np.cos(crank_angle), crank_speed
+    px = r * sine * w**2 - r * cosine * crank_acceleration          # acceleration of the crank pin
+    py = -r * cosine * w**2 - r * sine * crank_acceleration
     xi = mechanism.offset + lateral + r * sine
-    speed, rate = lateral_rate + r * cosine * w, lateral_acceleration - r * sine * w**2
+    speed, rate = lateral_rate + r * cosine * w, lateral_acceleration - px
     f = np.sqrt(length**2 - xi**2)
     f1, f2, f3 = -xi / f, -(length**2) / f**3, -3 * length**2 * xi / f**5
-    lift = -r * cosine * w**2 + f1 * rate + f2 * speed**2                                                     # Eq. (K2)
+    lift = py + f1 * rate + f2 * speed**2                                                     # Eq. (K2)
     lift_acceleration, lift_rate, lift_place = f1, 2 * f2 * speed, f2 * rate + f3 * speed**2
 
     p1, p2, p3 = -1 / f, -xi / f**3, -1 / f**3 - 3 * xi**2 / f**5                                              # Eq. (K3)
     turn = p1 * rate + p2 * speed**2
     turn_rate, turn_place = 2 * p2 * speed, p2 * rate + p3 * speed**2
-    gx = k * lateral_acceleration + (1 - k) * r * sine * w**2
-    gy = k * lift - (1 - k) * r * cosine * w**2
+    gx = k * lateral_acceleration + (1 - k) * px
+    gy = k * lift + (1 - k) * py
     force = k * mass * (gx + f1 * gy) + inertia * p1 * turn
     force_acceleration = k * mass * (k + f1 * k * lift_acceleration) + inertia * p1 * p1
     force_rate = k * mass * f1 * k * lift_rate + inertia * p1 * turn_rate

@@ -28,7 +28,7 @@ def inputs(grid):
         Variable("nodal_friction_force", "N", "input", "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
                  nominal=0.1, shape=grid),
         Variable("gas_pressure", "Pa", "input", "Gauge pressure on the piston crown", nominal=1e6),
-        Variable("crank_speed", "rad/s", "input", "Speed of the crank, constant over each step", start=314.1592653589793, nominal=300.0,
+        Variable("crank_speed", "rad/s", "input", "Speed of the crank at the end of the step; of a free crank at the start", start=314.1592653589793, nominal=300.0,
                  minimum=0.0, maximum=3000.0)]
 
 
@@ -38,6 +38,7 @@ def outputs(grid, modes):
         Variable("film_thickness", "m", "output", "Radial distance bore minus skirt; negative where they overlap", nominal=1e-5, shape=grid),
         Variable("sliding_velocity", "m/s", "output", "Axial velocity of the skirt minus that of the bore", nominal=1.0, shape=grid),
         Variable("crank_angle", "rad", "output", "Crank angle, 0 at firing top dead centre", nominal=1.0),
+        Variable("rotation_speed", "rad/s", "output", "Speed of the crank now", nominal=300.0),
         Variable("piston_position", "m", "output", "Height of pin point A above the crank axis", nominal=0.1),
         Variable("piston_velocity", "m/s", "output", "Velocity of pin point A towards the head", nominal=10.0),
         Variable("lateral_displacement", "m", "output", "Displacement of A from its concentric place towards the thrust side", nominal=1e-5),
@@ -75,6 +76,9 @@ def parameters():
         parameter("rod_inertia", "kg.m2", "Of the rod about its centre of mass", 2.2e-4, 0.0, 10.0),
         parameter("rod_centre", "m", "Distance of the rod's centre of mass from the big end", 0.03, 0.0, 2.0),
         parameter("pin_mass", "kg", "Piston pin (and what else moves with A without turning)", 0.03, 0.0, 20.0),
+        parameter("crank_free", "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1),
+        parameter("crank_inertia", "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4),
+        parameter("load_torque", "N.m", "Torque that a free crank works against", 0.0, -1e5, 1e5),
         parameter("start_crank_angle", "rad", "Crank angle at the start", 0.0),
         parameter("start_lateral_displacement", "m", "Of A at the start", 0.0, -1e-3, 1e-3),
         parameter("start_rocking_angle", "rad", "At the start", 0.0, -0.05, 0.05),

@@ -15,6 +15,7 @@ import numpy as np
 
 from .fmi.builder import cache_folder
 from .fmi.description import BASE_UNITS, VENDOR
+from .fmi.quantities import pint_unit
 from .fmi.errors import BadInput
 from .fmi.fields import ELEMENT
 
@@ -151,7 +152,7 @@ def _read_parameters(component, folder):
     for binding in component.iter(_q("ssd:ParameterBinding")):
         for node in ElementTree.parse(folder / binding.get("source")).getroot().iter(_q("ssv:Parameter")):
             value, = node
-            unit = value.get("unit", "").replace(".", "*")
+            unit = pint_unit(value.get("unit", ""))
             text = f"{value.get('value')} {unit}".strip()
             is_number = value.tag != _q("ssv:String") and not unit
             values[node.get("name")] = float(text) if is_number else text

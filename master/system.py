@@ -38,7 +38,7 @@ def open_system(case, folder, progress):
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step)
+    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step, str(folder))
 
 
 def _fmu(table, folder, progress):

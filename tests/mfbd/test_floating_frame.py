@@ -119,12 +119,12 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
-    residual, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w)
+    residual, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
 
     def energy(place, rate):
         return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
 
-    place, rate, acceleration = np.array([*z, phi]), np.array([*r, w]), np.array([*a, 0.0])
+    place, rate, acceleration = np.array([*z, phi]), np.array([*r, w]), np.array([*a, 5e3])
     reference = richardson(energy, place, rate, acceleration)
     np.testing.assert_allclose([*residual, torque], reference.astype(float), rtol=1e-9, atol=1e-9 * np.abs(reference).max())
 
@@ -154,10 +154,10 @@ def test_mechanism_tangent_is_the_derivative(lump):
     place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
     c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
-    matrix = tangent(body, SKEW, load, place, rate, a, phi, w, c1, c2)
+    matrix = tangent(body, SKEW, load, place, rate, a, phi, w, 2e3, c1, c2)
 
     def residual(change):
-        return imbalance(body, SKEW, load, place + c2 * change, rate + c1 * change, a + change, phi, w)[0]
+        return imbalance(body, SKEW, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3)[0]
 
     for k in range(n):
         change = 10.0 * np.eye(n)[k]

@@ -104,7 +104,7 @@ def test_the_step_map_is_symmetric(model):
     """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b from a force at a."""
     state, _ = run(model, size=0.0)
     nothing = np.zeros(model.skirt.gap.shape)
-    model.advance(dataclasses.replace(state, rate=0 * state.rate), Inputs(0.0, 0.0, nothing, nothing), STEP)
+    model.advance(dataclasses.replace(state, rate=0 * state.rate, crank_speed=0.0), Inputs(0.0, 0.0, nothing, nothing), STEP)
     a, b = (2, 3), (11, 8)
     push = [nothing.copy(), nothing.copy()]
     push[0][a] = push[1][b] = 1.0
@@ -135,3 +135,58 @@ def test_rigid_bodies_run(reduced):
     place = (state.place[1] * rigid.skirt.height - state.place[0]) * np.sin(rigid.skirt.angle)[:, None]
     np.testing.assert_allclose(opening, place, rtol=0, atol=1e-18)
     assert "modal_coordinate" not in out and out["interface_work_error"] <= 1e-13
+
+
+def test_crank_at_varying_given_speed(model):
+    """Speed linear in the step: angle is the mean speed times the step, and the piston's velocity is the rate of its position."""
+    nothing = np.zeros(model.skirt.gap.shape)
+    state, before = model.start(0.3, 0.0, 0.0, Inputs(300.0, 0.0, nothing, nothing))
+    state, out = model.advance(state, Inputs(302.0, 0.0, nothing, nothing), 1e-5)
+    assert out["crank_angle"] == pytest.approx(0.3 + 301e-5, rel=1e-14)
+    assert state.crank_acceleration == pytest.approx(2e5)
+    assert (out["piston_position"] - before["piston_position"]) / 1e-5 == pytest.approx(
+        (out["piston_velocity"] + before["piston_velocity"]) / 2, rel=1e-4)
+
+
+def test_free_crank_keeps_the_energy(reduced):
+    """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls with the step (order 1)."""
+    from fmu_mfbd.assembly import assemble
+    from fmu_mfbd.variables import parameters
+
+    options, piston, block = reduced
+    piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")}
+    piston |= {k: piston[k][:0, :0] for k in "BG"}
+    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 2e-4, "rod_mass": 0.0, "rod_inertia": 0.0,
+                                                        "pin_mass": 0.4}
+    model = assemble(piston | {"S": 0 * piston["S"]}, block, options, values)
+    nothing = np.zeros(model.skirt.gap.shape)
+    drift, swing = [], []
+    for step in (2e-5, 1e-5):
+        state, out = model.start(0.0, 0.0, 0.0, Inputs(200.0, 0.0, nothing, nothing))
+        levels, speeds = [], []
+        for _ in range(int(0.01 / step)):
+            state, out = model.advance(state, Inputs(200.0, 0.0, nothing, nothing), step)
+            mass = float(piston["mass"]) + 0.4
+            levels.append(0.5 * 2e-4 * state.crank_speed**2 + 0.5 * mass * (out["piston_velocity"] ** 2 + state.rate[0] ** 2)
+                          + 0.5 * float(piston["I0"]) * state.rate[1] ** 2)
+            speeds.append(state.crank_speed)
+        drift.append(max(levels) / levels[0] - 1)
+        swing.append(np.ptp(speeds))
+    assert swing[1] > 50.0                                   # the crank really gives and takes
+    assert drift[1] < 0.02 and drift[1] < 0.6 * drift[0]
+
+
+def test_free_crank_turns_against_its_load(model, reduced):
+    from fmu_mfbd.assembly import assemble
+    from fmu_mfbd.variables import parameters
+
+    options, piston, block = reduced
+    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 10.0, "load_torque": 50.0}
+    free = assemble(piston, block, options, values)
+    nothing = np.zeros(free.skirt.gap.shape)
+    state, out = free.start(0.0, 0.0, 0.0, Inputs(200.0, 0.0, nothing, nothing))
+    for _ in range(100):
+        state, out = free.advance(state, Inputs(0.0, 0.0, nothing, nothing), 1e-4)
+    # a heavy flywheel: 50 N m / 10 kg m2 over 10 ms, and 0.4 kg of piston at 5 m/s hardly count
+    assert out["rotation_speed"] == pytest.approx(200.0 - 0.05, abs=0.02)
+    assert out["crank_torque"] == -50.0

@@ -1,0 +1,69 @@
+"""Table of modes, files of mode shapes, recovered displacement and stress."""
+
+import meshio
+import numpy as np
+import pytest
+
+from fmu_mfbd.bases import Elastic
+from fmu_mfbd.build import prepare, reduced_bodies
+from fmu_mfbd.finite_element import consistent_mass, nodal_stress, stiffness, von_mises
+from fmu_mfbd.report import mode_table, recover, write_modes
+from fmu_mfbd.verification import box_mesh
+from master.fmi.errors import BadInput
+
+
+@pytest.fixture(scope="module")
+def report(bodies, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield reduced_bodies(bodies[1], bodies[0], lambda text: None)
+
+
+def test_table_of_modes(report):
+    for body, _ in report.values():
+        rows = mode_table(body)
+        assert [row["mode"] for row in rows] == list(range(1, len(body["omega"]) + 1))
+        assert np.all(np.diff([row["frequency"] for row in rows]) >= 0)
+        assert sum(row["film_share"] for row in rows) == pytest.approx(1.0)
+        assert all(0 < row["modal_mass"] < 10 for row in rows)
+
+
+def test_mode_shapes_are_written_and_belong_to_the_film(report, tmp_path):
+    body, shapes = report["piston"]
+    write_modes(shapes, tmp_path / "modes.vtu")
+    mesh = meshio.read(tmp_path / "modes.vtu")
+    np.testing.assert_allclose(mesh.point_data["mode 3"], shapes["shapes"][:, :, 2])
+
+
+def test_stress_of_a_pulled_bar(tmp_path):
+    """Uniform tension held at one end in its own direction only would be exact; with a clamped end the middle is (St. Venant)."""
+    points, tets = box_mesh((12, 2, 2), (0.3, 0.02, 0.02))
+    body = Elastic(stiffness(points, tets, 2e11, 0.3), consistent_mass(points, tets, 7800.0), np.flatnonzero(points[:, 0] == 0.0))
+    end = np.flatnonzero(points[:, 0] == 0.3)
+    load = np.zeros((len(points), 3))
+    load[end, 0] = 1000.0 / len(end)
+    displacement = body.full(body.solve(load.ravel()[body.free])[:, None]).reshape(-1, 3)
+    stress = nodal_stress(points, tets, displacement, 2e11, 0.3)
+    middle = np.abs(points[:, 0] - 0.15) < 0.026
+    np.testing.assert_allclose(stress[middle, 0], 1000.0 / 0.02**2, rtol=1e-2)
+    np.testing.assert_allclose(von_mises(stress)[middle], 1000.0 / 0.02**2, rtol=1e-2)
+
+
+def test_recovery_is_linear_in_the_modes(report, tmp_path):
+    body, shapes = report["block"]
+    q = np.zeros(len(body["omega"]))
+    q[1] = 1e-6
+    displacement, stress = recover(shapes, q, 7e10, 0.33, tmp_path / "block.vtu")
+    np.testing.assert_allclose(displacement, 1e-6 * shapes["shapes"][:, :, 1])
+    assert "von_mises" in meshio.read(tmp_path / "block.vtu").point_data and np.abs(stress).max() > 0
+
+
+def test_modes_switched_off(bodies, report, tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    folder, options = bodies
+    options, files = prepare(options | {"piston": options["piston"] | {"modes_off": [2, 5]}}, folder, lambda text: None)
+    omega = np.load(files[0])["omega"]
+    assert options["piston"]["modes"] == len(omega) == 10
+    np.testing.assert_array_equal(omega, np.delete(report["piston"][0]["omega"], [1, 4]))
+    with pytest.raises(BadInput, match="piston.modes_off: 13: there are 12 modes"):
+        prepare(bodies[1] | {"piston": bodies[1]["piston"] | {"modes_off": [13]}}, folder, print)
