@@ -16,7 +16,7 @@ from fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
 from fmu_ehd.model import LubricationModel  # noqa: E402
 from fmu_ehd.parameters import Parameters  # noqa: E402
 from fmu_ehd.sparse import SuperLU  # noqa: E402
-from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
+from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
 
 SHAPE = (40, 40)
 STEPS = 720

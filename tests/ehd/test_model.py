@@ -5,7 +5,7 @@ from fmu_ehd.cavitation import NotConverged
 from fmu_ehd.model import LubricationModel
 from fmu_ehd.oil import Oil
 from fmu_ehd.parameters import Parameters, faults
-from fmu_ehd.verification import DEGREE, motored, motored_film, opening, physics, tangent_error
+from fmu_ehd.motored import DEGREE, motored, motored_film, opening, physics, tangent_error
 
 SHAPE = (12, 10)
 OPENING = opening(SHAPE)

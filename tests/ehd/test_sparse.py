@@ -4,7 +4,7 @@ import pytest
 from fmu_ehd import sparse
 from fmu_ehd.model import LubricationModel
 from fmu_ehd.parameters import Parameters
-from fmu_ehd.verification import DEGREE, motored_film
+from fmu_ehd.motored import DEGREE, motored_film
 
 SHAPE = (11, 9)
 
