@@ -192,9 +192,15 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
     ndarray, shape (c, a)
         [m]
     """
+    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
+    return _opening(skirt, lateral, angle, piston, outer)
+
+
+@njit(cache=True)
+def _opening(skirt, lateral, angle, piston, outer):
+    """Eq. (H1) without the gap, the bore's displacement given on the rows, (a, c)."""
     c, a = skirt.gap.shape
     inner = read(skirt.radial, 0, a, piston)
-    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
     out = np.empty((c, a))
     for i in range(c):
         sine = np.sin(skirt.angle[i])
@@ -296,16 +302,13 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     """
     pressure_force, friction_force = forces
     n = 2 + len(skirt.radial.kind)
-    thickness = opening(skirt, bore, window, place[0], place[1], place[2:n], place[n:])
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
     opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
-    # the bore's slope under the moving skirt
-    deformed = read(bore.radial, window.first, window.knots, place[n:])
+    surface = read(bore.radial, window.first, window.knots, place[n:])
     if len(bore.shape):
-        widening = bore.shape[window.first:window.first + window.knots]
-        deformed += widening
-        thickness += on_rows(window, window.value, widening).T
-    slope = on_rows(window, window.slope, deformed)
+        surface += bore.shape[window.first:window.first + window.knots]
+    thickness = _opening(skirt, place[0], place[1], place[2:n], on_rows(window, window.value, surface))
+    slope = on_rows(window, window.slope, surface)              # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
     for i in range(thickness.shape[0]):
         for j in range(thickness.shape[1]):

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from numba import njit
+
 
 class Coefficients(NamedTuple):
     """What a step of the generalised-alpha method needs; see `coefficients`."""
@@ -49,6 +51,7 @@ def coefficients(step, spectral_radius):
     return Coefficients(step, alpha_m, alpha_f, (gamma + 0.5) ** 2 / 4, gamma)
 
 
+@njit(cache=True)
 def predict(c, place, rate, acceleration, auxiliary):
     """End position, velocity and auxiliary acceleration if the end acceleration were zero.
 

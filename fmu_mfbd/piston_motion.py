@@ -155,7 +155,7 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     size, total, change = 0.0, 0.0, np.empty_like(a)
     for evaluation in range(1, 40):
         residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, crank_acceleration)
-        if evaluation > 1 and size <= 1e-12 * total:
+        if evaluation > 1 and size <= 1e-11 * total:
             return a, pin_x, pin_y, torque, evaluation, size
         part = residual[2:] / diagonal[2:]
         r0, r1 = residual[0] - row[0] @ part, residual[1] - row[1] @ part
