@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from numba import njit
+from .compiled import compiled
+
 
 
 class Coefficients(NamedTuple):
@@ -51,7 +52,7 @@ def coefficients(step, spectral_radius):
     return Coefficients(step, alpha_m, alpha_f, (gamma + 0.5) ** 2 / 4, gamma)
 
 
-@njit(cache=True)
+@compiled()
 def predict(c, place, rate, acceleration, auxiliary):
     """End position, velocity and auxiliary acceleration if the end acceleration were zero.
 

@@ -4,8 +4,8 @@ derivative. Nothing is decided here: the equations stand in `film`, `piston_moti
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .film import Bore, FilmForces, Skirt, Window, film_now, generalised, opening, sliding, window_at
 from .floating_frame import FlexibleBody
 from .piston_motion import Load, settle
@@ -72,7 +72,7 @@ class Balance(NamedTuple):
     size: float
 
 
-@njit(cache=True)
+@compiled()
 def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, friction_force):
     """Accelerations that balance the forces, and everything that follows from them.
 
@@ -97,27 +97,34 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
     piston, block, mechanism, skirt, bore, gas_force = system
     n = 2 + len(piston.stiffness)
     Y0, _, lever0 = height(mechanism, 0.0, crank[0])
-    window = window_at(bore.lowest, bore.spacing, Y0 + skirt.height)
+    window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
-    load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, forces.piston + gas * gas_force)
+    push = forces.piston.copy()
+    for k in range(n - 2):
+        push[k] += gas * gas_force[k]
+    load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push)
     acceleration = np.empty(len(place))
-    acceleration[:n], pin_x, pin_y, torque, evaluations, size = settle(
+    own, pin_x, pin_y, torque, evaluations, size = settle(
         piston, mechanism, load, place[:n], rate[:n], guess[:n], crank[0], crank[1], crank[2], c1, c2)
-    acceleration[n:] = ((forces.block - block.damping * rate[n:] - block.stiffness * place[n:])
-                        / (1 + c1 * block.damping + c2 * block.stiffness))
-    place, rate = place + c2 * acceleration, rate + c1 * acceleration
-    Y, slope, lever = height(mechanism, place[0], crank[0])
-    climb, guided = slope * rate[0] + lever * crank[1], lever0 * crank[1]
-    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided, place, rate)
-    own = np.concatenate((np.array([forces.lateral * rate[0], forces.axial * climb, forces.moment * rate[1], lift * guided]),
-                          forces.piston * rate[2:n], forces.block * rate[n:]))
-    terms += np.abs(own).sum()
-    error = abs(power - own.sum()) / terms if terms > 0.0 else 0.0
-    return Balance(place, rate, acceleration, window, load, forces, thickness, velocity, Y, climb, pin_x, pin_y - lift,
+    end, speed = np.empty(len(place)), np.empty(len(place))
+    for k in range(len(place)):
+        acceleration[k] = own[k] if k < n else ((forces.block[k - n] - block.damping[k - n] * rate[k] - block.stiffness[k - n] * place[k])
+                                                / (1 + c1 * block.damping[k - n] + c2 * block.stiffness[k - n]))
+        end[k], speed[k] = place[k] + c2 * acceleration[k], rate[k] + c1 * acceleration[k]
+    Y, slope, lever = height(mechanism, end[0], crank[0])
+    climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
+    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided, end, speed)
+    work, sizes = forces.axial * climb + lift * guided, abs(forces.axial * climb) + abs(lift * guided) + terms
+    for k in range(len(place)):
+        force = (forces.lateral if k == 0 else forces.moment if k == 1 else forces.piston[k - 2] if k < n else forces.block[k - n])
+        work += force * speed[k]
+        sizes += abs(force * speed[k])
+    error = abs(power - work) / sizes if sizes > 0.0 else 0.0
+    return Balance(end, speed, acceleration, window, load, forces, thickness, velocity, Y, climb, pin_x, pin_y - lift,
                    torque - lift * lever0, error, evaluations, size)
 
 
-@njit(cache=True)
+@compiled()
 def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force, friction_force):
     """Change of film thickness and sliding velocity at the end of a step with the forces at its end.
 
@@ -145,9 +152,23 @@ def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
     right = np.empty(len(inverse))
     right[0], right[1] = forces.lateral + slope * forces.axial, forces.moment
-    right[2:] = forces.piston
-    own = inverse @ right                                                                                       # Eq. (D1)
-    other = forces.block / (1 + c1 * block.damping + c2 * block.stiffness)
-    climb = (c1 * slope + c2 * climb_place) * own[0]
-    return (opening(skirt, bore, window, c2 * own[0], c2 * own[1], c2 * own[2:], c2 * other),
-            sliding(skirt, bore, window, climb, c1 * own[1], c1 * own[2:], c1 * other))
+    for k in range(len(forces.piston)):
+        right[2 + k] = forces.piston[k]
+    change, other = inverse @ right, forces.block                                                               # Eq. (D1)
+    for k in range(len(other)):
+        other[k] /= 1 + c1 * block.damping[k] + c2 * block.stiffness[k]
+    climb = (c1 * slope + c2 * climb_place) * change[0]
+    own, own_rate, other_rate = change.copy(), change.copy(), other.copy()
+    scale(own, c2)
+    scale(own_rate, c1)
+    scale(other_rate, c1)
+    scale(other, c2)
+    return (opening(skirt, bore, window, own[0], own[1], own[2:], other),
+            sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate))
+
+
+@compiled()
+def scale(a, factor):
+    """a *= factor, in a loop: array expressions take the compiler seconds each."""
+    for k in range(len(a)):
+        a[k] *= factor
