@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import cavitation, reynolds
+from .coating import soften
 from .sparse import linear_solver
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
@@ -75,7 +76,7 @@ class FilmStep:
         self._nothing = np.zeros(grid.shape)
         self._has_openings = bool(self.open_cells.any())
 
-    def solve(self, film, velocity_c, velocity_a, edges, content, full, step):
+    def solve(self, film, velocity_c, velocity_a, edges, content, full, step, softness=None):
         """Solve Eqs. (E1)-(E5) for one step.
 
         Parameters
@@ -92,6 +93,8 @@ class FilmStep:
             Guess of the full cells.
         step : float
             H [s]; inf for a steady film.
+        softness : tuple of ndarray, optional
+            slopes, weight, offset of `coating.soften`.
 
         Returns
         -------
@@ -115,6 +118,8 @@ class FilmStep:
                                                rate, edges.pressure, edges.film_fraction, grid.ring)
             if model.switching and not model.conserving:
                 cavitation.without_pressure(pattern, *stencil)
+            if softness is not None:
+                soften(pattern, *softness, *stencil, right)
             if self._has_openings:
                 reynolds.hold(self.open_cells, held, *stencil, right)
             return stencil, right
@@ -122,7 +127,7 @@ class FilmStep:
         unknown, full, iterations = cavitation.settle(model, assemble, self.solver, guess, self.open_cells)
         self._step = _Step(film, velocity_c, velocity_a, faces, content, rate, edges, full)
         pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
-        if model.conserving and imbalance > REFINE_ABOVE:
+        if model.conserving and softness is None and imbalance > REFINE_ABOVE:
             unknown = unknown + self.solver.solve(residual[None])[0]
             pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
         self._unknown, self._fraction = unknown, fraction
@@ -136,30 +141,54 @@ class FilmStep:
         return pressure, *reynolds.balance(pressure, deficit, s.faces, s.film.stored, s.content, s.rate, s.edges.pressure,
                                            s.edges.film_fraction, self.grid.ring, self.open_cells)
 
-    def linearise(self, by_film, by_velocity, dvelocity_c, dvelocity_a):
+    def slopes(self, film, by_film, by_velocity, velocities, dvelocities, pressure, fraction, edges, step):
+        """Derivative of the film balance to film thickness and sliding velocity, as from `reynolds.linearise`.
+
+        Parameters
+        ----------
+        film, by_film, by_velocity : films.FlowFilm
+            The film, and its derivatives to film thickness and to sliding velocity.
+        velocities, dvelocities : pair of ndarray, shape (n_c, n_a)
+            Entrainment velocities along i and j [m/s], and their derivatives to the sliding velocity [-].
+        pressure, fraction : ndarray, shape (n_c, n_a)
+            [Pa], [-].
+        edges : grid.Edges
+        step : float
+            [s].
+
+        Returns
+        -------
+        ndarray, shape (2, 5, n_c, n_a)
+        """
+        nothing = self._nothing
+        stencil = reynolds.linearise(
+            (film.conductivity_c, film.transport, velocities[0]), (film.conductivity_a, film.transport, velocities[1]),
+            (by_film.stored, by_film.transport, by_film.conductivity_c, by_film.conductivity_a, nothing, nothing),
+            (by_velocity.stored, by_velocity.transport, by_velocity.conductivity_c, by_velocity.conductivity_a, *dvelocities),
+            pressure, fraction, *self.grid.spacing, self.grid.cell_area / step, edges.pressure, edges.film_fraction,
+            self.grid.ring)
+        if self._has_openings:
+            stencil[:, :, self.open_cells] = 0.0
+        return stencil
+
+    def linearise(self, by_film, by_velocity, *dvelocities):
         """Prepare the tangent of the last step, Eq. (E6).
 
         Parameters
         ----------
         by_film, by_velocity : films.FlowFilm
             Derivatives of the film to film thickness and to sliding velocity.
-        dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
-            Derivatives of the entrainment velocities to the sliding velocity [-].
+        *dvelocities : ndarray, shape (n_c, n_a)
+            Derivatives of the entrainment velocities along i and j to the sliding velocity [-].
 
         Returns
         -------
         by_pressure, by_fraction : ndarray, shape (n_c, n_a)
             Derivatives of pressure and film fraction to the signed unknown.
         """
-        s, nothing = self._step, self._nothing
-        self._stencil = reynolds.linearise(
-            (s.film.conductivity_c, s.film.transport, s.velocity_c), (s.film.conductivity_a, s.film.transport, s.velocity_a),
-            (by_film.stored, by_film.transport, by_film.conductivity_c, by_film.conductivity_a, nothing, nothing),
-            (by_velocity.stored, by_velocity.transport, by_velocity.conductivity_c, by_velocity.conductivity_a,
-             dvelocity_c, dvelocity_a), self._pressure, self._fraction, *self.grid.spacing, s.rate, s.edges.pressure,
-            s.edges.film_fraction, self.grid.ring)
-        if self._has_openings:
-            self._stencil[:, :, self.open_cells] = 0.0
+        s = self._step
+        self._stencil = self.slopes(s.film, by_film, by_velocity, (s.velocity_c, s.velocity_a), dvelocities, self._pressure,
+                                    self._fraction, s.edges, self.grid.cell_area / s.rate)
         return self.model.shares(self._unknown, s.full)
 
     def tangent(self, dfilm, dvelocity):

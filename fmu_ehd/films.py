@@ -68,6 +68,37 @@ def smooth_film(film_thickness, viscosity, minimum_flow_film):
     return values, slopes
 
 
+def thin(values, slopes, factor, slope, thickness, above_floor, sliding_velocity):
+    """Shear thinning: conductivities grow by mu_0/mu, Couette stress and drag fall by mu/mu_0; `values` and `slopes` in place.
+
+    Parameters
+    ----------
+    values, slopes : ndarray, shape (7, n_c, n_a)
+        From `smooth_film` or `rough_film` with the low-shear viscosity.
+    factor, slope : ndarray, shape (n_c, n_a)
+        mu/mu_0 [-] and its derivative [s] at the shear rate |V|/h, `oil.Oil.thinning`.
+    thickness : ndarray, shape (n_c, n_a)
+        h [m], not below the floor.
+    above_floor : ndarray of bool, shape (n_c, n_a)
+    sliding_velocity : ndarray, shape (n_c, n_a)
+        V [m/s].
+
+    Returns
+    -------
+    values, slopes, velocity_slopes : ndarray, shape (7, n_c, n_a)
+        The last: derivatives to V.
+    """
+    by_film = np.where(above_floor, -slope * np.abs(sliding_velocity) / thickness**2, 0.0)
+    by_velocity = slope * np.sign(sliding_velocity) / thickness
+    velocity_slopes = np.zeros_like(slopes)
+    for rows, power in ((slice(2, 4), -1.0), (slice(4, 6), 1.0)):
+        scale, dscale = factor**power, power * factor ** (power - 1.0)
+        velocity_slopes[rows] = values[rows] * dscale * by_velocity
+        slopes[rows] = slopes[rows] * scale + values[rows] * dscale * by_film
+        values[rows] *= scale
+    return values, slopes, velocity_slopes
+
+
 @njit(cache=True)
 def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asymmetry, table):
     """Flow film of rough surfaces, Eq. (E8).

@@ -109,7 +109,8 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
             direction = v / np.sqrt(square)
             slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
                                    + boundary_slope[i, j] * direction)
-            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j])) + by_velocity[2, i, j] * gradient[j]
+            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j]))
+                                   + by_velocity[2, i, j] * gradient[j]
                                    + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
             slopes[2, i, j] = a * c * v
             slopes[3, i, j] = a * poiseuille[i, j]

@@ -1,104 +1,20 @@
 """The lubrication model: film, oil, contact and friction of one skirt, one step at a time."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import asperity, friction
+from . import asperity, coating, friction
 from .cavitation import NotConverged
 from .film_step import FilmStep
-from .films import FlowFilm, rough_film, smooth_film
-from .grid import Edges, Grid
-from .oil import Oil
+from .films import FlowFilm, rough_film, smooth_film, thin
+from .grid import Grid
 from .roughness import factor_table
 from .summary import halves, summarise
+from .surroundings import Surroundings, surroundings
 
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 HIGHEST_PRESSURE = 1e10  # [Pa]; no viscosity law means anything beyond
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """What is fixed for a run; names, units and ranges in `variables.py`.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (n_circumferential, n_axial).
-    oil : oil.Oil
-    cavitation_model, flow_factors, contact_law, cavity_shear : str
-        Chosen laws, keys of `variables.CHOICES`.
-    bore_radius, skirt_length, minimum_flow_film, roughness_rms : float
-        [m].
-    pressure_lower_edge, pressure_upper_edge, cavitation_pressure, contact_modulus, boundary_shear_strength : float
-        [Pa], pressures on one datum, edges not below cavitation.
-    film_fraction_lower_edge, film_fraction_upper_edge : float
-        [-].
-    oil_temperature_lower_edge, oil_temperature_upper_edge : float
-        [K], linear between.
-    asperity_product, asperity_slope, boundary_friction_coefficient : float
-        eta beta sigma, sigma/beta, mu_b of `asperity` [-].
-    peklenik_number, roughness_share_skirt : float
-        gamma and Y of `roughness` and `films` [-].
-    friction_rounding_velocity : float
-        [m/s].
-    open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cut-outs.
-    """
-
-    shape: tuple = (40, 40)
-    oil: Oil = field(default_factory=Oil)
-    cavitation_model: str = "jfo"
-    flow_factors: str = "none"
-    contact_law: str = "greenwood_tripp_1970"
-    cavity_shear: str = "film_fraction"
-    bore_radius: float = 28.25e-3
-    skirt_length: float = 27e-3
-    pressure_lower_edge: float = 0.0
-    pressure_upper_edge: float = 0.0
-    cavitation_pressure: float = 0.0
-    film_fraction_lower_edge: float = 1.0
-    film_fraction_upper_edge: float = 1.0
-    oil_temperature_lower_edge: float = 373.15
-    oil_temperature_upper_edge: float = 373.15
-    minimum_flow_film: float = 5e-8
-    roughness_rms: float = 0.0
-    peklenik_number: float = 1.0
-    roughness_share_skirt: float = 0.8
-    asperity_product: float = 0.04
-    asperity_slope: float = 1e-3
-    contact_modulus: float = 6e10
-    boundary_friction_coefficient: float = 0.12
-    boundary_shear_strength: float = 0.0
-    friction_rounding_velocity: float = 1e-3
-    open_cells: np.ndarray | None = None
-
-
-CONDITIONS = ("pressure_lower_edge", "pressure_upper_edge", "film_fraction_lower_edge", "film_fraction_upper_edge",
-              "oil_temperature_lower_edge", "oil_temperature_upper_edge")
-
-
-def faults(parameters):
-    """What is wrong between parameters that are each in range.
-
-    Parameters
-    ----------
-    parameters : Parameters
-
-    Returns
-    -------
-    list of str
-        One sentence a fault.
-    """
-    p = parameters
-    found = [f"pressure_{edge}_edge = {pressure:g} Pa: must not be below cavitation_pressure = {p.cavitation_pressure:g} Pa"
-             for edge, pressure in (("lower", p.pressure_lower_edge), ("upper", p.pressure_upper_edge))
-             if pressure < p.cavitation_pressure]
-    if p.oil.viscosity_law == "two_point" and p.oil.viscosity_40 <= p.oil.viscosity_100:
-        found.append(f"viscosity_40 = {p.oil.viscosity_40:g} Pa.s: must be above viscosity_100 = {p.oil.viscosity_100:g} Pa.s")
-    if p.flow_factors != "none" and p.roughness_rms <= 0.0:
-        found.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
-    return found
 
 
 @dataclass(frozen=True)
@@ -111,44 +27,31 @@ class State:
         Signed unknown of the last two steps: its extrapolation starts the next step, so a repeat takes the same path.
     content : ndarray
         film_fraction x film of the flow [m].
+    deflection : ndarray
+        Of the coating [m].
     """
 
     unknown: np.ndarray
     unknown_before: np.ndarray
     content: np.ndarray
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What holds around and in the oil during a step.
-
-    Parameters
-    ----------
-    edges : grid.Edges
-        With reduced pressures, Eq. (O6).
-    lower, upper : float
-        Edge pressures above cavitation pressure [Pa].
-    temperature, viscosity : ndarray, shape (n_c, n_a)
-        T [K], low-shear mu_0 [Pa s].
-    thickening : object or None
-        Pressure-viscosity law of `oil`.
-    """
-
-    edges: Edges
-    lower: float
-    upper: float
-    temperature: np.ndarray
-    viscosity: np.ndarray
-    thickening: object
+    deflection: np.ndarray
 
 
 @dataclass(frozen=True)
 class Film:
-    """A solved film with all that depends on it; arrays of shape (n_c, n_a).
+    """A solved film; arrays of shape (n_c, n_a).
 
-    values, slopes, velocity_slopes: `FlowFilm` quantities stacked to (7, n_c, n_a), derivatives to h and V; pressure above
-    cavitation pressure [Pa], its derivative to the reduced pressure dp [-] (1 without thickening), derivative of
-    mu/mu_0 to it dratio [1/Pa] and mu/mu_0 ratio [-] (None without); fraction [-].
+    Parameters
+    ----------
+    sliding_velocity : ndarray
+        [m/s].
+    values, slopes, velocity_slopes : ndarray, shape (7, n_c, n_a)
+        `films.FlowFilm` quantities and their derivatives to film thickness and sliding velocity (None if all zero).
+    pressure, fraction : ndarray
+        Above cavitation pressure [Pa], film fraction [-].
+    ratio, dratio : ndarray
+        mu/mu_0 = dp/dq of thickening by pressure [-] and its derivative to the pressure [1/Pa]; None without.
+    surroundings : surroundings.Surroundings
     """
 
     sliding_velocity: np.ndarray
@@ -181,11 +84,12 @@ class LubricationModel:
                          asperity.contact_table(p.contact_law))
         self._factors = factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
         self._thins = p.oil.shear_thinning_law != "none"
+        self._compliance = coating.compliance(p.coating_thickness, p.coating_modulus, p.coating_poisson)
         self._no_velocity = np.zeros(p.shape)
         self._no_slopes = np.zeros((7, *p.shape))
         self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
         self._halves = halves(p.shape[0])
-        self._given = self._surroundings({})
+        self._given = surroundings(p, {})
 
     # ---- steps ------------------------------------------------------------------------------------------------------
 
@@ -205,7 +109,7 @@ class LubricationModel:
         outputs : dict
             As from `advance`.
         """
-        around = self._surroundings(conditions)
+        around = surroundings(self.parameters, conditions)
         lower, upper = around.edges.pressure[:2]
         along = (np.arange(self.grid.shape[1]) + 0.5) / self.grid.shape[1]
         unknown = np.broadcast_to(lower + (upper - lower) * along, self.grid.shape).copy()
@@ -213,7 +117,7 @@ class LubricationModel:
         film = self._film(sliding_velocity, values, slopes, velocity_slopes, unknown, np.ones(self.grid.shape), around)
         _, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0)
-        return State(unknown, unknown, values[0].copy()), outputs
+        return State(unknown, unknown, values[0].copy(), np.zeros(self.grid.shape)), outputs
 
     def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
         """One step from `state` to the given film and velocity.
@@ -227,8 +131,7 @@ class LubricationModel:
         step : float
             H [s], > 0.
         **conditions
-            Any of `CONDITIONS` at the end of the step in place of the parameter of that name, and `oil_temperature` [K],
-            float or ndarray of shape (n_c, n_a), in place of both edge temperatures.
+            At the end of the step, as for `surroundings.surroundings`.
 
         Returns
         -------
@@ -243,17 +146,16 @@ class LubricationModel:
         """
         if not film_thickness.max() > 0.0:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
-        around = self._surroundings(conditions) if conditions else self._given
-        values, slopes, velocity_slopes = self._flow_film(film_thickness, sliding_velocity, around)
+        around = surroundings(self.parameters, conditions) if conditions else self._given
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
-        solution = self.film_step.solve(FlowFilm(*values), self._no_velocity, -0.5 * sliding_velocity, around.edges,
-                                        state.content, guess, step)
-        film = self._film(sliding_velocity, values, slopes, velocity_slopes, solution.pressure, solution.film_fraction, around)
+        find = self._coated if self._compliance > 0.0 else self._bare
+        film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
+        film = self._film(sliding_velocity, *parts, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
         self._linear = None
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
-        return State(solution.unknown, state.unknown, solution.content), outputs
+        return State(solution.unknown, state.unknown, solution.content, deflection), outputs
 
     def tangent(self, dfilm_thickness, dsliding_velocity):
         """Change of the forces at the end of the last step for changed inputs there, its state at the beginning held.
@@ -273,10 +175,19 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        forces = [friction.force_changes(*self._linear, h, v, self.film_step.tangent(h, v))
-                  for h, v in ((dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH))]
+        forces = [self._force_changes(dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH)]
         joined = forces[0] if len(forces) == 1 else [np.concatenate(parts) for parts in zip(*forces)]
         return tuple(force.reshape(np.shape(dfilm_thickness)) for force in joined)
+
+    def _force_changes(self, dfilm, dvelocity):
+        """`tangent` for stacked directions; a coating yields to the change of pressure, Eq. (L3)."""
+        if not self._compliance:
+            return friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity))
+        yielding = 1.0 / (1.0 - self._compliance * self._last[1][1])
+        dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
+        to_pressure = self._linear[5]
+        dfilm = yielding * (dfilm + self._compliance * to_pressure * dunknown)
+        return friction.force_changes(*self._linear, dfilm, dvelocity, dunknown)
 
     def _linearise(self):
         """Derivatives of the forces of the last step that every direction shares."""
@@ -297,24 +208,42 @@ class LubricationModel:
             to_fraction = self._no_velocity
         return slopes, by_pressure, contact[1], self.area, self.grid.spacing[1], to_pressure, to_fraction
 
-    # ---- parts of a step --------------------------------------------------------------------------------------------
+    # ---- ways to a film ---------------------------------------------------------------------------------------------
 
-    def _surroundings(self, conditions):
-        """Edges, temperature and viscosity for the conditions given, the parameters for those that are not."""
-        p = self.parameters
-        given = {name: conditions.get(name, getattr(p, name)) for name in CONDITIONS}
-        lower, upper = (given[f"pressure_{edge}_edge"] - p.cavitation_pressure for edge in ("lower", "upper"))
-        if min(lower, upper) < 0.0:
-            raise NotConverged(f"edge pressure {min(lower, upper):g} Pa below cavitation pressure: must not be below it")
-        along = (np.arange(p.shape[1]) + 0.5) / p.shape[1]
-        profile = (given["oil_temperature_lower_edge"] * (1.0 - along) + given["oil_temperature_upper_edge"] * along)
-        temperature = np.broadcast_to(np.asarray(conditions.get("oil_temperature", profile), dtype=float), p.shape)
-        viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
-        law = p.oil.thickening(viscosity.mean()) if p.oil.pressure_viscosity_law != "none" else None
-        pressure = np.array([lower, upper, 0.0, 0.0])
-        fraction = np.array([given["film_fraction_lower_edge"], given["film_fraction_upper_edge"], 1.0, 1.0])
-        return Surroundings(Edges(law.reduced(pressure) if law else pressure, fraction), lower, upper, temperature,
-                            viscosity, law)
+    def _bare(self, state, film_thickness, sliding_velocity, guess, around, step):
+        """Film thickness, `_flow_film`, solution of the film balance, deflection: of hard surfaces."""
+        parts = self._flow_film(film_thickness, sliding_velocity, around)
+        solution = self.film_step.solve(FlowFilm(*parts[0]), self._no_velocity, -0.5 * sliding_velocity, around.edges,
+                                        state.content, guess, step)
+        return film_thickness, parts, solution, state.deflection
+
+    def _coated(self, state, film_thickness, sliding_velocity, guess, around, step):
+        """The same with a coating that yields to the pressure, by Newton's method, `coating`."""
+        c, law, velocities = self._compliance, around.thickening, (self._no_velocity, -0.5 * sliding_velocity)
+        deflection, unknown, full, factorisations = state.deflection, state.unknown, state.unknown > 0.0, 0
+        for _ in range(coating.LIMIT):
+            film = film_thickness + deflection
+            parts = self._flow_film(film, sliding_velocity, around)
+            reduced, deficit = self.film_step.model.interpret(unknown, full)
+            pressure = law.pressure(reduced) if law else reduced
+            ratio = law.ratio(pressure)[0] if law else 1.0
+            by_velocity = self._no_slopes if parts[2] is None else parts[2]
+            slopes = self.film_step.slopes(FlowFilm(*parts[0]), FlowFilm(*parts[1]), FlowFilm(*by_velocity), velocities,
+                                           (self._no_velocity, self._half_back), reduced, 1.0 + deficit, around.edges, step)
+            touching, touching_slope, *_ = asperity.contact(film, *self._contact)
+            weight, offset = coating.linear_deflection(c, deflection, touching, touching_slope, pressure, ratio, reduced)
+            solution = self.film_step.solve(FlowFilm(*parts[0]), *velocities, around.edges, state.content, guess, step,
+                                            (slopes[0], weight, offset))
+            factorisations += solution.iterations
+            change = weight * solution.pressure + offset
+            if coating.settled(change, deflection):
+                return film, parts, replace(solution, iterations=factorisations), deflection
+            deflection, unknown, full, guess = deflection + change, solution.unknown, solution.full, solution.full
+        worst = np.unravel_index(np.argmax(np.abs(change)), change.shape)
+        raise NotConverged(f"deflection of the coating did not settle in {coating.LIMIT} iterations: last change "
+                           f"{change[worst]:g} m at [{worst[0] + 1},{worst[1] + 1}]")
+
+    # ---- parts of a step --------------------------------------------------------------------------------------------
 
     def _flow_film(self, film_thickness, sliding_velocity, around):
         """`FlowFilm` quantities stacked to (7, n_c, n_a), and their derivatives to film and velocity (None if all zero)."""
@@ -326,19 +255,9 @@ class LubricationModel:
                                         2.0 * p.roughness_share_skirt - 1.0, self._factors)
         if not self._thins:
             return values, slopes, None
-        # shear thinning scales conductivities by mu_0/mu and stresses by mu/mu_0; shear rate |V|/h, Eqs. (O7), (O8)
         thickness = np.maximum(film_thickness, p.minimum_flow_film)
-        rate = np.abs(sliding_velocity) / thickness
-        factor, slope = p.oil.thinning(rate, around.temperature)
-        by_film = np.where(film_thickness > p.minimum_flow_film, -slope * rate / thickness, 0.0)
-        by_velocity = slope * np.sign(sliding_velocity) / thickness
-        velocity_slopes = np.zeros_like(slopes)
-        for rows, power in ((slice(2, 4), -1.0), (slice(4, 6), 1.0)):
-            scale, dscale = factor**power, power * factor ** (power - 1.0)
-            velocity_slopes[rows] = values[rows] * dscale * by_velocity
-            slopes[rows] = slopes[rows] * scale + values[rows] * dscale * by_film
-            values[rows] *= scale
-        return values, slopes, velocity_slopes
+        thinning = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
+        return thin(values, slopes, *thinning, thickness, film_thickness > p.minimum_flow_film, sliding_velocity)
 
     def _film(self, sliding_velocity, values, slopes, velocity_slopes, reduced, fraction, around):
         """The film with true pressure; thickening by pressure enters the shear stress here."""

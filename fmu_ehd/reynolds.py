@@ -295,11 +295,13 @@ def _flow_slopes(g_a, g_b, t_a, t_b, velocity, aspect, width, drop, upstream):
     moved = width * velocity * upstream
     by_g_a = g_b * (2.0 * aspect * g_b * drop + moved * (t_b - t_a)) * inverse * inverse
     by_g_b = g_a * (2.0 * aspect * g_a * drop + moved * (t_a - t_b)) * inverse * inverse
-    return by_g_a, by_g_b, moved * g_b * inverse, moved * g_a * inverse, 0.5 * width * upstream * (t_a * g_b + t_b * g_a) * inverse
+    by_velocity = 0.5 * width * upstream * (t_a * g_b + t_b * g_a) * inverse
+    return by_g_a, by_g_b, moved * g_b * inverse, moved * g_a * inverse, by_velocity
 
 
 @njit(cache=True)
-def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, area_per_step, edge_pressure, edge_fraction, ring):
+def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, area_per_step, edge_pressure, edge_fraction,
+              ring):
     """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two five-point stencils.
 
     What is upstream of a face stays so; at rest the cell before the face counts as downstream of the one behind it.

@@ -6,8 +6,9 @@ from master.fmi.errors import BadInput, Discard
 from master.fmi.slave import FieldSlave
 
 from .cavitation import NotConverged
-from .model import LubricationModel, Parameters, State, faults
+from .model import LubricationModel, State
 from .oil import Oil
+from .parameters import Parameters, faults
 from .variables import CHOICES, CONDITIONS, DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS, FILM, OIL, variables
 
 
@@ -37,7 +38,10 @@ class Ehd(FieldSlave):
         if found := faults(parameters):
             raise BadInput(found)
         self.model = LubricationModel(parameters)
-        state, outputs = self.model.start(values["film_thickness"], values["sliding_velocity"], **self._conditions(values))
+        try:
+            state, outputs = self.model.start(values["film_thickness"], values["sliding_velocity"], **self._conditions(values))
+        except NotConverged as trouble:
+            raise BadInput(str(trouble)) from None
         return state, self._shown(outputs)
 
     def advance(self, state, values, time, step):

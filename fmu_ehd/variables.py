@@ -73,6 +73,9 @@ FILM = [  # FMU parameter = field of `model.Parameters`
     _parameter("boundary_friction_coefficient", "1", 0.12, 0.0, 2.0, "Friction coefficient of asperity contact"),
     _parameter("boundary_shear_strength", "Pa", 0.0, 0.0, 1e9, "Shear strength of the boundary layer in contact"),
     _parameter("friction_rounding_velocity", "m/s", 1e-3, 1e-9, 1.0, "Velocity below which asperity friction fades"),
+    _parameter("coating_thickness", "m", 0.0, 0.0, 1e-3, "Thickness of a soft coating; 0 = none"),
+    _parameter("coating_modulus", "Pa", 1e9, 1e6, 1e12, "Young's modulus of the coating"),
+    _parameter("coating_poisson", "1", 0.3, 0.0, 0.45, "Poisson's ratio of the coating"),
 ]
 
 DERIVATIVE_INPUTS = ("film_thickness", "sliding_velocity")

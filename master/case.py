@@ -29,17 +29,19 @@ class Time(Table):
 
 
 class ParticipantTable(Table):
-    """A participant: an FMU by path, or a package with options that builds one; and its parameters and input starts."""
+    """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
+    and its parameters and input starts."""
 
     package: str | None = None
+    file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
 
     @model_validator(mode="after")
     def one_origin(self):
-        if (self.package is None) == (self.fmu is None):
-            raise ValueError("give either package (to build an FMU) or fmu (a file)")
+        if [self.package, self.file, self.fmu].count(None) != 2:
+            raise ValueError("give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)")
         return self
 
 
@@ -64,6 +66,7 @@ class Coupling(Table):
 
     method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
     order : the order in which the participants step; the wires that run against it are the unknowns.
+    predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
     mixing : share taken of what the secants of iqn_ils leave unexplained.
     windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
@@ -73,6 +76,7 @@ class Coupling(Table):
 
     method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
     order: list[str]
+    predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
     mixing: float = Field(1.0, gt=0, le=1)
@@ -84,10 +88,14 @@ class Coupling(Table):
 
 
 class Record(Table):
-    """What goes into the results file: all scalar outputs every macro step, `fields` every so many."""
+    """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
+
+    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and SIGTERM.
+    """
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
+    checkpoint_every: int = Field(0, ge=0)
 
 
 class Picture(Table):
@@ -103,13 +111,45 @@ class Picture(Table):
     units: dict[str, str] = {}
 
 
+class Loop(Table):
+    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`; the area is divided by `per` for `unit`."""
+
+    y: list[Port]
+    x: Port
+    period: str
+    per: str | float = 1.0
+    unit: str = "J"
+
+
+class Motion(Table):
+    """A rigid outline moved in a plane by three outputs, between fixed lines; displacement and rotation drawn `exaggeration` times.
+
+    Outline points (across, along) are those of the body at rest about its reference point; lines have two ends.
+    """
+
+    across: Port
+    along: Port
+    rotation: Port
+    outline: list[tuple[str, str]] = Field(min_length=3)
+    lines: list[tuple[tuple[str, str], tuple[str, str]]] = []
+    exaggeration: float = Field(100.0, gt=0)
+
+
+class ReportTable(Table):
+    """What a report shows beyond pictures and fields: loops by their name, and a moving body."""
+
+    loops: dict[str, Loop] = {}
+    motion: Motion | None = None
+
+
 class Case(Table):
     """A whole case file.
 
     label : name of the case itself among its variants.
     participants : in the order in which they start; what one has at the start begins the inputs of those after it.
     summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
-    monitor : the same, shown while running. variants : name -> {dotted key: value} changes that make a further run.
+    window : "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in pictures and reports.
+    monitor : as summary, shown while running. variants : name -> {dotted key: value} changes that make a further run.
     """
 
     title: str
@@ -122,6 +162,8 @@ class Case(Table):
     summary: dict[str, str] = {}
     monitor: dict[str, str] = {}
     pictures: list[Picture] = []
+    window: dict[str, tuple[str, str]] = {}
+    report: ReportTable = ReportTable()
     variants: dict[str, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
@@ -133,12 +175,20 @@ class Case(Table):
                 raise ValueError(f"{name} = {text!r}: write 'min|max|mean|last participant.variable'")
         return entries
 
+    @field_validator("window")
+    @classmethod
+    def windows(cls, entries):
+        cls.reductions({text: text for text in entries})
+        return entries
+
     @model_validator(mode="after")
     def names_exist(self):
         ports = [p for w in self.wires for p in (w.source, w.target)] + self.record.fields
         ports += [self.time.angular_speed] if self.time.angular_speed else []
         ports += [p for pic in self.pictures for p in [pic.x, *pic.fields, *sum(pic.y, [])] if p]
-        ports += [text.split()[1] for text in (self.summary | self.monitor).values()]
+        ports += [text.split()[1] for text in [*self.summary.values(), *self.monitor.values(), *self.window]]
+        ports += [p for loop in self.report.loops.values() for p in [loop.x, *loop.y]]
+        ports += [self.report.motion.across, self.report.motion.along, self.report.motion.rotation] if self.report.motion else []
         unknown = sorted({p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants))
         unknown = [name for name in unknown if name not in self.participants]
         if unknown:
@@ -162,12 +212,17 @@ def find_case(name):
 
 
 def read_tree(path, changes=()):
-    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it.
+    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and value) made in it.
 
     Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
     """
     try:
-        tree = tomllib.loads(Path(path).read_text())
+        if Path(path).suffix == ".ssp":
+            from .ssp import read_ssp
+
+            tree = read_ssp(path)
+        else:
+            tree = tomllib.loads(Path(path).read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{path}: {error}") from None
     faults = [fault for key, value in changes if (fault := _change(tree, key, value))]

@@ -31,6 +31,7 @@ Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
+    from .checkpoint import Interrupted
     from .participant import ParticipantFault
     from .stepping import StepFailed
 
@@ -46,6 +47,9 @@ def main():
     except StepFailed as error:
         errors.print("[bold red]stopped:[/] a macro step did not converge, and no halving is left")
         errors.print(f"  {error}", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except Interrupted as error:
+        errors.print(f"[bold red]stopped:[/] {error}", highlight=False, soft_wrap=True)
         sys.exit(1)
     except ParticipantFault as error:
         errors.print("[bold red]stopped:[/] an FMU reports a fault of its own")
@@ -64,7 +68,8 @@ def list_cases():
 
 
 @app.command
-def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None):
+def build(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
+          fmi: Literal["2.0", "3.0"] = "2.0"):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -79,6 +84,8 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
         Circumferential x axial cells, instead of the case's.
     output
         Where to put the FMU; without it the path in the cache is printed.
+    fmi
+        Version of the standard.
     """
     from .fmi.builder import build_fmu
 
@@ -90,7 +97,7 @@ def build(participant: str, *, case: str = "numerical_example", grid: str | None
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)
-    fmu = build_fmu(table.package, table.build, path.parent, _say)
+    fmu = build_fmu(table.package, table.build, path.parent, _say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())
     console.print(str(output or fmu), soft_wrap=True, highlight=False)
@@ -218,6 +225,29 @@ def parse_change(text):
 
 
 @app.command
+def resume(checkpoint: Path):
+    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had happened.
+
+    Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
+    """
+    from .checkpoint import Checkpoint
+    from .report import print_summary, watching
+    from .run import run as run_system
+    from .system import open_system
+
+    if not checkpoint.name.endswith(".h5.checkpoint"):
+        raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
+    found = Checkpoint.read(checkpoint)
+    output = checkpoint.with_suffix("")
+    case = check_case(found.tree, checkpoint)
+    system = open_system(case, Path(found.folder), _say)
+    with watching(console, output.stem) as watch:
+        summary = run_system(system, case, found.tree, output, watch, found)
+    print_summary(console, {output.stem: summary})
+    console.print(f"results  {output}", highlight=False, soft_wrap=True)
+
+
+@app.command
 def plot(*files: Path, output: Path = Path("pictures")):
     """Draw the pictures of one or several results files, side by side, as the first one's case describes them.
 
@@ -331,15 +361,15 @@ def pack(slave: str, *, grid: str = "40x40", output: Path):
 
 
 @app.command
-def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path):
-    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step.
+def export(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], output: Path):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or as an SSP.
 
     Example: piston-cosim export fmu numerical_example --output engine.fmu
 
     Parameters
     ----------
     kind
-        fmu.
+        fmu or ssp.
     case
         Name of a case (see list), its folder, or a case file.
     set_
@@ -348,8 +378,146 @@ def export(kind: Literal["fmu"], case: str, *, set_: Changes = [], output: Path)
         Where to put it.
     """
     from .export import export_fmu
+    from .ssp import export_ssp
+    from .system import open_system
 
     path = find_case(case)
-    checked = check_case(read_tree(path, [parse_change(text) for text in set_]), path)
-    output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    tree = read_tree(path, [parse_change(text) for text in set_])
+    checked = check_case(tree, path)
+    if kind == "fmu":
+        output.write_bytes(export_fmu(checked, path.parent, _say).read_bytes())
+    else:
+        export_ssp(tree, open_system(checked, path.parent, _say), output)
     console.print(str(output), soft_wrap=True, highlight=False)
+
+
+@app.command
+def report(*files: Path, output: Path = Path("report"), notes: Path | None = None):
+    """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
+
+    Example: piston-cosim report results/fired_motorcycle/flexible.h5 results/fired_motorcycle/rigid.h5 --output report
+
+    Parameters
+    ----------
+    files
+        Results files; the first one's case says what is shown.
+    output
+        Folder for report.html and the figures.
+    notes
+        Text file shown on the page, for example the case's README with the sources of its numbers.
+    """
+    from .html_report import write_report
+
+    case, runs = open_runs(files)
+    page = write_report(case, runs, output, notes.read_text() if notes else "")
+    console.print(f"report   {page}", highlight=False, soft_wrap=True)
+
+
+def open_runs(files):
+    """Case of the first results file, and label -> Results of all; files of equal names are told apart by their folders."""
+    from .recorder import Results
+
+    missing = [f"{file}: no such file" for file in files if not file.is_file()]
+    if missing or not files:
+        raise BadInput(missing or "give one or more results files")
+    labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
+    runs = {label: Results(file) for label, file in zip(labels, files)}
+    return check_case(next(iter(runs.values())).case, files[0]), runs
+
+
+@app.command
+def compare(*files: Path, x: str | None = None, y: list[str] = [], period: str | None = None, measured: Path | None = None,
+            output: Path = Path("measured.png")):
+    """Score curves: runs against the first, the last cycle against the one before, or runs against a measured file.
+
+    Printed are the ratio of ranges (amplitude), the shift (phase, in SI, positive = later) and the rms difference over the
+    reference's range.
+
+    Example: piston-cosim compare results/fired_motorcycle/flexible.h5 --period "720 deg"
+
+    Parameters
+    ----------
+    files
+        Results files.
+    x, y
+        Abscissa and curves, participant.variable; by default those of the case's first picture.
+    period
+        Hold each run's last period against the one before it.
+    measured
+        CSV file headed "participant.variable [unit]", the abscissa first; the runs are scored against it and drawn with it.
+    output
+        Picture of runs and measured points.
+    """
+    from . import compare as curves
+
+    case, runs = open_runs(files)
+    lines = [picture for picture in case.pictures if picture.kind == "lines"]
+    if not lines and not (x and y):
+        raise BadInput("the case has no picture with lines: give --x and --y")
+    x, y = x or lines[0].x, y or [port for panel in lines[0].y for port in panel]
+    if measured:
+        table = curves.read_measured(measured)
+        rows = curves.against_measured(runs, table)
+        console.print(f"picture  {curves.draw_measured(runs, table, output)}", highlight=False, soft_wrap=True)
+    elif period:
+        rows = curves.against_last_cycle(case, runs, x, y, period)
+    elif len(runs) > 1:
+        rows = curves.against_first(runs, x, y)
+    else:
+        raise BadInput("one run alone: give --period or --measured, or a second run")
+    table = Table("run", "curve", "amplitude [-]", "phase", "rms [-]", box=None)
+    for label, port, found in rows:
+        table.add_row(label, port, f"{found['amplitude']:.4f}", f"{found['phase']:+.4g}", f"{found['rms']:.4f}")
+    console.print(table)
+
+
+@app.command
+def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_: Changes = [], only: str | None = None,
+          output: Path | None = None, workers: int | None = None, dask: str | None = None):
+    """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture.
+
+    Stopped and started again, it goes on where it was. Points that fail stay as rows with their reason.
+
+    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary ovality=100um;200um
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder, or a case file.
+    vary
+        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, the key's dotted path or its last part; keys joined by + go together.
+    set_
+        Change of the case in all runs, KEY=VALUE.
+    only
+        This variant of the case instead of the case itself.
+    output
+        Folder; default results/sweep_<case>.
+    workers
+        Local processes, by default one a processor.
+    dask
+        Address of a Dask scheduler whose workers see the same folders, in place of local processes.
+    """
+    from . import sweep as sweeps
+    from .sweep_pictures import draw_sweep
+
+    path = find_case(case)
+    changes = [parse_change(text) for text in set_]
+    tree = read_tree(path, changes)
+    if only:
+        variant_trees(path, changes, only)
+        changes += list(tree.get("variants", {}).get(only, {}).items())
+    axes = [sweeps.parse_axis(text, tree) for text in vary]
+    found = sweeps.points(path, changes, axes)
+    folder = output or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
+    sweeps.build_all(found, path.parent, _say)
+
+    def watch(row, done, total):
+        shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
+        console.print(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+
+    with (sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers)) as executor:
+        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
+    console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
+    console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
+    if not any(row["status"] == "done" for row in rows):
+        sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)

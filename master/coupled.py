@@ -1,9 +1,7 @@
 """The coupled system as one slave: participants, wires and iteration inside, scalars outside."""
 
 import importlib
-import pickle
 from dataclasses import dataclass
-from io import BytesIO
 from math import ceil
 from types import SimpleNamespace
 
@@ -12,6 +10,7 @@ import numpy as np
 from .fmi.errors import Discard
 from .fmi.slave import FieldSlave
 from .fmi.variables import Variable
+from .freezing import freeze, thaw
 from .local import LocalParticipant
 from .methods import method_of
 from .stepping import Stepper, StepFailed
@@ -26,17 +25,6 @@ class State:
     """States of all participants and what the method remembers, as bytes."""
 
     data: np.ndarray
-
-
-class ArrayPickler(pickle.Pickler):
-    """Equal content gives equal bytes: NumPy's own way writes a shared dtype once, and loses the sharing when it is read."""
-
-    def reducer_override(self, thing):
-        return (_array, (thing.tobytes(), thing.dtype.str, thing.shape)) if type(thing) is np.ndarray else NotImplemented
-
-
-def _array(data, dtype, shape):
-    return np.frombuffer(data, dtype).reshape(shape).copy()
 
 
 class Coupled(FieldSlave):
@@ -66,7 +54,7 @@ class Coupled(FieldSlave):
         self.system = System(participants, tuple(options["order"]), connections, parameters, np.inf, options["step"])
         start(self.system)
         coupling = SimpleNamespace(**options["coupling"])
-        self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings)
+        self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings, order=coupling.predictor)
         self.standing = self._state()
         return self.standing, self._outputs()
 
@@ -98,16 +86,10 @@ class Coupled(FieldSlave):
 
     def _state(self):
         """Everything a further step depends on."""
-        stepper = self.stepper
-        participants = {name: p.serialise(p.save()) for name, p in self.system.participants.items()}
-        buffer = BytesIO()
-        ArrayPickler(buffer).dump((participants, stepper.predictor.past, stepper.memory))
-        return State(np.frombuffer(buffer.getvalue(), dtype=np.uint8))
+        return State(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
 
     def _restore(self, state):
-        participants, self.stepper.predictor.past, self.stepper.memory = pickle.loads(state.data.tobytes())
-        for name, participant in self.system.participants.items():
-            participant.restore(participant.deserialise(participants[name]))
+        thaw(self.stepper, state.data.tobytes())
 
 
 def _connection(entry):

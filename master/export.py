@@ -10,7 +10,7 @@ from .fmi.builder import pack_fmu, slave_of
 from .fmi.errors import BadInput
 from .system import open_system
 
-COUPLING = [f"master.{name}" for name in ("coupled", "interface", "local", "methods", "stepping", "wiring")]
+COUPLING = [f"master.{name}" for name in ("coupled", "freezing", "interface", "local", "methods", "stepping", "wiring")]
 """The part of the master that goes inside."""
 
 

@@ -8,9 +8,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from .fmi.quantities import registry, to_si  # noqa: E402
+from .fmi.quantities import pint_unit, registry, to_si  # noqa: E402
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a")
+WINDOW = "#3a7d44"
 
 
 def draw(case, runs, folder):
@@ -30,20 +31,26 @@ def draw(case, runs, folder):
     """
     Path(folder).mkdir(parents=True, exist_ok=True)
     drawn = []
-    for picture in case.pictures:
-        figure = (draw_lines if picture.kind == "lines" else draw_maps)(picture, runs)
-        figure.suptitle(picture.title)
+    for picture, figure in figures(case, runs):
         drawn.append(Path(folder) / picture.file)
         figure.savefig(drawn[-1], dpi=130)
-        plt.close(figure)
     return drawn
+
+
+def figures(case, runs):
+    """Every picture of the case with its figure, one after the other; a figure is closed when the next is asked for."""
+    for picture in case.pictures:
+        figure = draw_lines(picture, runs, case.window) if picture.kind == "lines" else draw_maps(picture, runs)
+        figure.suptitle(picture.title)
+        yield picture, figure
+        plt.close(figure)
 
 
 def scaled(values, unit, wanted):
     """`values` from SI `unit` in the unit the picture asks for, and its label."""
     if not wanted:
         return values, "" if unit == "1" else unit
-    quantity = registry().Quantity(1.0, "dimensionless" if unit == "1" else unit.replace(".", "*"))
+    quantity = registry().Quantity(1.0, pint_unit(unit))
     return np.asarray(values) * quantity.to(wanted).magnitude, wanted
 
 
@@ -51,8 +58,8 @@ def _label(text, unit):
     return f"{text} [{unit}]" if unit else text
 
 
-def draw_lines(picture, runs):
-    """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style."""
+def draw_lines(picture, runs, window):
+    """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style; windows are shaded."""
     figure, panels = plt.subplots(len(picture.y), 1, sharex=True, squeeze=False, layout="constrained",
                                   figsize=(11, 1.2 + 2.3 * len(picture.y)))
     for panel, ports in zip(panels[:, 0], picture.y):
@@ -61,16 +68,27 @@ def draw_lines(picture, runs):
             x, x_unit = scaled(x, x_unit, picture.units.get(picture.x))
             for style, port in zip(("-", "--", ":"), ports):
                 y, unit, text = results.series(port)
-                y, unit = scaled(y, unit, picture.units.get(port))
+                wanted = picture.units.get(port)
+                y, shown = scaled(y, unit, wanted)
                 name = label if len(ports) == 1 else f"{label}, {port.split('.')[1].replace('_', ' ')}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
+        _shade(panel, {text.split()[0]: tuple(scaled(to_si(v, unit), unit, wanted)[0] for v in limits)
+                       for text, limits in window.items() if text.split()[1] in ports})
         heading = port.split(".")[1].replace("_", " ") if len(ports) == 1 else _common(ports)
-        panel.set_ylabel(_label(heading, unit))
+        panel.set_ylabel(_label(heading, shown))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
         panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1, 0].set_xlabel(_label(picture.x.split(".")[1].replace("_", " "), x_unit))
     return figure
+
+
+def _shade(panel, windows):
+    """The ranges where a curve's lowest, highest, mean or last values are expected; equal ranges are shaded once."""
+    words = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}
+    for limits in dict.fromkeys(windows.values()):
+        kinds = " and ".join(words[kind] for kind, other in windows.items() if other == limits)
+        panel.axhspan(*limits, color=WINDOW, alpha=0.16, lw=0, label=f"expected for the {kinds} value")
 
 
 def _common(ports):

@@ -27,18 +27,24 @@ class Recorder:
     record : case.Record
     attributes : dict of str to str
         Goes to the root.
+    rows : int
+        So many rows of an interrupted run's partial file are kept.
     """
 
-    def __init__(self, path, participants, record, attributes, flush_every=20):
+    def __init__(self, path, participants, record, attributes, rows=0, flush_every=20):
         self.path, self.partial = Path(path), Path(f"{path}.partial")
         self.participants, self.record, self.flush_every = participants, record, flush_every
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self.file = h5py.File(self.partial, "w", libver="latest")
+        fresh = self.partial.with_name(self.partial.name + ".new")
+        self.file = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
         self.scalars = {name: [f for f in p.fields.values() if f.causality == "output" and not f.shape and f.type != "String"]
                         for name, p in participants.items()}
-        self.rows = 0
+        self.rows = rows
         self._make_datasets()
+        if rows:
+            self._take_over()
+        os.replace(fresh, self.partial)
         self.file.swmr_mode = True
 
     def _make_datasets(self):
@@ -60,6 +66,23 @@ class Recorder:
         dataset = self.file.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=float, chunks=chunk,
                                            compression="lzf" if shape else None)
         dataset.attrs.update({"unit": unit, "description": description})
+
+    def _take_over(self):
+        """Copy the first rows of the interrupted run; its file may lack the mark of having been closed."""
+        with h5py.File(self.partial, "r", libver="latest", swmr=True) as old:
+            instants = -(-self.rows // self.record.every)
+
+            def copy(name, dataset):
+                if isinstance(dataset, h5py.Dataset):
+                    count = instants if name.startswith("fields/") else self.rows
+                    dataset.resize(count, axis=0)
+                    dataset[...] = old[name][:count]
+
+            self.file.visititems(copy)
+
+    def flush(self):
+        """Bring everything written so far to the disk."""
+        self.file.flush()
 
     def _append(self, name, value):
         dataset = self.file[name]
@@ -116,6 +139,11 @@ class Results:
     def case(self):
         """Resolved TOML tree of the run."""
         return json.loads(self.file.attrs["case"])
+
+    @property
+    def summary(self):
+        """Summary of a finished run, None of one that is not."""
+        return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
 
     def series(self, port):
         """Values, unit and description of a scalar output "participant.name"."""

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Column, Table
 
-from .fmi.quantities import registry
+from .fmi.quantities import pint_unit, registry
 
 
 def short(value, unit):
@@ -15,7 +15,7 @@ def short(value, unit):
         return f"{value:.3g}"
     if unit == "rad":
         return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
-    return f"{registry().Quantity(float(value), unit.replace('.', '*')).to_compact():.3g~P}"
+    return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"
 
 
 @contextmanager

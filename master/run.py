@@ -1,4 +1,4 @@
-"""One run of an opened system from start to stop, and the summary of what it did."""
+"""One run of an opened system from start to stop: march, record, checkpoint, and the summary of what it did."""
 
 import json
 import platform
@@ -7,6 +7,8 @@ from importlib.metadata import version
 
 import numpy as np
 
+from .checkpoint import Checkpoint, Interrupted, listening
+from .freezing import freeze, thaw
 from .methods import method_of
 from .recorder import Recorder
 from .stepping import Stepper
@@ -15,7 +17,7 @@ from .wiring import start
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
-def run(system, case, tree, output, watch=lambda *args: None):
+def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     """Run to the stop time.
 
     Parameters
@@ -28,6 +30,8 @@ def run(system, case, tree, output, watch=lambda *args: None):
         Results file.
     watch : callable(time, stop, solution, monitored)
         Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
+    begin_at : Checkpoint, optional
+        Where to go on; from the start without it.
 
     Returns
     -------
@@ -40,16 +44,18 @@ def run(system, case, tree, output, watch=lambda *args: None):
         If a participant refuses its parameters; nothing has been written then.
     StepFailed
         If a macro step cannot be converged; the results up to it stay in `<output>.partial`.
+    Interrupted
+        After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
         start(system)
-        return _march(system, case, tree, output, watch)
+        return _march(system, case, tree, output, watch, begin_at)
     finally:
         for participant in system.participants.values():
             participant.close()
 
 
-def _march(system, case, tree, output, watch):
+def _march(system, case, tree, output, watch, begin_at):
     reductions = [Reduction(name, text) for name, text in case.summary.items()]
 
     def accepted(time, solution):
@@ -58,17 +64,36 @@ def _march(system, case, tree, output, watch):
             reduction.add(values)
         watch(time, system.stop, solution, monitored(case, system, values))
 
-    stepper = Stepper(system, method_of(case.coupling), case.coupling.halvings, accepted)
+    stepper = Stepper(system, method_of(case.coupling), case.coupling.halvings, accepted, case.coupling.predictor)
+    if begin_at:
+        thaw(stepper, begin_at.frozen)
+        stepper.counters = begin_at.counters
+        for reduction in reductions:
+            reduction.values = begin_at.reductions[reduction.name]
     recorder = Recorder(output, system.participants, case.record, {
-        "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())})
-    begin, steps = clock.perf_counter(), round(system.stop / system.step)
+        "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, begin_at.rows if begin_at else 0)
+    first, spent = (begin_at.steps_done, begin_at.wall_time) if begin_at else (0, 0.0)
+    begin, steps = clock.perf_counter() - spent, round(system.stop / system.step)
+
+    def keep(steps_done):
+        recorder.flush()
+        Checkpoint(tree, system.folder, steps_done, recorder.rows, clock.perf_counter() - begin, freeze(stepper), stepper.counters,
+                   {r.name: r.values for r in reductions}).write(output)
+
     try:
-        recorder.write(0.0)
-        for k in range(steps):
-            before, after = system.stop * k / steps, system.stop * (k + 1) / steps
-            stepper.advance(before, after - before)
+        with listening() as heard:
+            if not begin_at:
+                recorder.write(0.0)
+            for k in range(first, steps):
+                before, after = system.stop * k / steps, system.stop * (k + 1) / steps
+                stepper.advance(before, after - before)
+                if heard.signal or (case.record.checkpoint_every and (k + 1) % case.record.checkpoint_every == 0):
+                    keep(k + 1)
+                if heard.signal and k + 1 < steps:
+                    raise Interrupted(output, after)
         summary = summarise(stepper, reductions, clock.perf_counter() - begin)
         recorder.finish(summary)
+        Checkpoint.path(output).unlink(missing_ok=True)
         return summary
     finally:
         recorder.close()

@@ -3,7 +3,7 @@
 from difflib import get_close_matches
 
 from .case import times
-from .fmi.builder import build_fmu
+from .fmi.builder import build_fmu, build_fmu_of_file
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
 from .participant import FmuParticipant
@@ -38,12 +38,14 @@ def open_system(case, folder, progress):
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step)
+    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step, str(folder))
 
 
 def _fmu(table, folder, progress):
     if table.package:
         return build_fmu(table.package, table.build, folder, progress)
+    if table.file:
+        return build_fmu_of_file(str(folder / table.file), table.build, progress)
     path = folder / table.fmu
     if not path.is_file():
         raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")

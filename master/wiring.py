@@ -39,7 +39,10 @@ def _rms(values):
 
 @dataclass(frozen=True)
 class System:
-    """Participants in the order they start, stepping order, connections, parameters in SI, stop time and macro step [s]."""
+    """Participants in the order they start, stepping order, connections, parameters in SI, times, folder of the case.
+
+    stop, step : stop time and macro step [s].
+    """
 
     participants: dict
     order: tuple
@@ -47,6 +50,7 @@ class System:
     parameters: dict
     stop: float
     step: float
+    folder: str = ""
 
 
 def start(system):

@@ -1,5 +1,6 @@
 """Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models. SI inside, units at the edge alone."""
 
+import re
 from functools import cache
 from typing import Annotated
 
@@ -12,6 +13,11 @@ def registry():
     import pint
 
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+def pint_unit(unit):
+    """A unit as pint writes it, from FMI's way: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
+    return "dimensionless" if unit == "1" else re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", unit).replace(".", "*")
 
 
 def to_si(value, unit):
@@ -30,7 +36,7 @@ def to_si(value, unit):
         If the text is no quantity, or of another dimension; the sentence names value and unit.
     """
     ureg = registry()
-    target = ureg.Unit("dimensionless" if unit == "1" else unit.replace(".", "*"))
+    target = ureg.Unit(pint_unit(unit))
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise ValueError(f"{value!r} is not a quantity in {unit}")
     try:

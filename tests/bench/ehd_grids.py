@@ -1,4 +1,4 @@
-"""How the cost of a factorisation and of a step grows with the grid, for each solver. Run: python tests/bench/ehd_grids.py [cells ...]
+"""How the cost of a factorisation and of a step grows with the grid. Run: python tests/bench/ehd_grids.py [cells ...]
 
 One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film ruptures.
 """
@@ -13,7 +13,8 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.model import LubricationModel, Parameters  # noqa: E402
+from fmu_ehd.model import LubricationModel  # noqa: E402
+from fmu_ehd.parameters import Parameters  # noqa: E402
 from fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
 from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
 

@@ -13,7 +13,8 @@ from time import perf_counter  # noqa: E402
 import numpy as np  # noqa: E402
 
 from fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
-from fmu_ehd.model import LubricationModel, Parameters  # noqa: E402
+from fmu_ehd.model import LubricationModel  # noqa: E402
+from fmu_ehd.parameters import Parameters  # noqa: E402
 from fmu_ehd.sparse import SuperLU  # noqa: E402
 from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
 
@@ -82,8 +83,8 @@ def main():
     print(f"{'':44s}{'us':>8s}{'factorisations':>16s}{'target':>8s}")
     for name, time, target in rows:
         print(f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}{'' if target is None else target:>8}")
-    print(f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the block step "
-          "(target 10)")
+    print(f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the "
+          "block step (target 10)")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ class Fuzz:
         for name, choices in laws.items():
             self.slave.set_string([self.slave.references[name]], [str(self.rng.choice(choices))])
         self.slave.views["roughness_rms"][...] = 1e-6
-        if self.rng.random() < 0.3:
+        if self.rng.random() < 0.3:  # mostly refused
             self.set_values()
         self.slave.exit_initialization_mode()
         self.saved = []
@@ -55,8 +55,9 @@ class Fuzz:
         return float(self.rng.choice(STRANGE)) if self.rng.random() < 0.3 else 10.0 ** self.rng.uniform(-8.0, 6.0)
 
     def set_values(self):
-        """Any value in any run of references."""
-        first = int(self.rng.integers(len(self.slave.real)))
+        """Any value in any run of references; parameters only before initialisation, as the standard demands."""
+        free = 0 if self.slave.state is None and self.slave.fault is None else self.slave.references["film_thickness"]
+        first = int(self.rng.integers(free, len(self.slave.real)))
         last = min(first + int(self.rng.integers(1, 40)), len(self.slave.real))
         self.slave.set_real(list(range(first, last)), [self.value() for _ in range(first, last)])
 

@@ -1,13 +1,14 @@
 import numpy as np
 import pytest
 
-from fmu_ehd.model import LubricationModel, Parameters, faults
+from fmu_ehd.model import LubricationModel
 from fmu_ehd.oil import Oil
-from fmu_ehd.verification import DEGREE, motored, motored_film, tangent_error
+from fmu_ehd.parameters import Parameters, faults
+from fmu_ehd.verification import DEGREE, motored, motored_film, opening, physics, tangent_error
 
 SHAPE = (12, 10)
-OPENING = np.zeros(SHAPE, dtype=bool)
-OPENING[0, 3:8] = OPENING[6, 3:8] = OPENING[7, 4:7] = True
+OPENING = opening(SHAPE)
+PHYSICS = physics(SHAPE)
 
 
 def test_mass_balances_in_every_step_of_a_motored_cycle():
@@ -17,29 +18,7 @@ def test_mass_balances_in_every_step_of_a_motored_cycle():
     assert max(o["film_fraction"].max() for o in history) <= 1.0 + 1e-12
 
 
-OPTIONS = {
-    "contact": dict(roughness_rms=1e-6),
-    "power fit": dict(roughness_rms=1e-6, contact_law="power_fit", boundary_shear_strength=2e6),
-    "starved": dict(film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8),
-    "edge pressure": dict(pressure_upper_edge=2e5, cavitation_pressure=-5e4),
-    "reynolds": dict(cavitation_model="reynolds"),
-    "gumbel": dict(cavitation_model="gumbel"),
-    "full film": dict(cavitation_model="full_film"),
-    "full cavity shear": dict(cavity_shear="full_film"),
-    "axial temperature": dict(oil=Oil("vogel_1921"), oil_temperature_upper_edge=420.0),
-    "barus": dict(oil=Oil(pressure_viscosity_law="barus_1893"), pressure_upper_edge=1e5),
-    "roelands": dict(oil=Oil(pressure_viscosity_law="roelands_1966"), pressure_upper_edge=1e5),
-    "cross": dict(oil=Oil(shear_thinning_law="cross_1965")),
-    "carreau": dict(oil=Oil(shear_thinning_law="carreau_1972", shear_thinning_exponent=0.6)),
-    "flow factors": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0),
-    "oblong roughness": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", peklenik_number=4.0, roughness_share_skirt=0.1),
-    "cut-out": dict(open_cells=OPENING),
-    "everything": dict(oil=Oil("vogel_1921", "roelands_1966", "cross_1965"), roughness_rms=2e-6, peklenik_number=0.2,
-                       flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=OPENING),
-}
-
-
-@pytest.mark.parametrize("changes", OPTIONS.values(), ids=OPTIONS)
+@pytest.mark.parametrize("changes", PHYSICS.values(), ids=PHYSICS)
 def test_tangent_is_the_central_difference(changes):
     assert tangent_error(Parameters(SHAPE, **changes)) <= 1e-7  # third derivative x (1e-5)^2
 
@@ -55,8 +34,8 @@ def test_many_directions_at_once_are_the_single_ones():
             assert np.abs(many[k] - single).max() <= 1e-12 * np.abs(single).max()  # order of summation
 
 
-@pytest.mark.parametrize("changes", [v for k, v in OPTIONS.items() if k not in ("reynolds", "gumbel", "full film")],
-                         ids=[k for k in OPTIONS if k not in ("reynolds", "gumbel", "full film")])
+@pytest.mark.parametrize("changes", [v for k, v in PHYSICS.items() if k not in ("reynolds", "gumbel", "full film")],
+                         ids=[k for k in PHYSICS if k not in ("reynolds", "gumbel", "full film")])
 def test_oil_is_conserved_under_every_option(changes):
     _, _, history = motored(Parameters(SHAPE, **changes), 100)
     assert max(o["mass_imbalance"] for o in history) <= 1e-12  # round-off
@@ -70,6 +49,23 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
     assert outputs["pressure"][OPENING] == pytest.approx(1e5)
 
 
+def test_coating_yields_by_its_compliance():
+    film, velocity = motored_film(SHAPE, 31 * DEGREE)
+    for parameters in (Parameters(SHAPE, coating_thickness=3e-5, roughness_rms=1e-6),
+                       Parameters(SHAPE, coating_thickness=3e-5, oil=Oil(pressure_viscosity_law="barus_1893"))):
+        model, state, _ = motored(parameters, 30)
+        state, outputs = model.advance(state, film, velocity, DEGREE)
+        compliance = 3e-5 * 1.3 * 0.4 / (1e9 * 0.7)  # Eq. (L1) by hand
+        expected = compliance * (outputs["pressure"] + outputs["asperity_pressure"])
+        assert expected.max() > 1e-8
+        assert np.abs(state.deflection - expected).max() <= 1e-9 * expected.max()  # coating.TOLERANCE
+
+
+def test_coating_lowers_the_peak_of_pressure():
+    bare, coated = (motored(Parameters(SHAPE, coating_thickness=d), 60)[2] for d in (0.0, 1e-4))
+    assert max(o["maximum_pressure"] for o in coated) < max(o["maximum_pressure"] for o in bare)
+
+
 def test_halves_add_up():
     _, _, history = motored(Parameters(SHAPE, roughness_rms=1e-6), 30)
     o = history[-1]
@@ -79,12 +75,14 @@ def test_halves_add_up():
     assert o["radial_force_thrust_side"] > 0.0
     both = o["friction_force_hydrodynamic"] + o["friction_force_asperity"]
     assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(both)
-    assert min(o["minimum_film_thickness_thrust_side"], o["minimum_film_thickness_anti_thrust_side"]) == o["minimum_film_thickness"]
+    thinnest = [o[f"minimum_film_thickness_{side}_side"] for side in ("thrust", "anti_thrust")]
+    assert min(thinnest) == o["minimum_film_thickness"] < max(thinnest)
 
 
 def test_conditions_given_in_a_step_are_those_of_the_parameters():
     film, velocity = motored_film(SHAPE, DEGREE)
-    oil, given = Oil("vogel_1921"), dict(pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0)
+    oil = Oil("vogel_1921")
+    given = dict(pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0)
     fixed = LubricationModel(Parameters(SHAPE, oil, **given))
     free = LubricationModel(Parameters(SHAPE, oil))
     state, _ = free.start(*motored_film(SHAPE, 0.0))

@@ -66,4 +66,5 @@ def test_library_faults_are_reported_together():
     faults = []
     oil_values("x", dict(viscosity="1 m", vogel_b="1e6 K", grade="a", viscosity_law="linear"), faults)
     text = "\n".join(faults)
-    assert all(word in text for word in ("viscosity has no source", "'1 m'", "vogel_b = 1e+06 K", "grade is no parameter", "'linear'"))
+    words = "viscosity has no source", "'1 m'", "vogel_b = 1e+06 K", "grade is no parameter", "'linear'"
+    assert all(word in text for word in words)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from fmu_ehd import sparse
-from fmu_ehd.model import LubricationModel, Parameters
+from fmu_ehd.model import LubricationModel
+from fmu_ehd.parameters import Parameters
 from fmu_ehd.verification import DEGREE, motored_film
 
 SHAPE = (11, 9)

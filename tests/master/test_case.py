@@ -94,7 +94,8 @@ def test_variants_are_changed_cases(case_file):
 
 @pytest.mark.parametrize("value, unit, si", [("25 um", "m", 25e-6), ("3000 rpm", "rad/s", 314.1592653589793),
                                              ("1 deg", "rad", 0.017453292519943295), ("12 mPa s", "Pa.s", 0.012),
-                                             (0.3, "1", 0.3), ("50 degC", "K", 323.15)])
+                                             (0.3, "1", 0.3), ("50 degC", "K", 323.15), ("220 g mm^2", "kg.m2", 2.2e-7),
+                                             ("1 cm^3/s", "m3/s", 1e-6), ("2 m/s^2", "m/s2", 2.0)])
 def test_quantities(value, unit, si):
     assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
 

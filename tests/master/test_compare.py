@@ -1,0 +1,42 @@
+"""Scores against curves whose amplitude, phase and distance are known."""
+
+import numpy as np
+import pytest
+
+from master.compare import read_measured, score
+from master.fmi.errors import BadInput
+
+X = np.linspace(0.0, 4 * np.pi, 721)
+
+
+def test_a_later_and_larger_sine_is_scored_so():
+    found = score(X, 1.5 * np.sin(X - 0.2), X[60:-60], np.sin(X[60:-60]))
+    assert found["amplitude"] == pytest.approx(1.5, rel=1e-4)  # the grid misses the crests by half a degree at most
+    assert found["phase"] == pytest.approx(0.2, abs=2e-3)  # a tenth of the search step
+    rms = np.sqrt(np.mean((1.5 * np.sin(X[60:-60] - 0.2) - np.sin(X[60:-60])) ** 2)) / 2
+    assert found["rms"] == pytest.approx(rms, rel=1e-3)
+
+
+def test_equal_curves_score_one_and_zero():
+    found = score(X, np.cos(X), X, np.cos(X))
+    assert (found["amplitude"], found["rms"]) == (1.0, 0.0)
+    assert found["phase"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_nothing_in_common_is_bad_input():
+    with pytest.raises(BadInput, match="nothing to compare"):
+        score(X, X, X + 100.0, X)
+
+
+def test_measured_file_names_ports_and_units(tmp_path):
+    path = tmp_path / "m.csv"
+    path.write_text("a.angle [deg], a.shift [um]\n0, 1\n10, 3\n")
+    measured = read_measured(path)
+    assert measured["a.shift"][0].tolist() == [1.0, 3.0] and measured["a.shift"][1] == "um"
+    path.write_text("angle, a.shift [um], what\n0, 1, 2\n")
+    with pytest.raises(BadInput) as caught:
+        read_measured(path)
+    assert len(caught.value.faults) == 2
+    path.write_text("a.angle [deg], a.shift [um]\n0, 1\n0, 3\n")
+    with pytest.raises(BadInput, match="rising"):
+        read_measured(path)

@@ -1,0 +1,101 @@
+"""Sweeps: axes, resuming, failures as rows; and the trends published for clearance, ovality and speed."""
+
+import csv
+from concurrent.futures import Executor, Future
+
+import numpy as np
+import pytest
+
+from master.case import find_case, read_tree
+from master.fmi.errors import BadInput
+from master.recorder import Results
+from master.sweep import build_all, local_executor, parse_axis, points, sweep
+
+PATH = find_case("fired_motorcycle")
+TREE = read_tree(PATH)
+
+
+class Answering(Executor):
+    """Answers in place of processes: counts what is asked, fails for one value, dies for another."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def submit(self, function, tree, case_folder, output):
+        self.asked += 1
+        future, speed = Future(), tree["participants"]["bodies"]["parameters"]["crank_speed"]
+        if speed == "2000 rpm":
+            future.set_exception(RuntimeError("process died"))
+        else:
+            future.set_result({"status": "failed", "message": "no step"} if speed == "3000 rpm" else {"status": "done", "message": "", "x": 1.0})
+        return future
+
+
+def test_axis_of_a_range_and_of_a_list():
+    axis = parse_axis("radial_clearance=10um..0.03mm:3", TREE)
+    assert axis.keys == ("participants.bodies.parameters.radial_clearance",)
+    assert axis.values == ("10 um", "20 um", "30 um")
+    grids = parse_axis("participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", TREE)
+    assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
+
+
+@pytest.mark.parametrize("text, message", [("grid=1..2:2", "participants.bodies.build.grid, participants.ehd.build.grid"),
+                                           ("no_such=1..2:2", "nowhere"), ("crank_speed=1rpm..2:2", "units of one kind"),
+                                           ("crank_speed", "KEY=LOW..HIGH:COUNT"), ("crank_speed=1rpm..2rpm:1", "at least 2")])
+def test_bad_axes_say_what_is_wrong(text, message):
+    with pytest.raises(BadInput, match=message):
+        parse_axis(text, TREE)
+
+
+def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
+    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", TREE)])
+    first = Answering()
+    rows = sweep(found, PATH.parent, tmp_path, first)
+    assert [row["status"] for row in rows] == ["done", "failed", "failed"]
+    assert "process died" in rows[1]["message"]
+    with open(tmp_path / "sweep.csv") as file:
+        table = list(csv.DictReader(file))
+    assert [row["crank_speed"] for row in table] == ["1000 rpm", "2000 rpm", "3000 rpm"]
+    assert (table[0]["x"], table[2]["message"]) == ("1.0", "no step")
+    (tmp_path / "runs" / f"{found[2].name}.json").unlink()  # as if stopped before the third
+    again = Answering()
+    assert sweep(found, PATH.parent, tmp_path, again) == rows
+    assert (first.asked, again.asked) == (3, 1)
+
+
+@pytest.fixture(scope="module")
+def trends(tmp_path_factory):
+    """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing top dead centre."""
+    folder = tmp_path_factory.mktemp("sweep")
+    changes = [("participants.bodies.build.grid", [16, 12]), ("participants.ehd.build.grid", [16, 12]), ("time.stop", "180 deg"),
+               ("time.step", "2 deg"), ("participants.bodies.parameters.start_crank_angle", "-30 deg"), ("record.fields", []),
+               *TREE["variants"]["rigid"].items()]
+    axes = {name: parse_axis(text, TREE) for name, text in (("clearance", "radial_clearance=15um;30um;45um"),
+            ("ovality", "ovality=100um;200um;400um"), ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"))}
+    found = {name: points(PATH, changes, [axis]) for name, axis in axes.items()}
+    build_all(found["speed"], PATH.parent, lambda text: None)
+    with local_executor(2) as executor:
+        rows = sweep(sum(found.values(), []), PATH.parent, folder, executor)
+    assert {row["status"] for row in rows} == {"done"}
+    files = iter(folder / "runs" / f"{p.name}.h5" for p in sum(found.values(), []))
+    return {name: [travel(next(files)) for _ in found[name]] for name in found}
+
+
+def travel(path):
+    """Range of the lateral motion in the power stroke [m]."""
+    results = Results(path)
+    values = results.series("bodies.lateral_displacement")[0]
+    results.close()
+    return np.ptp(values)
+
+
+def test_larger_clearance_moves_more(trends):
+    assert np.all(np.diff(trends["clearance"]) > 1e-6)  # a micrometre: a thousand times the coupling tolerance
+
+
+def test_larger_ovality_moves_more(trends):
+    assert np.all(np.diff(trends["ovality"]) > 1e-7)
+
+
+def test_higher_speed_moves_less_in_the_power_stroke(trends):
+    assert np.all(np.diff(trends["speed"]) < -1e-6)
