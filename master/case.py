@@ -29,17 +29,19 @@ class Time(Table):
 
 
 class ParticipantTable(Table):
-    """A participant: an FMU by path, or a package with options that builds one; and its parameters and input starts."""
+    """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
+    and its parameters and input starts."""
 
     package: str | None = None
+    file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
 
     @model_validator(mode="after")
     def one_origin(self):
-        if (self.package is None) == (self.fmu is None):
-            raise ValueError("give either package (to build an FMU) or fmu (a file)")
+        if [self.package, self.file, self.fmu].count(None) != 2:
+            raise ValueError("give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)")
         return self
 
 
@@ -64,6 +66,7 @@ class Coupling(Table):
 
     method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
     order : the order in which the participants step; the wires that run against it are the unknowns.
+    predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
     mixing : share taken of what the secants of iqn_ils leave unexplained.
     windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
@@ -73,6 +76,7 @@ class Coupling(Table):
 
     method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
     order: list[str]
+    predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
     mixing: float = Field(1.0, gt=0, le=1)

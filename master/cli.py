@@ -120,11 +120,11 @@ def info(fmu: Path):
 
     Example: piston-cosim info film.fmu
     """
-    from .participant import FmuParticipant
+    from .participant import open_fmu
 
     if not fmu.is_file():
         raise BadInput(f"{fmu}: no such file")
-    participant = FmuParticipant("fmu", fmu)
+    participant = open_fmu("fmu", fmu)
     model = participant.description
     console.print(f"[bold]{model.modelName}[/]  FMI {model.fmiVersion}  {model.description or ''}")
     console.print(f"save and restore state: {participant.can_redo}   serialise: "
