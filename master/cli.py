@@ -513,7 +513,7 @@ def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_
     axes = [sweeps.parse_axis(text, tree) for text in vary]
     found = sweeps.points(path, changes, axes)
     folder = output or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
-    sweeps.build_all(found, path.parent, _say)
+    sweeps.build_all(sweeps.unfinished(found, folder), path.parent, _say)
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
@@ -555,7 +555,7 @@ def study(case: str, name: str, *, set_: Changes = [], output: Path | None = Non
     path = find_case(case)
     checked, chosen, found = studies.study_points(path, [parse_change(text) for text in set_], name)
     folder = output or Path("results") / f"study_{path.parent.name}_{name}"
-    sweeps.build_all(found, path.parent, _say)
+    sweeps.build_all(sweeps.unfinished(found, folder), path.parent, _say)
 
     def watch(row, done, total):
         console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False,
@@ -565,10 +565,12 @@ def study(case: str, name: str, *, set_: Changes = [], output: Path | None = Non
         rows = sweeps.sweep(found, path.parent, folder, executor, watch)
     runs = studies.open_points(found, rows, folder)
     table = studies.study_table(chosen, checked, rows, runs)
-    shown = Table("", *(row["run"] for row in table), box=None, title=chosen.title)
-    for key in dict.fromkeys(key for row in table for key in row if key != "run"):
-        shown.add_row(key, *(f"{v:.4g}" if isinstance(v := row.get(key, ""), float) else str(v) for row in table))
-    console.print(shown)
+    distances = [key for row in table for key in row if key.startswith("rms ")]
+    for title, keys in ((f"{chosen.title}: cost", studies.COST), (f"rms distance from {chosen.reference} / its range", distances)):
+        shown = Table("", *(key.split(".")[-1].replace("_", " ") for key in dict.fromkeys(keys)), box=None, title=title)
+        for row in table:
+            shown.add_row(row["run"], *(f"{row[key]:.4g}" if key in row and row[key] != "" else "" for key in dict.fromkeys(keys)))
+        console.print(shown)
     console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
     curves = studies.draw_study(chosen, checked, table, runs, folder / "study.png")
     for picture in (curves, *draw(checked, runs, folder)):

@@ -84,7 +84,7 @@ def write_table(table, path):
 def draw_study(study, case, table, runs, path):
     """Left the curves of all runs, right their rms distance from the reference."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    figure, panels = plt.subplots(len(study.curves), 2, squeeze=False, layout="constrained",
+    figure, panels = plt.subplots(len(study.curves), 2, squeeze=False, sharex="col", layout="constrained",
                                   figsize=(13, 1 + 2.6 * len(study.curves)), width_ratios=(3, 1))
     for (left, right), port in zip(panels, study.curves):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
@@ -94,12 +94,12 @@ def draw_study(study, case, table, runs, path):
             distance = next(row[f"rms {port}"] for row in table if row["run"] == label)
             right.plot([label], [distance if distance > 0 else np.nan], "o", color=colour)
         left.set_ylabel(labelled(port.split(".")[1].replace("_", " "), unit), fontsize="small")
-        left.set_xlabel(labelled(study.x.split(".")[1].replace("_", " "), x_unit))
         right.set_yscale("log")
         right.tick_params(axis="x", rotation=60, labelsize="small")
         right.set_title(f"rms / range, from {study.reference}", fontsize="small")
         for panel in (left, right):
             panel.grid(alpha=0.3)
+    panels[-1, 0].set_xlabel(labelled(study.x.split(".")[1].replace("_", " "), x_unit))
     panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
     figure.suptitle(study.title)
     figure.savefig(path, dpi=120)

@@ -196,6 +196,11 @@ def _replace(path, text):
     os.replace(fresh, path)
 
 
+def unfinished(found, folder):
+    """The points that have no row in `folder` yet. A row is known by the case's content, not by the code that made it."""
+    return [point for point in found if not (Path(folder) / "runs" / f"{point.name}.json").exists()]
+
+
 def build_all(found, case_folder, progress):
     """Build every FMU the points need, each once, before processes race for it; faults are left to the rows."""
     tables = {}

@@ -9,7 +9,7 @@ import pytest
 from master.case import find_case, read_tree
 from master.fmi.errors import BadInput
 from master.recorder import Results
-from master.sweep import build_all, local_executor, parse_axis, points, sweep
+from master.sweep import build_all, local_executor, parse_axis, points, sweep, unfinished
 
 PATH = find_case("fired_motorcycle")
 TREE = read_tree(PATH)
@@ -59,6 +59,7 @@ def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
     assert [row["crank_speed"] for row in table] == ["1000 rpm", "2000 rpm", "3000 rpm"]
     assert (table[0]["x"], table[2]["message"]) == ("1.0", "no step")
     (tmp_path / "runs" / f"{found[2].name}.json").unlink()  # as if stopped before the third
+    assert unfinished(found, tmp_path) == [found[2]]
     again = Answering()
     assert sweep(found, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 1)
