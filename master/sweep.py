@@ -18,6 +18,10 @@ from .fmi.builder import build_fmu
 from .fmi.errors import BadInput
 from .fmi.quantities import registry
 
+SHOWN = ("title", "label", "monitor", "pictures", "window", "report", "studies", "variants")
+"""Tables of a case that say how a run is shown: changing them changes no result."""
+
+
 @dataclass(frozen=True)
 class Axis:
     """What varies: dotted keys of the case that take the same value, and the values."""
@@ -88,14 +92,15 @@ def _range(text, rest):
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the tree's content)."""
+    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the content that bears on the run)."""
 
     values: dict
     tree: dict
 
     @property
     def name(self):
-        return hashlib.sha256(json.dumps(self.tree, sort_keys=True).encode()).hexdigest()[:16]
+        bearing = {key: value for key, value in self.tree.items() if key not in SHOWN}
+        return hashlib.sha256(json.dumps(bearing, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def points(path, changes, axes):
