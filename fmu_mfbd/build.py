@@ -43,7 +43,8 @@ def prepare(options, folder, progress):
     faults, files = [], {}
     for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
         try:
-            files[name] = cached(reduce, {k: v for k, v in resolved[name].items() if k not in ("profiles", "orders")}, resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
+            files[name] = cached(reduce, {k: v for k, v in resolved[name].items() if k not in ("profiles", "orders")},
+                                 resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
         except MeshFault as error:
             faults += error.faults
         except ValueError as error:

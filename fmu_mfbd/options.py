@@ -16,7 +16,8 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Surface(BaseModel):
-    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across y."""
+    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across
+    y."""
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
@@ -34,13 +35,14 @@ class Surface(BaseModel):
 
     def rule(self):
         """As `mesh.read_mesh` takes it."""
-        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius), "plane": ("plane", self.height)}[self.shape]
+        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius),
+                "plane": ("plane", self.height)}[self.shape]
 
 
 class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are thrust (x),
-    towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by geometry what the file
-    does not name. `modes_off` switches single modes off, by their number in the table of modes."""
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are
+    thrust (x), towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by
+    geometry what the file does not name. `modes_off` switches single modes off, by their number in the table of modes."""
 
     model_config = STRICT
     mesh: str
@@ -88,8 +90,9 @@ class Gas(BaseModel):
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
-    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly (rbe2) or
-    the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
+    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly
+    (rbe2) or the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice
+    of modes.
     """
 
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
@@ -103,8 +106,8 @@ class Piston(Body):
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given. `tie`: bolt
-    faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
+    `tie`: bolt faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
     """
 
     tie: Literal["rbe2", "springs"] = "rbe2"

@@ -20,7 +20,8 @@ def test_all_faults_of_the_table_at_once(bodies):
     with pytest.raises(BadInput) as caught:
         prepare(wrong, folder, print)
     text = "\n".join(caught.value.faults)
-    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm", "block.basis"):
+    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm",
+                  "block.basis"):
         assert piece.split(" = ")[0] in text, text
     assert len(caught.value.faults) == 5
 
