@@ -142,6 +142,26 @@ class ReportTable(Table):
     motion: Motion | None = None
 
 
+class Study(Table):
+    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
+
+    `set` changes the case in all of them; `curves` over `x` are scored against the reference's.
+    """
+
+    title: str
+    set: dict[str, Any] = {}
+    points: dict[str, dict[str, Any]]
+    reference: str
+    x: Port
+    curves: list[Port]
+
+    @model_validator(mode="after")
+    def reference_exists(self):
+        if self.reference not in self.points:
+            raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
+        return self
+
+
 class Case(Table):
     """A whole case file.
 
@@ -164,6 +184,7 @@ class Case(Table):
     pictures: list[Picture] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
+    studies: dict[str, Study] = {}
     variants: dict[str, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
@@ -232,13 +253,18 @@ def read_tree(path, changes=()):
 
 
 def _change(tree, key, value):
-    """Set a dotted key; the tables on its way must exist. Returns a fault or None."""
+    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0. Returns a fault or None."""
     *parents, last = key.split(".")
     node = tree
     for k, part in enumerate(parents):
-        node = node.get(part) if isinstance(node, dict) else None
-        if not isinstance(node, dict):
+        if isinstance(node, list):
+            node = node[int(part)] if part.isdigit() and int(part) < len(node) else None
+        else:
+            node = node.get(part)
+        if not isinstance(node, (dict, list)):
             return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+    if isinstance(node, list):
+        return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
     node[last] = value
     return None
 

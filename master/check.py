@@ -5,7 +5,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from .fmi.errors import BadInput
-from .participant import FmuParticipant
+from .participant import open_fmu
 
 CONTRACT = files("models") / "lubrication_contract.toml"
 
@@ -49,7 +49,7 @@ def check_fmu(path, role=None):
     BadInput
         If the file is no FMU, or fits no role.
     """
-    participant = FmuParticipant("fmu", path)
+    participant = open_fmu("fmu", path)
     role = role or role_of(participant)
     if role is None:
         wanted = "; ".join(f"{name}: {', '.join(terms['outputs']['field'])}" for name, terms in contract().items())
@@ -116,7 +116,7 @@ def swap(tree, name, path):
     left_out : list of str
         Keys of what was left out.
     """
-    fields = FmuParticipant(name, path).fields
+    fields = open_fmu(name, path).fields
     left_out = []
 
     def known(port):

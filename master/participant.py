@@ -5,7 +5,10 @@ The only file that knows FMPy. Any object with the same methods can take part (`
 
 import ctypes
 import shutil
+import tempfile
 import zipfile
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Protocol
@@ -68,19 +71,22 @@ class FmuParticipant:
         If the file is no FMU for co-simulation.
     """
 
+    version, derivative_flag = "2", "providesDirectionalDerivative"
+
     def __init__(self, name, path):
         self.name, self.path = name, Path(path)
         try:
             self.description = fmpy.read_model_description(str(path), validate=False)
         except Exception as error:
             raise BadInput(f"participant {name}: {path} cannot be read as an FMU: {error}") from None
-        if self.description.coSimulation is None or not self.description.fmiVersion.startswith("2"):
-            raise BadInput(f"participant {name}: {path} is no FMI 2.0 FMU for co-simulation")
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(self.version):
+            raise BadInput(f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation")
         self.fields = gather_fields(self.description)
         self.folder = unpack(self.path)
         self.log = []
-        self._references, self._pairs, self._derivative = {}, {}, self._reserved_references()
-        self._standard_derivative = bool(self.description.coSimulation.providesDirectionalDerivative)
+        root = self._model_description()
+        self._vectors, self._pairs, self._derivative = {}, {}, self._reserved_references(root)
+        self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in ("true", "1")
         self._fmu = None
 
     @property
@@ -98,25 +104,34 @@ class FmuParticipant:
 
         Raises BadInput with what the FMU logged if it refuses.
         """
-        identifier = self.description.coSimulation.modelIdentifier
-        self._fmu = fmi2.FMU2Slave(guid=self.description.guid, unzipDirectory=str(self.folder), modelIdentifier=identifier,
-                                   instanceName=self.name)
-        self._callbacks = fmi2.fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
-        self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         self.log.clear()
         try:
-            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-            self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+            self._instantiate(start_time, stop_time)
             for name, value in parameters.items():
                 self.set(name, value)
-            self._fmu.enterInitializationMode()
-            self._fmu.exitInitializationMode()
+            self._initialise(start_time, stop_time)
         except Exception as error:
             raise self._refusal() or BadInput(f"{self.name}: {error}") from error
         if refusal := self._refusal():
             raise refusal
+
+    def _slave(self, kind):
+        """FMPy's slave of this FMU."""
+        return kind(guid=self.description.guid, unzipDirectory=str(self.folder), instanceName=self.name,
+                    modelIdentifier=self.description.coSimulation.modelIdentifier)
+
+    def _instantiate(self, start_time, stop_time):
+        self._fmu = self._slave(fmi2.FMU2Slave)
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
+        self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+
+    def _initialise(self, start_time, stop_time):
+        self._fmu.enterInitializationMode()
+        self._fmu.exitInitializationMode()
 
     def _refusal(self):
         """What the log says against a start: a bug, bad input, or None."""
@@ -130,39 +145,51 @@ class FmuParticipant:
 
     def _vector(self, name):
         """ctypes references and a NumPy buffer with its pointer for a field, made once."""
-        if name not in self._references:
-            references = self.fields[name].references
-            buffer = np.empty(len(references))
-            self._references[name] = ((ctypes.c_uint * len(references))(*references), len(references), buffer,
-                                      buffer.ctypes.data_as(REAL))
-        return self._references[name]
+        if name not in self._vectors:
+            self._vectors[name] = _block({name: self.fields[name]})
+        return self._vectors[name]
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
         field = self.fields[name]
         if field.type == "Real":
-            references, size, buffer, pointer = self._vector(name)
-            buffer[:] = np.ravel(value)
-            self._fmu.fmi2SetReal(self._fmu.component, references, size, pointer)
+            block = self._vector(name)
+            block.values[:] = np.ravel(value)
+            self._write(block)
         else:
-            setter = self._fmu.setString if field.type == "String" else self._fmu.setInteger
+            setter = self._fmu.setString if field.type == "String" else self._set_integers
             setter(list(field.references), [value] * field.size)
 
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar."""
         field = self.fields[name]
         if field.type != "Real":
-            getter = self._fmu.getString if field.type == "String" else self._fmu.getInteger
+            getter = self._fmu.getString if field.type == "String" else self._get_integers
             value = getter(list(field.references))[0]
             return value.decode() if isinstance(value, bytes) else value
-        references, size, buffer, pointer = self._vector(name)
-        self._fmu.fmi2GetReal(self._fmu.component, references, size, pointer)
-        return buffer.reshape(field.shape).copy() if field.shape else float(buffer[0])
+        block = self._vector(name)
+        self._read(block)
+        return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+
+    def _write(self, block):
+        self._fmu.fmi2SetReal(self._fmu.component, block.references, block.count, block.pointer)
+
+    def _read(self, block):
+        self._fmu.fmi2GetReal(self._fmu.component, block.references, block.count, block.pointer)
+
+    def _get_reals(self, references):
+        return self._fmu.getReal(references)
+
+    def _get_integers(self, references):
+        return self._fmu.getInteger(references)
+
+    def _set_integers(self, references, values):
+        self._fmu.setInteger(references, values)
 
     def get_many(self, names):
         """Values of several scalars in two calls: dict of name to float or int."""
         values = {}
-        for kind, getter in (("Real", self._fmu.getReal), ("Integer", self._fmu.getInteger)):
+        for kind, getter in (("Real", self._get_reals), ("Integer", self._get_integers)):
             chosen = [name for name in names if self.fields[name].type == kind]
             if chosen:
                 values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
@@ -187,6 +214,9 @@ class FmuParticipant:
     def restore(self, saved):
         """Go back to a saved state; the next step counts from it."""
         self._begin = saved
+        self._set_state(saved)
+
+    def _set_state(self, saved):
         self._fmu.setFMUstate(saved)
 
     def free(self, saved):
@@ -219,28 +249,32 @@ class FmuParticipant:
             return self._reserved_derivative(seeds) if self._derivative else self._difference(seeds, products)
         known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
-            known["buffer"][known["slices"][name]] = np.ravel(value)
-        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown["references"], len(unknown["buffer"]),
-                                               known["references"], len(known["buffer"]), known["pointer"], unknown["pointer"])
+            known.values[known.parts[name]] = np.ravel(value)
+        self._derive(known, unknown)
         return self._cut(unknown)
 
+    def _derive(self, known, unknown):
+        """Fill `unknown` with the standard directional derivative for the seeds in `known`."""
+        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown.references, unknown.count,
+                                               known.references, known.count, known.pointer, unknown.pointer)
+
     def _pair(self, names):
-        """References of several fields in one array, with a buffer; made once."""
+        """References of several fields in one block, made once."""
         if names not in self._pairs:
-            self._pairs[names] = _block({name: self.fields[name].references for name in names})
+            self._pairs[names] = _block({name: self.fields[name] for name in names})
         return self._pairs[names]
 
     def _cut(self, block):
-        return {name: block["buffer"][part].reshape(self.fields[name].shape).copy() for name, part in block["slices"].items()}
+        return {name: block.values[part].reshape(self.fields[name].shape).copy() for name, part in block.parts.items()}
 
     def _reserved_derivative(self, seeds):
         """The same through the reserved references of an FMU without the standard call."""
         write, read = self._derivative["seed"], self._derivative["product"]
-        write["buffer"][:] = 0.0
+        write.values[:] = 0.0
         for name, value in seeds.items():
-            write["buffer"][write["slices"][name]] = np.ravel(value)
-        self._fmu.fmi2SetReal(self._fmu.component, write["references"], len(write["buffer"]), write["pointer"])
-        self._fmu.fmi2GetReal(self._fmu.component, read["references"], len(read["buffer"]), read["pointer"])
+            write.values[write.parts[name]] = np.ravel(value)
+        self._write(write)
+        self._read(read)
         return self._cut(read)
 
     def _difference(self, seeds, products):
@@ -260,19 +294,23 @@ class FmuParticipant:
             self.step(*self._last_step)
             return {name: (self.get(name) - before[name]) / size for name in products}      # Eq. (P1)
         finally:
-            self._fmu.setFMUstate(end)
+            self._set_state(end)
             self.free(end)
 
-    def _reserved_references(self):
-        """Reference arrays and buffers of all seeds and all products, from the FMU's vendor annotation."""
+    def _model_description(self):
+        """Root of the XML, for what FMPy does not read."""
         with zipfile.ZipFile(self.path) as archive:
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+            return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+    def _reserved_references(self, root):
+        """Blocks of all seeds and of all products, from the FMU's vendor annotation."""
         found = {}
         for kind in ("seed", "product"):
             nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
             first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
             if first:
-                found[kind] = _block({name: range(k, k + self.fields[name].size) for name, k in first.items()})
+                found[kind] = _block({name: replace(self.fields[name], references=tuple(range(k, k + self.fields[name].size)))
+                                      for name, k in first.items()})
         return found
 
     def close(self):
@@ -283,15 +321,24 @@ class FmuParticipant:
             self._fmu = None
 
 
-def _block(references):
-    """References of several fields (name -> sequence) in one C array, their places in it, and a buffer of values."""
-    slices, together = {}, []
-    for name, own in references.items():
-        slices[name] = slice(len(together), len(together) + len(own))
-        together += own
-    buffer = np.zeros(len(together))
-    return {"references": (ctypes.c_uint * len(together))(*together), "slices": slices, "buffer": buffer,
-            "pointer": buffer.ctypes.data_as(REAL)}
+@dataclass(frozen=True)
+class Block:
+    """Fields moved in one call: C array of their references, their number, values with a pointer, each field's part."""
+
+    references: ctypes.Array
+    count: int
+    values: np.ndarray
+    pointer: REAL
+    parts: dict
+
+
+def _block(fields):
+    """Block of several fields (name -> Field)."""
+    references = [reference for field in fields.values() for reference in field.references]
+    ends = np.cumsum([field.size for field in fields.values()])
+    values = np.zeros(int(ends[-1]) if fields else 0)
+    parts = {name: slice(int(end) - field.size, int(end)) for (name, field), end in zip(fields.items(), ends)}
+    return Block((ctypes.c_uint * len(references))(*references), len(references), values, values.ctypes.data_as(REAL), parts)
 
 
 def unpack(path):
@@ -299,9 +346,21 @@ def unpack(path):
     digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
     folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
     if not folder.exists():
-        partial = folder.with_name(folder.name + ".part")
-        shutil.rmtree(partial, ignore_errors=True)
+        partial = Path(tempfile.mkdtemp(dir=folder.parent))
         with zipfile.ZipFile(path) as archive:
             archive.extractall(partial)
-        partial.rename(folder)
+        try:
+            partial.rename(folder)
+        except OSError:     # another process was faster
+            shutil.rmtree(partial)
     return folder
+
+
+def open_fmu(name, path):
+    """Participant for an FMU of either version of the standard."""
+    from .participant3 import Fmu3Participant
+
+    with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
+        if b'fmiVersion="3' in archive.read("modelDescription.xml")[:2000]:
+            return Fmu3Participant(name, path)
+    return FmuParticipant(name, path)

@@ -15,9 +15,9 @@ import numpy as np
 
 from .fmi.builder import cache_folder
 from .fmi.description import BASE_UNITS, VENDOR
-from .fmi.quantities import pint_unit
 from .fmi.errors import BadInput
 from .fmi.fields import ELEMENT
+from .fmi.quantities import pint_unit
 
 SPACE = {part: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for part, name in
          (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))}

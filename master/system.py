@@ -6,7 +6,7 @@ from .case import times
 from .fmi.builder import build_fmu, build_fmu_of_file
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
-from .participant import FmuParticipant
+from .participant import open_fmu
 from .wiring import Connection, System
 
 
@@ -22,7 +22,7 @@ def open_system(case, folder, progress):
     faults, participants = [], {}
     for name in case.participants:
         try:
-            participants[name] = FmuParticipant(name, _fmu(case.participants[name], folder, progress))
+            participants[name] = open_fmu(name, _fmu(case.participants[name], folder, progress))
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:

@@ -7,14 +7,17 @@ from functools import cached_property
 import numpy as np
 
 ELEMENT = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(,\d+)*)\]$")
+TYPES_3 = {"Float64": "Real", "Int32": "Integer", "String": "String"}
+"""FMI 3 types that can take part, by their FMI 2 names."""
 
 
 @dataclass(frozen=True)
 class Field:
     """An array (or scalar, shape ()) variable of an FMU.
 
-    `references` lists the value references in C order of `shape`; `unit`, `nominal`, `minimum`, `maximum`, `start` are
-    those of the first element ("1" and None where the FMU says nothing).
+    `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI 3 the array's one.
+    `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first element ("1" and None where the FMU says
+    nothing).
     """
 
     name: str
@@ -31,7 +34,7 @@ class Field:
 
     @cached_property
     def size(self):
-        return len(self.references)
+        return int(np.prod(self.shape))
 
 
 def gather_fields(description):
@@ -51,6 +54,8 @@ def gather_fields(description):
     ValueError
         If the elements of an array do not fill a rectangle; names the array.
     """
+    if description.fmiVersion.startswith("3"):
+        return {v.name: _array(v) for v in description.modelVariables if v.type in TYPES_3}
     groups = {}
     for variable in description.modelVariables:
         match = ELEMENT.match(variable.name)
@@ -64,8 +69,17 @@ def _field(base, members):
     shape = tuple(int(n) for n in np.max([index for index, _ in members], axis=0)) if members[0][0] else ()
     if [index for index, _ in members] != [tuple(k + 1 for k in index) for index in np.ndindex(*shape)]:
         raise ValueError(f"{base}: its elements do not fill an array of shape {shape}")
-    first = members[0][1]
-    number = {key: float(value) if (value := getattr(first, key)) not in (None, "") and first.type != "String" else None
+    return _described(base, shape, [v for _, v in members], members[0][1].type)
+
+
+def _array(variable):
+    """Field of an FMI 3 variable."""
+    return _described(variable.name, tuple(int(d.start) for d in variable.dimensions), [variable], TYPES_3[variable.type])
+
+
+def _described(name, shape, variables, kind):
+    first = variables[0]
+    number = {key: float(value) if (value := getattr(first, key)) not in (None, "") and kind != "String" else None
               for key in ("nominal", "min", "max")}
-    return Field(base, shape, tuple(v.valueReference for _, v in members), first.type, first.causality or "local",
-                 first.unit or "1", number["nominal"], number["min"], number["max"], first.start, first.description or "")
+    return Field(name, shape, tuple(v.valueReference for v in variables), kind, first.causality or "local", first.unit or "1",
+                 number["nominal"], number["min"], number["max"], first.start, first.description or "")

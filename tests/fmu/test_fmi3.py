@@ -9,10 +9,15 @@ import pytest
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
 
+from master.case import check_case, find_case, read_tree
+from master.check import swap
 from master.fmi.builder import build_fmu
 from master.fmi.compiler import compiler
 from master.fmi.errors import BadInput
 from master.participant import FmuParticipant
+from master.recorder import Results
+from master.run import run
+from master.system import open_system
 
 CELLS = (12, 10)
 
@@ -115,3 +120,18 @@ def test_without_compiler_there_is_no_twin(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(BadInput, match="C compiler"):
         build_fmu("fmu_ehd", {"grid": list(CELLS)}, ".", version="3.0")
+
+
+def test_master_runs_fmi_3_to_the_same_bits(twin, fmu, tmp_path):
+    path = find_case("numerical_example")
+    small = [("participants.bodies.build.grid", list(CELLS)), ("time.stop", "5 deg"),
+             ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+    found = []
+    for file in (fmu, twin):
+        tree, left_out = swap(read_tree(path, small), "ehd", file)
+        assert left_out == []
+        case, output = check_case(tree, path), tmp_path / f"{file.stem}.h5"
+        run(open_system(case, path.parent, print), case, tree, output)
+        found.append(Results(output).series("bodies.lateral_displacement")[0])
+    assert np.array_equal(*found)
+    assert np.ptp(found[0]) > 0

@@ -44,7 +44,7 @@ def test_two_builds_of_one_fmu_do_not_mix_their_code(fmu, tmp_path):
                 assert b"return state, self._shown(outputs)" in data
                 data = data.replace(b"def _shown(self, outputs):", b"def _shown(self, outputs):\n        outputs = {**outputs, "
                                     b"'nodal_pressure_force': 10 * outputs['nodal_pressure_force']}")
-            target.writestr(name.replace(code, "code_changed"), data.replace(code.encode(), b"code_changed"))
+            target.writestr(name.replace(code, f"{code}_changed"), data.replace(code.encode(), f"{code}_changed".encode()))
     one, two = started(fmu), started(changed, "two")
     try:
         np.testing.assert_array_equal(forces(two), 10 * forces(one))
@@ -119,11 +119,11 @@ def test_exceptions_inside_callbacks_do_not_harm_the_host(fmu, tmp_path):
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(broken, "w") as target:
         code = re.search(r"(code_\w+)_entry", source.read("resources/slavemodule.txt").decode())[1]
         for name in source.namelist():
-            data = source.read(name).replace(code.encode(), b"code_broken")
+            data = source.read(name).replace(code.encode(), f"{code}_broken".encode())
             if name.endswith("fmu_ehd/slave.py"):
                 data = data.replace(b"def advance(self, state, values, time, step):",
                                     b"def advance(self, state, values, time, step):\n        raise KeyError('bug')")
-            target.writestr(name.replace(code, "code_broken"), data)
+            target.writestr(name.replace(code, f"{code}_broken"), data)
     participant = started(broken)
     for _ in range(3):
         with pytest.raises(RuntimeError, match="KeyError: 'bug'"):

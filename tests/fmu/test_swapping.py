@@ -116,7 +116,8 @@ def test_check_lists_every_breach(fmu, tmp_path):
 def test_an_fmu_of_no_role_is_bad_input(tmp_path, fmu):
     other = tmp_path / "other.fmu"
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(other, "w") as target:
-        target.writestr("modelDescription.xml", source.read("modelDescription.xml").decode().replace("nodal_pressure_force", "load"))
+        text = source.read("modelDescription.xml").decode()
+        target.writestr("modelDescription.xml", text.replace("nodal_pressure_force", "load"))
     with pytest.raises(BadInput, match="no role"):
         check_fmu(other)
 

@@ -1,0 +1,27 @@
+"""Runs engine.ssp by libcosim (pip install libcosimpy):  python by_libcosim.py engine.ssp STEPS"""
+
+import sys
+
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+
+STEP = 25_000  # ns
+
+
+def simulate(ssp, steps):
+    """(crank speed [rad/s], lateral displacement [m], friction power [W]) after the last step."""
+    execution = CosimExecution.from_ssp_file(ssp_path=ssp, step_size=STEP)
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    execution.step(step_count=steps)
+
+    def get(part, name):
+        index = execution.slave_index_from_instance_name(part)
+        reference = {v.name.decode(): v.reference for v in execution.slave_variables(index)}[name]
+        return observer.last_real_values(index, [reference])[0]
+
+    return get("crankshaft", "crank_speed"), get("piston", "lateral_displacement"), get("piston", "friction_power")
+
+
+if __name__ == "__main__":
+    print(*simulate(sys.argv[1], int(sys.argv[2])))

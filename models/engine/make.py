@@ -1,0 +1,32 @@
+"""Builds the three FMUs and engine.ssp into a folder:  python make.py FOLDER [KEY=VALUE ...]  (changes of the piston's case)."""
+
+import sys
+from pathlib import Path
+
+from master.case import check_case, find_case, read_tree
+from master.cli import parse_change
+from master.export import export_fmu
+from master.fmi.builder import build_fmu_of_file
+from master.ssp import export_ssp
+from master.system import open_system
+
+HERE = Path(__file__).parent
+
+
+def make(folder, changes=()):
+    """Path of the SSP."""
+    folder.mkdir(parents=True, exist_ok=True)
+    piston = find_case("numerical_example")
+    case = check_case(read_tree(piston, changes), piston)
+    parts = {"piston": export_fmu(case, piston.parent, print),
+             "gas_pressure": build_fmu_of_file(f"{HERE}/gas_pressure.py:GasPressure", {}),
+             "crankshaft": build_fmu_of_file(f"{HERE}/crankshaft.py:Crankshaft", {})}
+    for name, fmu in parts.items():
+        (folder / f"{name}.fmu").write_bytes(fmu.read_bytes())
+    tree = read_tree(HERE / "system.toml")
+    export_ssp(tree, open_system(check_case(tree, HERE / "system.toml"), folder, print), folder / "engine.ssp")
+    return folder / "engine.ssp"
+
+
+if __name__ == "__main__":
+    print(make(Path(sys.argv[1]), [parse_change(text) for text in sys.argv[2:]]))
