@@ -112,7 +112,7 @@ class Picture(Table):
 
 
 class Loop(Table):
-    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`; the area is divided by `per` for `unit`."""
+    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, divided by `per`, in `unit`."""
 
     y: list[Port]
     x: Port
@@ -122,8 +122,9 @@ class Loop(Table):
 
 
 class Motion(Table):
-    """A rigid outline moved in a plane by three outputs, between fixed lines; displacement and rotation drawn `exaggeration` times.
+    """A rigid outline moved in a plane by three outputs, between fixed lines.
 
+    Sideways displacement and rotation are drawn `exaggeration` times.
     Outline points (across, along) are those of the body at rest about its reference point; lines have two ends.
     """
 

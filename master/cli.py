@@ -421,8 +421,12 @@ def open_runs(files):
     if missing or not files:
         raise BadInput(missing or "give one or more results files")
     labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
-    runs = {label: Results(file) for label, file in zip(labels, files)}
-    return check_case(next(iter(runs.values())).case, files[0]), runs
+    try:
+        runs = {label: Results(file) for label, file in zip(labels, files)}
+        tree = next(iter(runs.values())).case
+    except (OSError, KeyError) as error:
+        raise BadInput(f"{', '.join(map(str, files))}: not all are results of a run: {error}") from None
+    return check_case(tree, files[0]), runs
 
 
 @app.command
@@ -513,12 +517,14 @@ def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
-        console.print(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+        console.print(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False,
+                      highlight=False, soft_wrap=True)
 
     with (sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers)) as executor:
         rows = sweeps.sweep(found, path.parent, folder, executor, watch)
     console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
-    console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
+    picture = draw_sweep(rows, axes, tree.get("summary", {}), folder / "sweep.png")
+    console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     if not any(row["status"] == "done" for row in rows):
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
 
@@ -552,7 +558,8 @@ def study(case: str, name: str, *, set_: Changes = [], output: Path | None = Non
     sweeps.build_all(found, path.parent, _say)
 
     def watch(row, done, total):
-        console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+        console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False,
+                      highlight=False, soft_wrap=True)
 
     with sweeps.local_executor(workers) as executor:
         rows = sweeps.sweep(found, path.parent, folder, executor, watch)
@@ -563,17 +570,17 @@ def study(case: str, name: str, *, set_: Changes = [], output: Path | None = Non
         shown.add_row(key, *(f"{v:.4g}" if isinstance(v := row.get(key, ""), float) else str(v) for row in table))
     console.print(shown)
     console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
-    console.print(f"picture  {studies.draw_study(chosen, checked, table, runs, folder / 'study.png')}", highlight=False, soft_wrap=True)
-    for picture in draw(checked, runs, folder):
+    curves = studies.draw_study(chosen, checked, table, runs, folder / "study.png")
+    for picture in (curves, *draw(checked, runs, folder)):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
 
 
 @app.command
-def fields(file: Path, *, field: Annotated[list[str], Parameter(negative=())], output: Path, time: str | None = None, i: int | None = None,
-           j: int | None = None, radius: str = "1 m", length: str = "1 m"):
+def fields(file: Path, *, field: Annotated[list[str], Parameter(negative=())], output: Path, time: str | None = None,
+           i: int | None = None, j: int | None = None, radius: str = "1 m", length: str = "1 m"):
     """Write recorded fields as CSV, HDF5 or VTU (for ParaView), by the ending of --output.
 
-    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure+ehd.asperity_pressure --time "18 ms" --output p.csv
+    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure --time "18 ms" --output p.csv
 
     Parameters
     ----------

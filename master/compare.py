@@ -21,8 +21,8 @@ def score(x, y, x_reference, y_reference):
 
     Eq. (S1):  amplitude = range(y) / range(y_ref)
     Eq. (S2):  rms = sqrt(mean((y - y_ref)^2)) / range(y_ref)
-    Eq. (S3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least, means taken off, |d| <= a tenth of the length
-               (positive: the curve comes later than its reference)
+    Eq. (S3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least, means taken off,
+               |d| <= a tenth of the length (positive: the curve comes later than its reference)
 
     Parameters
     ----------
@@ -67,7 +67,9 @@ def _shift(x, y, grid, reference):
 
 
 def read_measured(path):
-    """Columns of a measured CSV file whose header names ports with units: "bodies.crank_angle [deg], bodies.rocking_angle [mrad]".
+    """Columns of a measured CSV file whose header names ports with units.
+
+    For example: bodies.crank_angle [deg],bodies.rocking_angle [mrad]
 
     Returns
     -------
@@ -81,7 +83,8 @@ def read_measured(path):
     """
     rows = list(csv.reader(Path(path).read_text().splitlines()))
     heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
-    faults = [f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]" for k, h in enumerate(heads) if not h]
+    faults = [f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]"
+              for k, head in enumerate(heads) if not head]
     if faults or len(heads) < 2:
         raise BadInput(faults or f"{path}: needs a header and at least two columns")
     try:
@@ -115,8 +118,10 @@ def _factor(unit, si):
 def against_first(runs, x_port, ports):
     """Scores of the second run and those after it against the first."""
     (_, first), *others = runs.items()
-    return [(label, port, score(results.series(x_port)[0], results.series(port)[0], first.series(x_port)[0], first.series(port)[0]))
-            for port in ports for label, results in others]
+    def curve(results, port):
+        return results.series(x_port)[0], results.series(port)[0]
+
+    return [(label, port, score(*curve(results, port), *curve(first, port))) for port in ports for label, results in others]
 
 
 def against_last_cycle(case, runs, x_port, ports, period):
@@ -135,7 +140,8 @@ def against_last_cycle(case, runs, x_port, ports, period):
 def draw_measured(runs, measured, path):
     """The measured points over the runs' curves, in the measured units."""
     (x_port, (x, x_unit)), *columns = measured.items()
-    figure, panels = plt.subplots(len(columns), 1, sharex=True, squeeze=False, layout="constrained", figsize=(11, 1.2 + 2.6 * len(columns)))
+    figure, panels = plt.subplots(len(columns), 1, sharex=True, squeeze=False, layout="constrained",
+                                  figsize=(11, 1.2 + 2.6 * len(columns)))
     for panel, (port, (y, unit)) in zip(panels[:, 0], columns):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             curve_x, si_x, _ = results.series(x_port)

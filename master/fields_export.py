@@ -35,7 +35,9 @@ class Block:
 
 
 def read_block(results, expression):
-    """A recorded field, or a sum or product of recorded fields: "ehd.pressure+ehd.asperity_pressure", "ehd.pressure*bodies.sliding_velocity".
+    """A recorded field, or a sum or product of recorded fields.
+
+    For example: ehd.pressure+ehd.asperity_pressure, or ehd.pressure*bodies.sliding_velocity
 
     Raises
     ------
@@ -44,19 +46,23 @@ def read_block(results, expression):
     """
     sign = "+" if "+" in expression else "*"
     ports = [part.strip() for part in expression.split(sign)]
-    recorded = [f"{owner}.{name}" for owner, group in results.file["fields"].items() if isinstance(group, h5py.Group) for name in group]
+    groups = {owner: group for owner, group in results.file["fields"].items() if isinstance(group, h5py.Group)}
+    recorded = [f"{owner}.{name}" for owner, group in groups.items() for name in group]
     unknown = [port for port in ports if port not in recorded]
     if unknown:
-        raise BadInput(f"{', '.join(unknown)}: recorded are {', '.join(recorded)} (record.fields of the case); join them by + or *")
+        raise BadInput(f"{', '.join(unknown)}: recorded are {', '.join(recorded)} (record.fields of the case); "
+                       "join them by + or *")
     sets = [results.file["fields/" + port.replace(".", "/")] for port in ports]
     units = [dataset.attrs["unit"] for dataset in sets]
     if len({dataset.shape for dataset in sets}) > 1 or len(sets[0].shape) != 3:
-        raise BadInput(f"{expression}: shapes are {', '.join(str(dataset.shape[1:]) for dataset in sets)}; equal grids are needed")
+        shapes = ", ".join(str(dataset.shape[1:]) for dataset in sets)
+        raise BadInput(f"{expression}: shapes are {shapes}; equal grids are needed")
     if sign == "+" and len(set(units)) > 1:
         raise BadInput(f"{expression}: units are {', '.join(units)}")
     values = np.sum(sets, axis=0) if sign == "+" else np.prod(sets, axis=0)
     unit = units[0] if sign == "+" else ".".join(unit for unit in units if unit != "1") or "1"
-    return Block(expression, unit, results.file["fields/time"][:], np.arange(1, values.shape[1] + 1), np.arange(1, values.shape[2] + 1), values)
+    i, j = (np.arange(1, size + 1) for size in values.shape[1:])
+    return Block(expression, unit, results.file["fields/time"][:], i, j, values)
 
 
 def chosen(block, time=None, i=None, j=None):

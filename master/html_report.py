@@ -47,7 +47,8 @@ def write_report(case, runs, folder, notes=""):
     health = _save(draw_health(runs), folder / "coupling", "Iterations, derivative products and residual of every macro step")
     page = Environment(loader=PackageLoader("master"), autoescape=True).get_template("report.html").render(
         case=case, runs=[judged(case, label, results) for label, results in runs.items()], pictures=pictures, health=health,
-        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes, tree=json.dumps(next(iter(runs.values())).case, indent=1),
+        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes,
+        tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"))
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
@@ -108,7 +109,8 @@ def draw_health(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         for panel, name in zip(panels, names):
-            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label, rasterized=True)
+            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label,
+                       rasterized=True)
     for panel, name in zip(panels, names):
         panel.set_ylabel(name.replace("_", " "))
         panel.grid(alpha=0.3)
@@ -150,9 +152,9 @@ def field_frames(port, runs, instants, wanted):
         values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
         stacks.append(values)
     low, high = min(float(s.min()) for s in stacks), max(float(s.max()) for s in stacks)
-    packed = [base64.b64encode(((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2").tobytes()).decode() for s in stacks]
-    return {"name": port.split(".")[1].replace("_", " "), "unit": unit, "low": low, "high": high, "shape": list(stacks[0].shape[1:]),
-            "frames": packed}
+    levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
+    return {"name": port.split(".")[1].replace("_", " "), "unit": unit, "low": low, "high": high,
+            "shape": list(stacks[0].shape[1:]), "frames": [base64.b64encode(level.tobytes()).decode() for level in levels]}
 
 
 def motion_frames(motion, runs, instants):

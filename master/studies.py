@@ -43,7 +43,8 @@ def study_points(path, changes, name):
 
 def open_points(found, rows, folder):
     """Results of the points that are done, by label."""
-    return {row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5") for point, row in zip(found, rows) if row["status"] == "done"}
+    return {row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5")
+            for point, row in zip(found, rows) if row["status"] == "done"}
 
 
 def study_table(study, case, rows, runs):
@@ -55,7 +56,8 @@ def study_table(study, case, rows, runs):
         If the reference itself has not been done.
     """
     if study.reference not in runs:
-        raise BadInput(f"the reference {study.reference!r} has not finished: {[r['message'] for r in rows if r['run'] == study.reference]}")
+        why = "; ".join(row["message"] for row in rows if row["run"] == study.reference)
+        raise BadInput(f"the reference {study.reference!r} has not finished: {why}")
     reference = runs[study.reference]
     table = []
     for row in rows:
@@ -82,8 +84,8 @@ def write_table(table, path):
 def draw_study(study, case, table, runs, path):
     """Left the curves of all runs, right their rms distance from the reference."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    figure, panels = plt.subplots(len(study.curves), 2, squeeze=False, layout="constrained", figsize=(13, 1 + 2.6 * len(study.curves)),
-                                  width_ratios=(3, 1))
+    figure, panels = plt.subplots(len(study.curves), 2, squeeze=False, layout="constrained",
+                                  figsize=(13, 1 + 2.6 * len(study.curves)), width_ratios=(3, 1))
     for (left, right), port in zip(panels, study.curves):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, x_unit = scaled(*results.series(study.x)[:2], units.get(study.x))

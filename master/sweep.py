@@ -161,7 +161,8 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
     """
     runs = Path(folder) / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    rows = {k: json.loads((runs / f"{p.name}.json").read_text()) for k, p in enumerate(found) if (runs / f"{p.name}.json").exists()}
+    kept = {k: runs / f"{point.name}.json" for k, point in enumerate(found)}
+    rows = {k: json.loads(path.read_text()) for k, path in kept.items() if path.exists()}
     waiting = {executor.submit(run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())): k
                for k, p in enumerate(found) if k not in rows}
     for future in as_completed(waiting):

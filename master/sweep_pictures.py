@@ -36,7 +36,8 @@ def draw_sweep(rows, axes, entries, path):
     first, others = axes[0], [axis.name for axis in axes[1:]]
     done = [row for row in rows if row["status"] == "done"]
     entries = [entry for entry in entries if done]
-    figure, panels = plt.subplots(max(1, -(-len(entries) // 2)), 2, squeeze=False, layout="constrained", figsize=(11, 1 + 2.6 * -(-len(entries) // 2)))
+    lines = max(1, -(-len(entries) // 2))
+    figure, panels = plt.subplots(lines, 2, squeeze=False, layout="constrained", figsize=(11, 1 + 2.6 * lines))
     for panel, entry in zip(panels.flat, entries):
         for k, key in enumerate(dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)):
             chosen = [row for row in done if tuple(str(row[name]) for name in others) == key]

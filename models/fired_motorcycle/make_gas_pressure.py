@@ -5,8 +5,8 @@ Single zone, constant ratio of specific heats, net heat release (wall heat alrea
 Eq. (G1):  dp/dphi = -kappa p V'/V + (kappa - 1) Q x_b'/V
 Eq. (G2):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration        Wiebe: 99.9 % burnt at s = 1
 
-from inlet closing to exhaust opening, where phi_0 is set so that the peak lies 10 deg after firing top dead centre; then blow-down,
-exhaust and intake at constant pressures joined smoothly. Crank angle 0 is firing top dead centre; pressure is gauge.
+from inlet closing to exhaust opening, where phi_0 is set so that the peak lies 10 deg after firing top dead centre;
+then blow-down, exhaust and intake at constant pressures joined smoothly. Crank angle 0 is firing top dead centre; pressure is gauge.
 
     python make_gas_pressure.py          writes gas_pressure.csv beside this script and prints the peak
 """
@@ -74,7 +74,8 @@ def trace(degrees):
     wrapped = np.where(degrees > 360.0, angle - 4 * np.pi, angle)                # -360..360
     inside = pressure(np.clip(wrapped, CLOSING, OPENING))
     opened = EXHAUST + (inside - EXHAUST) * (1 - blend(wrapped, OPENING, OPENING + np.radians(60.0)))
-    swapped = np.where(wrapped < 0, INTAKE + (EXHAUST - INTAKE) * (1 - blend(wrapped, np.radians(-360.0), np.radians(-340.0))), opened)
+    filling = INTAKE + (EXHAUST - INTAKE) * (1 - blend(wrapped, np.radians(-360.0), np.radians(-340.0)))
+    swapped = np.where(wrapped < 0, filling, opened)
     return np.where((wrapped >= CLOSING) & (wrapped < OPENING), inside, swapped), start
 
 

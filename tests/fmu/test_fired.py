@@ -29,9 +29,10 @@ def test_gas_pressure_peaks_ten_degrees_after_top_dead_centre():
 def fired(tmp_path_factory):
     """Compression and expansion of the first cycle: rigid, 20 x 16 cells, 2 deg."""
     folder = tmp_path_factory.mktemp("fired")
-    settings = ("participants.bodies.build.grid=[20,16]", "participants.ehd.build.grid=[20,16]", "time.stop=450 deg", "time.step=2 deg")
-    done = subprocess.run([sys.executable, "-m", "master", "run", "fired_motorcycle", "--only", "rigid", "--output", ".", "--no-plots",
-                           "--summary-json", "s.json", *(w for s in settings for w in ("--set", s))],
+    settings = ("participants.bodies.build.grid=[20,16]", "participants.ehd.build.grid=[20,16]", "time.stop=450 deg",
+                "time.step=2 deg")
+    done = subprocess.run([sys.executable, "-m", "master", "run", "fired_motorcycle", "--only", "rigid", "--output", ".",
+                           "--no-plots", "--summary-json", "s.json", *(w for s in settings for w in ("--set", s))],
                           cwd=folder, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return json.loads((folder / "s.json").read_text()), folder / "rigid.h5"

@@ -22,8 +22,8 @@ TREE = {
     "record": {"fields": ["a.map"]}, "summary": {"lowest": "min a.x"}, "monitor": {"y": "last a.y"},
     "window": {"min a.x": ["-2 mm", "0 mm"], "max a.y": ["3 N", "4 N"]},
     "report": {"loops": {"work": {"x": "a.x", "y": ["a.y", "a.z"], "period": "1 s", "unit": "mJ"}},
-               "motion": {"across": "a.x", "along": "a.z", "rotation": "a.y", "outline": [["0 m", "0 m"], ["1 m", "0 m"], ["0 m", "1 m"]],
-                          "lines": [[["0 m", "0 m"], ["0 m", "1 m"]]]}},
+               "motion": {"across": "a.x", "along": "a.z", "rotation": "a.y", 
+                          "outline": [["0 m", "0 m"], ["1 m", "0 m"], ["0 m", "1 m"]], "lines": [[["0 m", "0 m"], ["0 m", "1 m"]]]}},
     "pictures": [{"file": "lines.png", "title": "Lines", "kind": "lines", "x": "a.x", "y": [["a.y"]]}]}
 STEPS = 400
 
@@ -37,7 +37,8 @@ def case():
 def results(tmp_path):
     """x = -1 mm sin, y = 1 N cos, z = 1 N cos over one turn in one second; a 4 x 3 field that moves."""
     path, time = tmp_path / "run.h5", np.linspace(0.0, 1.0, STEPS + 1)
-    signals = {"x": (-1e-3 * np.sin(2 * np.pi * time), "m"), "y": (np.cos(2 * np.pi * time), "N"), "z": (np.cos(2 * np.pi * time), "N")}
+    turn = 2 * np.pi * time
+    signals = {"x": (-1e-3 * np.sin(turn), "m"), "y": (np.cos(turn), "N"), "z": (np.cos(turn), "N")}
     with h5py.File(path, "w") as file:
         file.attrs.update({"title": "t", "case": json.dumps(TREE), "versions": json.dumps({"piston-cosim": "0"}),
                            "summary": json.dumps({"steps": STEPS, "halved_steps": 0})})
@@ -58,7 +59,8 @@ def results(tmp_path):
 
 def test_loop_work_is_the_area_of_the_ellipse(case, results):
     area = np.pi * 1e-3 * 2.0 * 1e3  # semi-axes 1 mm and 1 N + 1 N, in mJ
-    assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(area, rel=2 * (np.pi / STEPS) ** 2)  # trapezia: second order
+    tolerance = 2 * (np.pi / STEPS) ** 2  # trapezia: second order
+    assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(area, rel=tolerance)
 
 
 def test_extremes_know_their_instant(case, results):
@@ -79,7 +81,7 @@ def test_page_holds_the_fields(case, results, tmp_path):
     read = field["low"] + (field["high"] - field["low"]) * frames / 65535
     assert read[0] == pytest.approx(np.arange(12.0).reshape(4, 3), abs=1e-3)  # 111 Pa in 65535 levels
     assert len(data["words"]) == len(frames) == len(data["motion"]["tracks"][0]["along"])
-    assert "http" not in re.sub(r"http://www\.w3\.org\S*", "", re.sub(r"base64,[^\"]*", "", page)), "the page must need nothing else"
+    assert "http" not in re.sub(r"base64,[^\"]*", "", page), "the page must need nothing else"
     assert {p.suffix for p in (tmp_path / "report").iterdir()} == {".png", ".svg", ".html"}
 
 
@@ -89,7 +91,8 @@ def test_page_lives_in_a_browser(case, results, tmp_path):
         pytest.skip("no browser")
     page = write_report(case, {"run": results}, tmp_path / "report")
     seen = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
-                           "--virtual-time-budget=3000", "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=120).stdout
+                           "--virtual-time-budget=3000", "--dump-dom", page.as_uri()], capture_output=True, text=True,
+                          timeout=120).stdout
     shown = html.unescape(re.search(r'<span id="words">(.*?)</span>', seen)[1])
     assert shown.startswith("t = ") and "y " in shown  # the script ran through to its last line
     assert seen.count("<canvas") == 3  # body, colour scale, map

@@ -27,7 +27,8 @@ class Answering(Executor):
         if speed == "2000 rpm":
             future.set_exception(RuntimeError("process died"))
         else:
-            future.set_result({"status": "failed", "message": "no step"} if speed == "3000 rpm" else {"status": "done", "message": "", "x": 1.0})
+            done, failed = {"status": "done", "message": "", "x": 1.0}, {"status": "failed", "message": "no step"}
+            future.set_result(failed if speed == "3000 rpm" else done)
         return future
 
 
