@@ -111,7 +111,11 @@ def without_pressure(full, centre, south, north, west, east):
 @njit(cache=True)
 def _switch(full, unknown, fixed, conserving, singly):
     """New pattern, number of switched cells (-1: not finite), their first and last axial station, and their first cell."""
-    tolerance = max(PRESSURE_ROUNDOFF * unknown.max(), PRESSURE_NEGLIGIBLE)
+    highest = 0.0
+    for row in unknown:
+        for u in row:
+            highest = max(highest, u)
+    tolerance = max(PRESSURE_ROUNDOFF * highest, PRESSURE_NEGLIGIBLE)
     over = FRACTION_ROUNDOFF if conserving else tolerance
     pattern = full.copy()
     count, south, north, first = 0, full.shape[1], -1, (-1, -1)

@@ -90,6 +90,7 @@ class LubricationModel:
         self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
         self._halves = halves(p.shape[0])
         self._given = surroundings(p, {})
+        self._last = self._linear = None  # of the last step: what the tangent needs
 
     # ---- steps ------------------------------------------------------------------------------------------------------
 
@@ -144,6 +145,7 @@ class LubricationModel:
         ------
         cavitation.NotConverged
         """
+        self._last = self._linear = None  # a refused step has no tangent
         if not film_thickness.max() > 0.0:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = surroundings(self.parameters, conditions) if conditions else self._given
@@ -152,7 +154,6 @@ class LubricationModel:
         film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
         film = self._film(sliding_velocity, *parts, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
-        self._linear = None
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
         return State(solution.unknown, state.unknown, solution.content, deflection), outputs
@@ -169,7 +170,14 @@ class LubricationModel:
         -------
         dnodal_pressure_force, dnodal_friction_force : ndarray, shape as given
             [N].
+
+        Raises
+        ------
+        RuntimeError
+            If no step was taken, or the last one was refused.
         """
+        if self._last is None:
+            raise RuntimeError("the last step was refused, or there was none: it has no directional derivative")
         if self._linear is None:
             self._linear = self._linearise()
         shape = (-1, *self.grid.shape)

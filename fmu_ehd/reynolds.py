@@ -269,7 +269,10 @@ def balance(pressure, deficit, faces, stored, content, area_per_step, edge_press
     fraction = 1.0 + deficit
     out, edge_flow, gross = outflow(pressure, fraction, *faces, edge_pressure, edge_fraction, ring)
     now, residual = np.empty_like(pressure), np.empty_like(pressure)
-    total, inflow, throughput, volume = 0.0, edge_flow.sum(), np.abs(edge_flow).sum(), 0.0
+    total, inflow, throughput, volume = 0.0, 0.0, 0.0, 0.0
+    for flow in edge_flow:
+        inflow += flow
+        throughput += abs(flow)
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             now[i, j] = fraction[i, j] * stored[i, j]

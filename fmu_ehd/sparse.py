@@ -64,6 +64,8 @@ class SuperLU:
 class Pardiso:
     """Factorisation by PARDISO of the MKL through pypardiso; the ordering is found once, for the sparsity never changes.
 
+    One thread, so that a repeated step gives the same bits.
+
     Parameters
     ----------
     shape : tuple of int
@@ -75,7 +77,7 @@ class Pardiso:
         Without pypardiso or the MKL.
     """
 
-    ANALYSE, FACTORISE, SOLVE = 11, 22, 33
+    ANALYSE, FACTORISE, SOLVE, RELEASE = 11, 22, 33, -1
 
     def __init__(self, shape):
         from pypardiso import PyPardisoSolver
@@ -95,16 +97,25 @@ class Pardiso:
         self._matrix = self._pattern.matrix(stencil)
         self._scale = stencil[0].ravel()  # columns of pressure and of film fraction differ by orders of magnitude
         self._matrix.data /= self._scale[self._matrix.indices]
-        nothing = np.zeros((self._matrix.shape[0], 1))
         for phase in (self.ANALYSE, self.FACTORISE) if first else (self.FACTORISE,):
-            self._solver.set_phase(phase)
-            self._solver._call_pardiso(self._matrix, nothing)
+            self._call(phase, np.zeros((self._matrix.shape[0], 1)))
 
     def solve(self, right):
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
         columns = np.asfortranarray(right.reshape(right.shape[0], -1).T)
-        self._solver.set_phase(self.SOLVE)
-        return (self._solver._call_pardiso(self._matrix, columns).T / self._scale).reshape(right.shape)
+        return (self._call(self.SOLVE, columns).T / self._scale).reshape(right.shape)
+
+    def _call(self, phase, columns):
+        before = self._solver.libmkl.MKL_Set_Num_Threads_Local(1)
+        try:
+            self._solver.set_phase(phase)
+            return self._solver._call_pardiso(self._matrix, columns)
+        finally:
+            self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
+
+    def __del__(self):
+        if getattr(self, "_matrix", None) is not None:  # PARDISO's own memory outlives the object otherwise
+            self._call(self.RELEASE, np.zeros((self._matrix.shape[0], 1)))
 
 
 WIDEST_DENSE = 128  # cells across up to which dense blocks were faster than PARDISO, tests/bench/ehd_grids.py

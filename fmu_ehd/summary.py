@@ -45,7 +45,8 @@ def summarise(film_thickness, pressure, pressure_force, viscous, boundary, power
         Sums of viscous, boundary [N] and power [W], mean of the contact area fraction [-].
     """
     n_c, n_a = film_thickness.shape
-    thinnest, radial, friction = np.full(2, np.inf), np.zeros(2), np.zeros(2)
+    thinnest, radial, friction = np.zeros(2), np.zeros(2), np.zeros(2)
+    thinnest[:] = np.inf
     highest, hydrodynamic, asperity, total, area = -np.inf, 0.0, 0.0, 0.0, 0.0
     for i in range(n_c):
         low, normal, wet, dry = np.inf, 0.0, 0.0, 0.0

@@ -6,7 +6,7 @@ tolerance, kind ("relative", "absolute" or "at most"), source and the reason of 
 
 import numpy as np
 from scipy.integrate import quad
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from . import asperity, oil, roughness
 from .cavitation import NotConverged
@@ -14,7 +14,7 @@ from .film_step import FilmStep
 from .films import FlowFilm, rough_film, smooth_film
 from .friction import shear_forces
 from .grid import Edges, Grid
-from .model import LubricationModel
+from .motored import motored, physics, tangent_error
 from .parameters import Parameters
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
@@ -71,6 +71,10 @@ def inclined_pad_rows():
     for name, value, reference in zip(("load W*", "drag F*", "highest pressure p*"), inclined_pad(320), exact):
         yield row("Infinite inclined pad K=1, 320 cells", f"{name} [-]", value, reference, 2e-5, "relative", "closed form",
                   SECOND_ORDER)
+    best = minimize_scalar(lambda ratio: -inclined_pad(320, ratio)[0], bounds=(1.0, 1.4), method="bounded")
+    case = "Infinite inclined pad of highest load, 320 cells"
+    yield row(case, "film ratio K [-]", best.x, 1.18870, 2e-4, "relative", "closed form", SECOND_ORDER)
+    yield row(case, "load W* [-]", -best.fun, 0.160243, 3e-5, "relative", "closed form", SECOND_ORDER + " and six printed digits")
     errors = [abs(inclined_pad(n)[0] - exact[0]) for n in (40, 80, 160)]
     yield row("Infinite inclined pad K=1, 40 to 160 cells", "observed order of the load [-]",
               np.log2(errors[0] / errors[2]) / 2.0, 2.0, 0.05, "absolute", "theory", "leading error term alone from 40 cells on")
@@ -286,6 +290,10 @@ def oil_rows():
                                    (25.6e-3, 8.16e-3, 3.21e-3)):
         yield row("Engine oil, Vogel law", f"viscosity at {t} C [Pa s]", value, reference, 2e-3, "relative",
                   "published constants", "three printed digits")
+    engine = oil.Oil("vogel_1921", shear_thinning_law="cross_1965")
+    halfway = engine.thinning(10.0 ** (2.5 + 0.0213 * 100.0), temperatures[1])[0]
+    yield row("Engine oil, Cross law at 100 C", "mu/mu_0 at the critical shear rate [-]", halfway, 0.87, 1e-12, "relative",
+              "definition", "half of the way from 1 to 0.74")
 
 
 def roughness_rows():
@@ -296,6 +304,9 @@ def roughness_rows():
     for gamma, c, r in ((1 / 9, 1.48, 0.42), (1.0, 0.9, 0.56), (9.0, 0.87, 1.5)):
         reference = 1.0 - c * np.exp(-2.0 * r) if gamma <= 1.0 else 1.0 + c * 2.0**-r
         yield row("Patir-Cheng", f"phi_x(2), gamma = {gamma:.3g} [-]", roughness.pressure_flow_factor(2.0, gamma), reference,
+                  1e-12, "relative", "published table", "the same formula")
+    for separation, reference in ((1.0, 1.899 * np.exp(-0.87)), (8.0, 1.126 * np.exp(-2.0))):
+        yield row("Patir-Cheng", f"Phi_s({separation:g}), gamma = 1 [-]", roughness.shear_flow_factor(separation, 1.0), reference,
                   1e-12, "relative", "published table", "the same formula")
     from_table = rough_film(np.array([[2.0]]), np.ones((1, 1)), FLOOR, 1.0, 1.0, roughness.factor_table(1.0))[0][:, 0, 0]
     exact = (roughness.average_gap(2.0), roughness.pressure_flow_factor(2.0, 1.0) * 8.0 / 12.0,
@@ -317,6 +328,10 @@ def contact_rows():
             yield row("Greenwood-Tripp integral", f"F_{order:g}({separation:g}) [-]",
                       asperity.gaussian_integral(order, separation), reference, 1e-5, "relative", "numerical quadrature",
                       "six printed digits")
+    for separation, percent in zip(separations, (-10.7, -3.5, -9.2, -74.0)):
+        ratio = asperity.fitted_integral(separation)[0] / asperity.gaussian_integral(2.5, separation)
+        yield row("Greenwood-Tripp power fit", f"error at H = {separation:g} [%]", 100.0 * (ratio - 1.0), percent, 0.5,
+                  "absolute", "exact integral", "two printed digits")
     offset = film + 1.0 / 3.0  # between the table's points
     table = asperity.contact(offset, 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())[0]
     error = np.abs(table / asperity.gaussian_integral(2.5, offset) - 1.0).max()
@@ -325,104 +340,6 @@ def contact_rows():
 
 
 # ---- a motored skirt ----------------------------------------------------------------------------------------------------
-
-DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
-
-
-def motored_film(shape, time):
-    """A skirt that shifts and tilts in its bore at 3000 rpm, with rupture, reformation and reversal of sliding.
-
-    Returns
-    -------
-    film_thickness, sliding_velocity : ndarray, shape (n_c, n_a)
-        [m], [m/s].
-    """
-    angle = np.arange(shape[0]) * 2.0 * np.pi / shape[0]
-    y = centres(shape[1]) - 0.5
-    shift = 8e-6 * np.sin(2.0 * np.pi * 25.0 * time) + 3e-6 * np.sin(2.0 * np.pi * 75.0 * time)
-    tilt = 6e-6 * np.sin(2.0 * np.pi * 50.0 * time + 1.0)
-    film = 15e-6 - (shift + tilt * y) * np.sin(angle)[:, None] + 10e-6 * (2.0 * y) ** 4
-    return film, np.full(shape, 8.0 * np.sin(2.0 * np.pi * 50.0 * time + 0.1))
-
-
-def motored(parameters, steps):
-    """Model, state and outputs of each of the first `steps` degrees of the motored skirt."""
-    model = LubricationModel(parameters)
-    state, _ = model.start(*motored_film(parameters.shape, 0.0))
-    history = []
-    for k in range(1, steps + 1):
-        state, outputs = model.advance(state, *motored_film(parameters.shape, k * DEGREE), DEGREE)
-        history.append(outputs)
-    return model, state, history
-
-
-def central_difference(model, state, inputs, change, size=1e-5):
-    """Central difference of both force fields along a change of (film_thickness, sliding_velocity).
-
-    Returns
-    -------
-    list of ndarray or None
-        None if a cell switches between full and cavitated meanwhile: there is no derivative then.
-    """
-    forward, backward = (model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), DEGREE)
-                         for sign in (1.0, -1.0))
-    if not np.array_equal(forward[0].unknown > 0.0, backward[0].unknown > 0.0):
-        return None
-    return [(forward[1][name] - backward[1][name]) / (2.0 * size) for name in ("nodal_pressure_force", "nodal_friction_force")]
-
-
-def tangent_error(parameters, steps=100, seed=0):
-    """Largest difference of tangent and central difference, relative to the largest entry, over directions without switching."""
-    model, state, _ = motored(parameters, steps)
-    inputs = motored_film(parameters.shape, (steps + 1) * DEGREE)
-    rng, worst, tried = np.random.default_rng(seed), 0.0, 0
-    while tried < 3:
-        change = 1e-6 * rng.standard_normal(parameters.shape), rng.standard_normal(parameters.shape)
-        difference = central_difference(model, state, inputs, change)
-        if difference is None:
-            continue
-        tried += 1
-        model.advance(state, *inputs, DEGREE)
-        for tangent, reference in zip(model.tangent(*change), difference):
-            worst = np.maximum(worst, np.abs(tangent - reference).max() / np.abs(reference).max())  # keeps a NaN
-    return worst
-
-
-def opening(shape):
-    """Cut-outs for the pin on both sides of a skirt grid."""
-    cells = np.zeros(shape, dtype=bool)
-    half, middle = shape[0] // 2, slice(shape[1] // 3, shape[1] - shape[1] // 5)
-    cells[0, middle] = cells[half, middle] = cells[half + 1, middle.start + 1:middle.stop - 1] = True
-    return cells
-
-
-def physics(shape):
-    """Every choice of physics once, as changes of the default parameters, by name."""
-    return {
-        "contact": dict(roughness_rms=3e-6),
-        "power fit": dict(roughness_rms=3e-6, contact_law="power_fit", boundary_shear_strength=2e6),
-        "starved": dict(film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8),
-        "edge pressure": dict(pressure_upper_edge=2e5, cavitation_pressure=-5e4),
-        "reynolds": dict(cavitation_model="reynolds"),
-        "gumbel": dict(cavitation_model="gumbel"),
-        "full film": dict(cavitation_model="full_film"),
-        "full cavity shear": dict(cavity_shear="full_film"),
-        "axial temperature": dict(oil=oil.Oil("vogel_1921"), oil_temperature_upper_edge=420.0),
-        "barus": dict(oil=oil.Oil(pressure_viscosity_law="barus_1893"), pressure_upper_edge=1e5),
-        "roelands": dict(oil=oil.Oil(pressure_viscosity_law="roelands_1966"), pressure_upper_edge=1e5),
-        "cross": dict(oil=oil.Oil(shear_thinning_law="cross_1965")),
-        "carreau": dict(oil=oil.Oil(shear_thinning_law="carreau_1972", shear_thinning_exponent=0.6)),
-        "flow factors": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0),
-        "oblong roughness": dict(roughness_rms=3e-6, flow_factors="patir_cheng_1978", peklenik_number=4.0,
-                                 roughness_share_skirt=0.1),
-        "cut-out": dict(open_cells=opening(shape)),
-        "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6),
-        "coating and roelands": dict(coating_thickness=2e-5, oil=oil.Oil(pressure_viscosity_law="roelands_1966")),
-        "everything": dict(oil=oil.Oil("vogel_1921", "roelands_1966", "cross_1965"), roughness_rms=3e-6, peklenik_number=0.2,
-                           flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=opening(shape),
-                           coating_thickness=1e-5),
-    }
-
 
 def motored_rows():
     """Mass balance over a cycle and exactness of the tangent."""
@@ -440,8 +357,9 @@ def motored_rows():
 
 def checks():
     """All fast rows, in order."""
-    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows, pocket_slider_rows,
-                 parabolic_slider_rows, journal_bearing_rows, oil_rows, roughness_rows, contact_rows, motored_rows):
+    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows,
+                 pocket_slider_rows, parabolic_slider_rows, journal_bearing_rows, oil_rows, roughness_rows, contact_rows,
+                 motored_rows):
         yield from case()
 
 

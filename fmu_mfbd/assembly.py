@@ -4,8 +4,9 @@ import numpy as np
 
 from .film import Skirt, bore_splines
 from .floating_frame import FlexibleBody
+from .instant import Block, System
 from .modal_field import modal_field
-from .model import Block, Crank, PistonInBore
+from .model import Crank, PistonInBore
 from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape
 from .slider_crank import Mechanism
 from .surface import cell_centres
@@ -94,6 +95,7 @@ def assemble(piston, block, options, p):
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
                           p["rod_centre"] / p["rod_length"], p["pin_mass"])
     bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block), bore_shape(block["heights"], angle, options, p))
-    return PistonInBore(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism,
-                        Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"]), skirt, bore,
-                        np.pi * radius**2, piston["gas_force"], p["spectral_radius"], options["gas"])
+    system = System(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
+                    np.ascontiguousarray(piston["gas_force"]))
+    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"])
+    return PistonInBore(system, crank, np.pi * radius**2, p["spectral_radius"], options["gas"])

@@ -7,8 +7,8 @@ heights and columns angles, as `modal_field` wants them.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .modal_field import ModalField, modal_field, read, spread
 
 
@@ -129,22 +129,24 @@ def bore_splines(heights, radial, axial, kind=None, shape=None):
     return Bore(float(heights[0]) - spacing, spacing, *fields, widening)
 
 
-@njit(cache=True)
-def window_at(lowest, spacing, height):
-    """Window for grid rows at the given rising heights above the crank axis [m]."""
-    a = len(height)
-    first = int(np.floor((height[0] - lowest) / spacing)) - 1
+@compiled()
+def window_at(lowest, spacing, height_of_A, rows):
+    """Window for grid rows at rising heights `rows` above A, A above the crank axis [m]."""
+    a = len(rows)
+    first = int(np.floor((height_of_A + rows[0] - lowest) / spacing)) - 1
     place, value, slope = np.empty(a, np.int64), np.empty((a, 4)), np.empty((a, 4))
     for j in range(a):
-        x = (height[j] - lowest) / spacing
+        x = (height_of_A + rows[j] - lowest) / spacing
         k = int(np.floor(x))
         t, place[j] = x - k, k - 1 - first
-        value[j] = (1 - t) ** 3 / 6, (4 - 6 * t * t + 3 * t**3) / 6, (1 + 3 * t + 3 * t * t - 3 * t**3) / 6, t**3 / 6
-        slope[j] = -((1 - t) ** 2) / 2, (3 * t * t - 4 * t) / 2, (1 + 2 * t - 3 * t * t) / 2, t * t / 2
-    return Window(first, place[a - 1] + 4, place, value, slope / spacing)
+        value[j, 0], slope[j, 0] = (1 - t) ** 3 / 6, -((1 - t) ** 2) / (2 * spacing)
+        value[j, 1], slope[j, 1] = (4 - 6 * t * t + 3 * t**3) / 6, (3 * t * t - 4 * t) / (2 * spacing)
+        value[j, 2], slope[j, 2] = (1 + 3 * t + 3 * t * t - 3 * t**3) / 6, (1 + 2 * t - 3 * t * t) / (2 * spacing)
+        value[j, 3], slope[j, 3] = t**3 / 6, t * t / (2 * spacing)
+    return Window(first, place[a - 1] + 4, place, value, slope)
 
 
-@njit(cache=True)
+@compiled()
 def on_rows(window, weight, knots):
     """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots, c)."""
     out = np.empty((len(window.place), knots.shape[1]))
@@ -156,7 +158,7 @@ def on_rows(window, weight, knots):
     return out
 
 
-@njit(cache=True)
+@compiled()
 def on_knots(window, force):
     """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose of `on_rows`."""
     out = np.zeros((window.knots, force.shape[1]))
@@ -168,7 +170,7 @@ def on_knots(window, force):
     return out
 
 
-@njit(cache=True)
+@compiled()
 def opening(skirt, bore, window, lateral, angle, piston, block):
     """What motion and deformation add to the film thickness.
 
@@ -192,9 +194,15 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
     ndarray, shape (c, a)
         [m]
     """
+    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
+    return _opening(skirt, lateral, angle, piston, outer)
+
+
+@compiled()
+def _opening(skirt, lateral, angle, piston, outer):
+    """Eq. (H1) without the gap, the bore's displacement given on the rows, (a, c)."""
     c, a = skirt.gap.shape
     inner = read(skirt.radial, 0, a, piston)
-    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
     out = np.empty((c, a))
     for i in range(c):
         sine = np.sin(skirt.angle[i])
@@ -203,7 +211,7 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
     return out
 
 
-@njit(cache=True)
+@compiled()
 def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rate):
     """Axial velocity of the skirt minus that of the bore.
 
@@ -235,7 +243,7 @@ def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rat
     return out
 
 
-@njit(cache=True)
+@compiled()
 def generalised(skirt, bore, window, pressure_force, friction_force):
     """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
@@ -263,13 +271,20 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
             lateral -= F * sine
             axial += f
             moment += F * sine * skirt.height[j] + f * arm
-    piston = spread(skirt.axial, 0, drag) - spread(skirt.radial, 0, push)
-    block = (spread(bore.radial, window.first, on_knots(window, push))
-             - spread(bore.axial, window.first, on_knots(window, drag)))
+    piston, block = spread(skirt.axial, 0, drag), spread(bore.radial, window.first, on_knots(window, push))
+    subtract(piston, spread(skirt.radial, 0, push))
+    subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
     return FilmForces(lateral, axial, moment, piston, block)
 
 
-@njit(cache=True)
+@compiled()
+def subtract(a, b):
+    """a -= b, in a loop: array expressions take the compiler seconds each."""
+    for k in range(len(a)):
+        a[k] -= b[k]
+
+
+@compiled()
 def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate):
     """Film thickness and sliding velocity at an instant, and the power of the interface forces at the grid points.
 
@@ -296,16 +311,15 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     """
     pressure_force, friction_force = forces
     n = 2 + len(skirt.radial.kind)
-    thickness = opening(skirt, bore, window, place[0], place[1], place[2:n], place[n:])
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
     opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
-    # the bore's slope under the moving skirt
-    deformed = read(bore.radial, window.first, window.knots, place[n:])
+    surface = read(bore.radial, window.first, window.knots, place[n:])
     if len(bore.shape):
-        widening = bore.shape[window.first:window.first + window.knots]
-        deformed += widening
-        thickness += on_rows(window, window.value, widening).T
-    slope = on_rows(window, window.slope, deformed)
+        for k in range(window.knots):
+            for i in range(surface.shape[1]):
+                surface[k, i] += bore.shape[window.first + k, i]
+    thickness = _opening(skirt, place[0], place[1], place[2:n], on_rows(window, window.value, surface))
+    slope = on_rows(window, window.slope, surface)              # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
     for i in range(thickness.shape[0]):
         for j in range(thickness.shape[1]):

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
 class FlexibleBody(NamedTuple):
@@ -43,7 +44,16 @@ def rigid_body(mass, centre, inertia):
                         none, square, none, square, none, none)
 
 
-@njit(cache=True)
+@compiled()
+def _times(start, matrix, q):
+    """start + matrix q."""
+    out = matrix @ q
+    for k in range(len(out)):
+        out[k] += start[k]
+    return out
+
+
+@compiled()
 def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
     """Generalised force that a given motion needs: rows along the body frame's x and y, about A, then one a mode.
 
@@ -74,7 +84,7 @@ def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
     [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in tests/mfbd/test_floating_frame.py.
     """
     out = np.empty(3 + len(q))
-    gq, bq, gr = body.g + body.G @ q, body.b + body.B @ q, body.G @ rate
+    gq, bq, gr = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate
     sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
     tx, ty = 2 * w * (body.T[0] @ rate), 2 * w * (body.T[1] @ rate)
     out[0] = body.mass * ax - alpha * sy - w * w * sx - ty + body.T[0] @ acceleration                           # Eq. (R1)
@@ -87,7 +97,7 @@ def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
     return out
 
 
-@njit(cache=True)
+@compiled()
 def frame_tangent(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
     """Derivative of `frame_force` with the time integrator's coefficients folded in.
 
@@ -107,7 +117,7 @@ def frame_tangent(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
     """
     k = len(q)
     out = np.empty((3 + k, 3 + k))
-    gq, bq, gr, br = body.g + body.G @ q, body.b + body.B @ q, body.G @ rate, body.B @ rate
+    gq, bq, gr, br = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate, body.B @ rate
     ga, ba = body.G @ acceleration, bq @ rate
     sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
     tx, ty = body.T[0] @ rate, body.T[1] @ rate

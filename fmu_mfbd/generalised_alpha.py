@@ -2,6 +2,9 @@
 
 from typing import NamedTuple
 
+from .compiled import compiled
+
+
 
 class Coefficients(NamedTuple):
     """What a step of the generalised-alpha method needs; see `coefficients`."""
@@ -49,6 +52,7 @@ def coefficients(step, spectral_radius):
     return Coefficients(step, alpha_m, alpha_f, (gamma + 0.5) ** 2 / 4, gamma)
 
 
+@compiled()
 def predict(c, place, rate, acceleration, auxiliary):
     """End position, velocity and auxiliary acceleration if the end acceleration were zero.
 

@@ -8,7 +8,8 @@ has one class, all of the circumference; the code is the same.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled_sums
 
 SIGNS = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
 """Sign of a class at theta, pi - theta, -theta, pi + theta; class 2 x + z, x and z 1 where odd across x = 0, z = 0."""
@@ -48,7 +49,7 @@ def mirrors(angles):
     return np.stack([i, angles // 2 - 1 - i, angles - 1 - i, angles // 2 + i])
 
 
-@njit(cache=True, fastmath=True)
+@compiled_sums()
 def read(field, first, rows, coordinates):
     """Displacement on some rows of the grid.
 
@@ -86,7 +87,7 @@ def read(field, first, rows, coordinates):
     return out
 
 
-@njit(cache=True, fastmath=True)
+@compiled_sums()
 def spread(field, first, force):
     """Modal forces of forces at the points of some rows: the transpose of `read`.
 

@@ -6,8 +6,8 @@ A's height and the rod's angle follow from x_A and the crank angle, so that ther
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .floating_frame import frame_force, frame_tangent
 from .slider_crank import motion
 
@@ -31,7 +31,7 @@ class Load(NamedTuple):
     modal: np.ndarray
 
 
-@njit(cache=True)
+@compiled()
 def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration):
     """Residual of the equations of motion.
 
@@ -69,12 +69,13 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
     residual = np.empty(len(place))
     residual[0] = pull_x + slope * pull_y + link[6]                                                             # Eq. (M1)
     residual[1] = frame[2] - load.moment
-    residual[2:] = frame[3:] - load.modal
+    for k in range(len(load.modal)):
+        residual[2 + k] = frame[3 + k] - load.modal[k]
     lever = -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle)
     return residual, pin_x, pin_y, pull_y * lever + link[10]
 
 
-@njit(cache=True)
+@compiled()
 def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration, c1, c2):
     """Derivative of the residual (Eq. (M1)) when each end acceleration moves its velocity by c1 [s] and its place by c2 [s2].
 
@@ -114,7 +115,7 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
     return out
 
 
-@njit(cache=True)
+@compiled()
 def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, crank_acceleration, c1, c2):
     """End accelerations that balance the equations of motion to 1e-15 or so of their size.
 
@@ -143,25 +144,44 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     size : float
         Last change of the accelerations in the norm of the inertia; relative if it did not converge.
     """
-    a = guess.copy()
-    matrix = tangent(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
-    diagonal = np.diag(matrix).copy()
-    scale = np.sqrt(np.abs(diagonal))
-    # rigid motions with the modes eliminated
-    column = matrix[2:, :2] / diagonal[2:].copy().reshape(-1, 1)
-    row = matrix[:2, 2:].copy()
-    s00, s01 = matrix[0, 0] - row[0] @ column[:, 0].copy(), matrix[0, 1] - row[0] @ column[:, 1].copy()
-    s10, s11 = matrix[1, 0] - row[1] @ column[:, 0].copy(), matrix[1, 1] - row[1] @ column[:, 1].copy()
-    size, total, change = 0.0, 0.0, np.empty_like(a)
+    n = len(place)
+    a, end, speed = guess.copy(), np.empty(n), np.empty(n)
+    _move(end, speed, place, rate, a, c1, c2)
+    matrix = tangent(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
+    # rigid motions with the modes eliminated: [s00 s01; s10 s11]
+    s00, s01, s10, s11 = matrix[0, 0], matrix[0, 1], matrix[1, 0], matrix[1, 1]
+    for k in range(2, n):
+        s00 -= matrix[0, k] * matrix[k, 0] / matrix[k, k]
+        s01 -= matrix[0, k] * matrix[k, 1] / matrix[k, k]
+        s10 -= matrix[1, k] * matrix[k, 0] / matrix[k, k]
+        s11 -= matrix[1, k] * matrix[k, 1] / matrix[k, k]
+    det = s00 * s11 - s01 * s10
+    size, total = 0.0, 0.0
     for evaluation in range(1, 40):
-        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, place + c2 * a, rate + c1 * a, a, crank_angle, crank_speed, crank_acceleration)
-        if evaluation > 1 and size <= 1e-12 * total:
+        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration)
+        if evaluation > 1 and size <= 1e-11 * total:
             return a, pin_x, pin_y, torque, evaluation, size
-        part = residual[2:] / diagonal[2:]
-        r0, r1 = residual[0] - row[0] @ part, residual[1] - row[1] @ part
-        det = s00 * s11 - s01 * s10
-        change[0], change[1] = (s11 * r0 - s01 * r1) / det, (s00 * r1 - s10 * r0) / det
-        change[2:] = part - column[:, 0] * change[0] - column[:, 1] * change[1]
-        a = a - change
-        size, total = np.sqrt(np.sum((scale * change) ** 2)), np.sqrt(np.sum((scale * a) ** 2))
+        r0, r1 = residual[0], residual[1]
+        for k in range(2, n):
+            part = residual[k] / matrix[k, k]
+            r0 -= matrix[0, k] * part
+            r1 -= matrix[1, k] * part
+        d0, d1 = (s11 * r0 - s01 * r1) / det, (s00 * r1 - s10 * r0) / det
+        a[0] -= d0
+        a[1] -= d1
+        square, whole = abs(matrix[0, 0]) * d0**2 + abs(matrix[1, 1]) * d1**2, abs(matrix[0, 0]) * a[0] ** 2 + abs(matrix[1, 1]) * a[1] ** 2
+        for k in range(2, n):
+            d = (residual[k] - matrix[k, 0] * d0 - matrix[k, 1] * d1) / matrix[k, k]
+            a[k] -= d
+            square += matrix[k, k] * d * d
+            whole += matrix[k, k] * a[k] * a[k]
+        size, total = np.sqrt(square), np.sqrt(whole)
+        _move(end, speed, place, rate, a, c1, c2)
     return a, pin_x, pin_y, torque, 0, size / total
+
+
+@compiled()
+def _move(end, speed, place, rate, a, c1, c2):
+    """End places and rates from predicted ones and the end accelerations."""
+    for k in range(len(a)):
+        end[k], speed[k] = place[k] + c2 * a[k], rate[k] + c1 * a[k]

@@ -7,7 +7,8 @@ piston on the +x (thrust) side. Origin on the crank axis, y towards the head.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
 class Mechanism(NamedTuple):
@@ -38,7 +39,7 @@ class Mechanism(NamedTuple):
     pin_mass: float
 
 
-@njit(cache=True)
+@compiled()
 def height(mechanism, lateral, crank_angle):
     """Height of A above the crank axis and its slopes.
 
@@ -64,7 +65,7 @@ def height(mechanism, lateral, crank_angle):
     return r * np.cos(crank_angle) + f, slope, -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle)     # Eq. (K1)
 
 
-@njit(cache=True)
+@compiled()
 def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, crank_speed, crank_acceleration):
     """Acceleration of A along y and the rod's share of the equations of motion.
 

@@ -29,17 +29,19 @@ class Time(Table):
 
 
 class ParticipantTable(Table):
-    """A participant: an FMU by path, or a package with options that builds one; and its parameters and input starts."""
+    """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
+    and its parameters and input starts."""
 
     package: str | None = None
+    file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
 
     @model_validator(mode="after")
     def one_origin(self):
-        if (self.package is None) == (self.fmu is None):
-            raise ValueError("give either package (to build an FMU) or fmu (a file)")
+        if [self.package, self.file, self.fmu].count(None) != 2:
+            raise ValueError("give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)")
         return self
 
 
@@ -64,6 +66,7 @@ class Coupling(Table):
 
     method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
     order : the order in which the participants step; the wires that run against it are the unknowns.
+    predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
     mixing : share taken of what the secants of iqn_ils leave unexplained.
     windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
@@ -73,6 +76,7 @@ class Coupling(Table):
 
     method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
     order: list[str]
+    predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
     mixing: float = Field(1.0, gt=0, le=1)
@@ -138,6 +142,26 @@ class ReportTable(Table):
     motion: Motion | None = None
 
 
+class Study(Table):
+    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
+
+    `set` changes the case in all of them; `curves` over `x` are scored against the reference's.
+    """
+
+    title: str
+    set: dict[str, Any] = {}
+    points: dict[str, dict[str, Any]]
+    reference: str
+    x: Port
+    curves: list[Port]
+
+    @model_validator(mode="after")
+    def reference_exists(self):
+        if self.reference not in self.points:
+            raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
+        return self
+
+
 class Case(Table):
     """A whole case file.
 
@@ -160,6 +184,7 @@ class Case(Table):
     pictures: list[Picture] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
+    studies: dict[str, Study] = {}
     variants: dict[str, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
@@ -228,13 +253,18 @@ def read_tree(path, changes=()):
 
 
 def _change(tree, key, value):
-    """Set a dotted key; the tables on its way must exist. Returns a fault or None."""
+    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0. Returns a fault or None."""
     *parents, last = key.split(".")
     node = tree
     for k, part in enumerate(parents):
-        node = node.get(part) if isinstance(node, dict) else None
-        if not isinstance(node, dict):
+        if isinstance(node, list):
+            node = node[int(part)] if part.isdigit() and int(part) < len(node) else None
+        else:
+            node = node.get(part)
+        if not isinstance(node, (dict, list)):
             return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+    if isinstance(node, list):
+        return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
     node[last] = value
     return None
 

@@ -521,3 +521,89 @@ def sweep(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_
     console.print(f"picture  {draw_sweep(rows, axes, tree.get('summary', {}), folder / 'sweep.png')}", highlight=False, soft_wrap=True)
     if not any(row["status"] == "done" for row in rows):
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
+
+
+@app.command
+def study(case: str, name: str, *, set_: Changes = [], output: Path | None = None, workers: int = 1):
+    """Run a study of a case: a table of cost and of distance from its reference run, and pictures.
+
+    Example: piston-cosim study numerical_example modes
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder, or a case file.
+    name
+        Of the study in the case file ([studies.NAME]).
+    set_
+        Change of the case in all runs, KEY=VALUE; it overrides the study.
+    output
+        Folder; default results/study_<case>_<name>. What is there from an earlier start is not run again.
+    workers
+        Processes; more than one disturbs the wall times.
+    """
+    from . import studies
+    from . import sweep as sweeps
+    from .pictures import draw
+
+    path = find_case(case)
+    checked, chosen, found = studies.study_points(path, [parse_change(text) for text in set_], name)
+    folder = output or Path("results") / f"study_{path.parent.name}_{name}"
+    sweeps.build_all(found, path.parent, _say)
+
+    def watch(row, done, total):
+        console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False, highlight=False, soft_wrap=True)
+
+    with sweeps.local_executor(workers) as executor:
+        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
+    runs = studies.open_points(found, rows, folder)
+    table = studies.study_table(chosen, checked, rows, runs)
+    shown = Table("", *(row["run"] for row in table), box=None, title=chosen.title)
+    for key in dict.fromkeys(key for row in table for key in row if key != "run"):
+        shown.add_row(key, *(f"{v:.4g}" if isinstance(v := row.get(key, ""), float) else str(v) for row in table))
+    console.print(shown)
+    console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
+    console.print(f"picture  {studies.draw_study(chosen, checked, table, runs, folder / 'study.png')}", highlight=False, soft_wrap=True)
+    for picture in draw(checked, runs, folder):
+        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+
+
+@app.command
+def fields(file: Path, *, field: Annotated[list[str], Parameter(negative=())], output: Path, time: str | None = None, i: int | None = None,
+           j: int | None = None, radius: str = "1 m", length: str = "1 m"):
+    """Write recorded fields as CSV, HDF5 or VTU (for ParaView), by the ending of --output.
+
+    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure+ehd.asperity_pressure --time "18 ms" --output p.csv
+
+    Parameters
+    ----------
+    file
+        Results file.
+    field
+        participant.field, or a sum (+) or product (*) of recorded fields; several allowed.
+    output
+        .csv, .h5, or .vtu.
+    time
+        Only the recorded instant nearest to this time.
+    i, j
+        Only this line of grid points (1-based); both: one grid point.
+    radius, length
+        Of the cylinder on which a VTU file shows the field.
+    """
+    from . import fields_export as exports
+    from .fmi.quantities import to_si
+
+    _, runs = open_runs((file,))
+    (results,) = runs.values()
+    if output.suffix not in (".csv", ".h5", ".vtu") or (output.suffix == ".vtu" and (i or j)):
+        raise BadInput(f"--output {output}: write .csv, .h5, or .vtu (whole fields)")
+    try:
+        instant, size = None if time is None else to_si(time, "s"), [to_si(text, "m") for text in (radius, length)]
+    except ValueError as error:
+        raise BadInput(str(error)) from None
+    blocks = [exports.chosen(exports.read_block(results, text), instant, i, j) for text in field]
+    if output.suffix == ".vtu":
+        console.print(f"{len(exports.write_vtu(blocks, output, *size))} files beside {output}", highlight=False, soft_wrap=True)
+    else:
+        (exports.write_csv if output.suffix == ".csv" else exports.write_hdf5)(blocks, output)
+        console.print(f"fields   {output}", highlight=False, soft_wrap=True)

@@ -2,6 +2,7 @@
 
 import csv
 import re
+from itertools import cycle
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -136,7 +137,7 @@ def draw_measured(runs, measured, path):
     (x_port, (x, x_unit)), *columns = measured.items()
     figure, panels = plt.subplots(len(columns), 1, sharex=True, squeeze=False, layout="constrained", figsize=(11, 1.2 + 2.6 * len(columns)))
     for panel, (port, (y, unit)) in zip(panels[:, 0], columns):
-        for colour, (label, results) in zip(PALETTE, runs.items()):
+        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             curve_x, si_x, _ = results.series(x_port)
             curve_y, si_y, _ = results.series(port)
             panel.plot(curve_x / _factor(x_unit, si_x), curve_y / _factor(unit, si_y), color=colour, lw=1.2, label=label)

@@ -54,7 +54,7 @@ class Coupled(FieldSlave):
         self.system = System(participants, tuple(options["order"]), connections, parameters, np.inf, options["step"])
         start(self.system)
         coupling = SimpleNamespace(**options["coupling"])
-        self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings)
+        self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings, order=coupling.predictor)
         self.standing = self._state()
         return self.standing, self._outputs()
 

@@ -5,6 +5,7 @@ import hashlib
 import io
 import json
 from datetime import datetime, timezone
+from itertools import cycle
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -91,7 +92,7 @@ def draw_loop(case, runs, name):
     """The loop `name` of every run."""
     loop = case.report.loops[name]
     figure, panel = plt.subplots(figsize=(7, 4.5), layout="constrained")
-    for colour, (label, results) in zip(PALETTE, runs.items()):
+    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         x, x_unit, y, y_unit = loop_curve(case, results, loop)
         panel.plot(x, y, color=colour, lw=1.2, label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}")
     panel.set_xlabel(f"{loop.x.split('.')[1].replace('_', ' ')} [{x_unit}]")
@@ -105,7 +106,7 @@ def draw_health(runs):
     """Iterations, derivative products and residual over time."""
     names = ("iterations", "derivative_products", "residual")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
-    for colour, (label, results) in zip(PALETTE, runs.items()):
+    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         for panel, name in zip(panels, names):
             panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label, rasterized=True)
     for panel, name in zip(panels, names):

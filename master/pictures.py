@@ -1,5 +1,6 @@
 """Pictures of one or several runs side by side, as the case file describes them. Units converted here, at the edge."""
 
+from itertools import cycle
 from pathlib import Path
 
 import matplotlib
@@ -10,7 +11,7 @@ import numpy as np  # noqa: E402
 
 from .fmi.quantities import pint_unit, registry, to_si  # noqa: E402
 
-PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a")
+PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
 WINDOW = "#3a7d44"
 
 
@@ -54,7 +55,7 @@ def scaled(values, unit, wanted):
     return np.asarray(values) * quantity.to(wanted).magnitude, wanted
 
 
-def _label(text, unit):
+def labelled(text, unit):
     return f"{text} [{unit}]" if unit else text
 
 
@@ -63,7 +64,7 @@ def draw_lines(picture, runs, window):
     figure, panels = plt.subplots(len(picture.y), 1, sharex=True, squeeze=False, layout="constrained",
                                   figsize=(11, 1.2 + 2.3 * len(picture.y)))
     for panel, ports in zip(panels[:, 0], picture.y):
-        for colour, (label, results) in zip(PALETTE, runs.items()):
+        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, x_unit, x_text = results.series(picture.x)
             x, x_unit = scaled(x, x_unit, picture.units.get(picture.x))
             for style, port in zip(("-", "--", ":"), ports):
@@ -75,11 +76,11 @@ def draw_lines(picture, runs, window):
         _shade(panel, {text.split()[0]: tuple(scaled(to_si(v, unit), unit, wanted)[0] for v in limits)
                        for text, limits in window.items() if text.split()[1] in ports})
         heading = port.split(".")[1].replace("_", " ") if len(ports) == 1 else _common(ports)
-        panel.set_ylabel(_label(heading, shown))
+        panel.set_ylabel(labelled(heading, shown))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
         panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    panels[-1, 0].set_xlabel(_label(picture.x.split(".")[1].replace("_", " "), x_unit))
+    panels[-1, 0].set_xlabel(labelled(picture.x.split(".")[1].replace("_", " "), x_unit))
     return figure
 
 
@@ -116,5 +117,5 @@ def draw_maps(picture, runs):
             panel.set_xticks([0, 90, 180, 270, 360], ["0", "90\nthrust", "180", "270\nanti-thrust", "360"])
             panel.set_xlabel("angle from the pin axis [deg]")
             panel.set_ylabel("height / skirt length")
-        figure.colorbar(shown, ax=list(row), label=_label(port.split(".")[1].replace("_", " "), unit))
+        figure.colorbar(shown, ax=list(row), label=labelled(port.split(".")[1].replace("_", " "), unit))
     return figure

@@ -64,7 +64,7 @@ def _march(system, case, tree, output, watch, begin_at):
             reduction.add(values)
         watch(time, system.stop, solution, monitored(case, system, values))
 
-    stepper = Stepper(system, method_of(case.coupling), case.coupling.halvings, accepted)
+    stepper = Stepper(system, method_of(case.coupling), case.coupling.halvings, accepted, case.coupling.predictor)
     if begin_at:
         thaw(stepper, begin_at.frozen)
         stepper.counters = begin_at.counters

@@ -33,13 +33,13 @@ class Counters:
 
 
 class Predictor:
-    """Extrapolates the interface vector through the last accepted ones (order 2 at most, Lagrange)."""
+    """Extrapolates the interface vector through the last accepted ones (Lagrange; order 0 repeats the last)."""
 
-    def __init__(self, order=2):
+    def __init__(self, order):
         self.order, self.past = order, []
 
     def keep(self, time, x):
-        self.past = [*self.past[-self.order:], (time, x)]
+        self.past = [*self.past, (time, x)][-self.order - 1:]
 
     def clear(self):
         self.past = self.past[-1:]
@@ -66,13 +66,15 @@ class Stepper:
         How often in a row a macro step may be halved.
     accepted : callable(time, solution)
         Told of every accepted step, halves included, while the participants stand at its end.
+    order : int
+        Of the predictor.
     """
 
-    def __init__(self, system, method, halvings, accepted=lambda time, solution: None):
+    def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2):
         self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections)
         self.method, self.halvings, self.accepted = method, halvings, accepted
         self.counters, self.failures, self.memory = Counters(), [], method.memory()
-        self.predictor = Predictor()
+        self.predictor = Predictor(order)
         self.predictor.keep(0.0, self.interface.read())
 
     def advance(self, time, step, halvings=None):

@@ -3,7 +3,7 @@
 from difflib import get_close_matches
 
 from .case import times
-from .fmi.builder import build_fmu
+from .fmi.builder import build_fmu, build_fmu_of_file
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
 from .participant import open_fmu
@@ -44,6 +44,8 @@ def open_system(case, folder, progress):
 def _fmu(table, folder, progress):
     if table.package:
         return build_fmu(table.package, table.build, folder, progress)
+    if table.file:
+        return build_fmu_of_file(str(folder / table.file), table.build, progress)
     path = folder / table.fmu
     if not path.is_file():
         raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")

@@ -152,20 +152,22 @@ class FieldSlave(Fmi2Slave):
 
     def exit_initialization_mode(self):
         """Check every parameter range, start the participant; a fault is logged and every later step discarded."""
+        self.state = self._checked_start()
+
+    def _checked_start(self):
+        """State at the start with its outputs published; None, the fault noted, where parameters are refused."""
+        self.started_with = self._parameters()
         try:
-            faults = self._range_faults()
-            if faults:
+            if faults := self._range_faults():
                 raise BadInput(faults)
-            self.state, outputs = self._start()
+            state, outputs = self.start(self._values())
             self._publish(outputs)
+            return state
         except BadInput as error:
             self._refuse("\n".join(error.faults))
         except Exception:
             self._refuse(traceback.format_exc())
-
-    def _start(self):
-        self.started_with = self._parameters()
-        return self.start(self._values())
+        return None
 
     def _parameters(self):
         """What `start` depends on, comparable: a state that carries other parameters needs a new start."""
@@ -252,16 +254,12 @@ class FieldSlave(Fmi2Slave):
 
     def _set_fmu_state(self, saved):
         real, strings, state = saved
+        self.string[:], self.fault = strings, None
         self.real[:self.real_count] = real
-        self.string[:] = strings
-        if isinstance(state, dict):
-            state = self.state_type(**state)
-        self.state, self.fault = state, None
         if state is not None and self._parameters() != self.started_with:
-            try:
-                self._start()
-            except Exception:
-                self._refuse(traceback.format_exc())
+            self._checked_start()
+            self.real[:self.real_count] = real
+        self.state = self.state_type(**state) if isinstance(state, dict) else state
 
     @staticmethod
     def _fmu_state_to_bytes(saved):

@@ -16,7 +16,7 @@ import numpy as np  # noqa: E402
 from fmu_ehd.model import LubricationModel  # noqa: E402
 from fmu_ehd.parameters import Parameters  # noqa: E402
 from fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
-from fmu_ehd.verification import DEGREE, motored_film  # noqa: E402
+from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
 
 STEPS = 8
 

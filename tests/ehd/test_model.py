@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
+from fmu_ehd.cavitation import NotConverged
 from fmu_ehd.model import LubricationModel
 from fmu_ehd.oil import Oil
 from fmu_ehd.parameters import Parameters, faults
-from fmu_ehd.verification import DEGREE, motored, motored_film, opening, physics, tangent_error
+from fmu_ehd.motored import DEGREE, motored, motored_film, opening, physics, tangent_error
 
 SHAPE = (12, 10)
 OPENING = opening(SHAPE)
@@ -77,6 +78,15 @@ def test_halves_add_up():
     assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(both)
     thinnest = [o[f"minimum_film_thickness_{side}_side"] for side in ("thrust", "anti_thrust")]
     assert min(thinnest) == o["minimum_film_thickness"] < max(thinnest)
+
+
+def test_a_refused_step_has_no_tangent():
+    model, state, _ = motored(Parameters(SHAPE), 3)
+    film, velocity = motored_film(SHAPE, 4 * DEGREE)
+    with pytest.raises(NotConverged):
+        model.advance(state, -film, velocity, DEGREE)
+    with pytest.raises(RuntimeError):
+        model.tangent(film, velocity)
 
 
 def test_conditions_given_in_a_step_are_those_of_the_parameters():

@@ -4,7 +4,7 @@ import pytest
 from fmu_ehd import sparse
 from fmu_ehd.model import LubricationModel
 from fmu_ehd.parameters import Parameters
-from fmu_ehd.verification import DEGREE, motored_film
+from fmu_ehd.motored import DEGREE, motored_film
 
 SHAPE = (11, 9)
 
@@ -28,6 +28,22 @@ def test_every_solver_gives_the_same_answer(name):
         pytest.skip("pypardiso is an optional extra")
     for value, reference in zip(other, pressure_force(sparse.BlockTridiagonal)):
         assert np.abs(value - reference).max() <= 1e-10 * np.abs(reference).max()  # round-off x condition
+
+
+def test_pardiso_repeats_its_bits_and_returns_its_memory():
+    pytest.importorskip("pypardiso")
+    resource = pytest.importorskip("resource")
+    sizes = []
+    for _ in range(6):
+        first, again = (pressure_force(sparse.Pardiso) for _ in range(2))
+        assert all(np.array_equal(a, b) for a, b in zip(first, again))
+        big = sparse.Pardiso((150, 150))
+        ones = np.ones((150, 150))
+        big.factorise((4.1 * ones, -ones, -ones, -ones, -ones))
+        assert np.isfinite(big.solve(ones[None])).all()
+        del big
+        sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert sizes[-1] - sizes[1] < 20e3  # kB; a factorisation of this size holds some 30 MB
 
 
 def test_small_grids_get_dense_blocks_and_huge_ones_do_not():

@@ -104,7 +104,7 @@ def test_nan_is_never_accepted(pair):
 
 
 def test_predictor_is_exact_for_a_parabola():
-    predictor = Predictor()
+    predictor = Predictor(2)
     for t in (0.0, 0.1, 0.25):
         predictor.keep(t, np.array([1 + 2 * t + 3 * t**2]))
     assert predictor(0.5)[0] == pytest.approx(1 + 1 + 0.75, rel=1e-12)

@@ -65,7 +65,7 @@ def test_spline_passes_through_its_values_and_has_the_right_slope():
     at = np.linspace(0.0701, 0.0951, 17)
 
     def on_grid(height, slope=False):
-        window = window_at(bore.lowest, bore.spacing, height)
+        window = window_at(bore.lowest, bore.spacing, 0.0, height)
         knots = read(bore.radial, window.first, window.knots, np.ones(1))
         return on_rows(window, window.slope if slope else window.value, knots)[:, 1]
 
@@ -79,7 +79,7 @@ def test_spreading_is_the_transpose_of_reading():
     rng = np.random.default_rng(0)
     kind = np.array([3, 0, 1, 2, 0])
     field = modal_field(rng.standard_normal((8, 6, 5)), kind)
-    window = window_at(0.0, 1.0, np.array([1.2, 1.9, 2.6]))
+    window = window_at(0.0, 1.0, 0.0, np.array([1.2, 1.9, 2.6]))
     q, force = rng.standard_normal(5), rng.standard_normal((3, 8))
     seen = on_rows(window, window.value, read(field, window.first, window.knots, q))
     assert np.vdot(seen, force) == pytest.approx(q @ spread(field, window.first, on_knots(window, force)), rel=1e-13)

@@ -89,7 +89,7 @@ def shaped(bodies, tmp_path_factory):
 def test_shapes_enter_the_film_and_its_work(shaped):
     """A bore of varying width does work on the moving piston: the balance still closes, and slope times force lifts the piston."""
     rng = np.random.default_rng(2)
-    push, drag = rng.random((2, *shaped.skirt.gap.shape))
+    push, drag = rng.random((2, *shaped.system.skirt.gap.shape))
     state, out = shaped.start(0.7, 0.0, 0.0, Inputs(314.0, 0.0, push, drag))
     assert out["interface_work_error"] <= 1e-13
     for _ in range(5):
@@ -98,8 +98,8 @@ def test_shapes_enter_the_film_and_its_work(shaped):
         assert out["interface_work_error"] <= 1e-13
     assert before.crank_angle < state.crank_angle
     # the film thickness belongs to the shape at the skirt's height now
-    expected = shaped.skirt.gap + 2e-6 * np.cos(4 * (shaped.skirt.angle - 10 * DEG))[:, None]
-    height = out["piston_position"] + shaped.skirt.height
+    expected = shaped.system.skirt.gap + 2e-6 * np.cos(4 * (shaped.system.skirt.angle - 10 * DEG))[:, None]
+    height = out["piston_position"] + shaped.system.skirt.height
     expected = expected + np.interp(height, [0.05, 0.1, 0.155], [30e-6, 5e-6, 0.0]) + 3e-6 * (0.155 - height) / 0.105
     nothing = np.zeros_like(push)
     still = shaped.start(state.crank_angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
@@ -108,7 +108,7 @@ def test_shapes_enter_the_film_and_its_work(shaped):
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
-    nothing = np.zeros(shaped.skirt.gap.shape)
+    nothing = np.zeros(shaped.system.skirt.gap.shape)
     tabled = [shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0] for angle in (0.5, 3.0)]
     monkeypatch.setattr(shaped, "gas_table", None)
     for state, angle in zip(tabled, (0.5, 3.0)):

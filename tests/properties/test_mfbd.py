@@ -23,7 +23,7 @@ def film(seed):
     angle, rows = cell_centres(8, 5, -0.01, 0.008)
     skirt = Skirt(angle, rows, np.full((8, 5), 2e-5), 0.028, 1e-3, *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)))
     bore = bore_splines(np.linspace(0.0, 0.1, 12), *rng.standard_normal((2, 8, 12, 2)), shape=1e-5 * rng.standard_normal((8, 12)))
-    return rng, skirt, bore, window_at(bore.lowest, bore.spacing, rng.uniform(0.02, 0.08) + rows)
+    return rng, skirt, bore, window_at(bore.lowest, bore.spacing, rng.uniform(0.02, 0.08), rows)
 
 
 @settings(max_examples=40, deadline=None)
@@ -50,7 +50,7 @@ def test_film_rate_is_the_derivative_of_the_film(seed):
     unit[rng.integers(8), rng.integers(5)] = 1.0
 
     def at(t):
-        window = window_at(bore.lowest, bore.spacing, A + climb * t + skirt.height)
+        window = window_at(bore.lowest, bore.spacing, A + climb * t, skirt.height)
         return film_now(skirt, bore, window, (unit, nothing), climb, climb, place + rate * t, rate)
 
     dt = 1e-7

@@ -1,0 +1,174 @@
+"""One instant of the whole body side in compiled code: from predicted motion and forces to accelerations, film and outputs; and its
+derivative. Nothing is decided here: the equations stand in `film`, `piston_motion` and `slider_crank`."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .compiled import compiled
+from .film import Bore, FilmForces, Skirt, Window, film_now, generalised, opening, sliding, window_at
+from .floating_frame import FlexibleBody
+from .piston_motion import Load, settle
+from .slider_crank import Mechanism, height
+
+
+class Block(NamedTuple):
+    """Modal springs of the cylinder block: stiffness omega^2 [rad2/s2] and damping 2 zeta omega [rad/s], shapes (k',)."""
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+
+
+class System(NamedTuple):
+    """Both bodies, the mechanism and the film's geometry; gas_force (k,): modal force of a unit gas force on the crown [kg^-1/2]."""
+
+    piston: FlexibleBody
+    block: Block
+    mechanism: Mechanism
+    skirt: Skirt
+    bore: Bore
+    gas_force: np.ndarray
+
+
+class Balance(NamedTuple):
+    """Motion, forces and film at an instant.
+
+    Parameters
+    ----------
+    place, rate, acceleration : ndarray, shape (n,)
+        [x_A, rocking angle, piston then block modal coordinates] and derivatives in time.
+    window : Window
+    load : Load
+        On the piston, gas included.
+    forces : FilmForces
+    film_thickness, sliding_velocity : ndarray, shape (c, a)
+        [m], [m/s]
+    position, velocity : float
+        Height of A [m] and its rate [m/s].
+    pin_x, pin_y, torque : float
+        Pin force on the piston [N], drive torque on the crank without its own inertia [N m].
+    work_error : float
+        Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe the
+        same work, so that anything above round-off is an error in the transfer of forces.
+    evaluations, size : int, float
+        Of `settle`.
+    """
+
+    place: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+    window: Window
+    load: Load
+    forces: FilmForces
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+    position: float
+    velocity: float
+    pin_x: float
+    pin_y: float
+    torque: float
+    work_error: float
+    evaluations: int
+    size: float
+
+
+@compiled()
+def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, friction_force):
+    """Accelerations that balance the forces, and everything that follows from them.
+
+    Parameters
+    ----------
+    system : System
+    c1, c2 : float
+        What an acceleration of 1 adds to rate and place at the end of the step [s], [s2].
+    place, rate, guess : ndarray, shape (n,)
+        Predicted without the end accelerations; a guess of these.
+    crank : tuple of float
+        Angle [rad], speed [rad/s], acceleration [rad/s2].
+    gas : float
+        Gas force on the piston along -y [N].
+    pressure_force, friction_force : ndarray, shape (c, a)
+        [N]
+
+    Returns
+    -------
+    Balance
+    """
+    piston, block, mechanism, skirt, bore, gas_force = system
+    n = 2 + len(piston.stiffness)
+    Y0, _, lever0 = height(mechanism, 0.0, crank[0])
+    window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
+    forces = generalised(skirt, bore, window, pressure_force, friction_force)
+    push = forces.piston.copy()
+    for k in range(n - 2):
+        push[k] += gas * gas_force[k]
+    load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push)
+    acceleration = np.empty(len(place))
+    own, pin_x, pin_y, torque, evaluations, size = settle(
+        piston, mechanism, load, place[:n], rate[:n], guess[:n], crank[0], crank[1], crank[2], c1, c2)
+    end, speed = np.empty(len(place)), np.empty(len(place))
+    for k in range(len(place)):
+        acceleration[k] = own[k] if k < n else ((forces.block[k - n] - block.damping[k - n] * rate[k] - block.stiffness[k - n] * place[k])
+                                                / (1 + c1 * block.damping[k - n] + c2 * block.stiffness[k - n]))
+        end[k], speed[k] = place[k] + c2 * acceleration[k], rate[k] + c1 * acceleration[k]
+    Y, slope, lever = height(mechanism, end[0], crank[0])
+    climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
+    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided, end, speed)
+    work, sizes = forces.axial * climb + lift * guided, abs(forces.axial * climb) + abs(lift * guided) + terms
+    for k in range(len(place)):
+        force = (forces.lateral if k == 0 else forces.moment if k == 1 else forces.piston[k - 2] if k < n else forces.block[k - n])
+        work += force * speed[k]
+        sizes += abs(force * speed[k])
+    error = abs(power - work) / sizes if sizes > 0.0 else 0.0
+    return Balance(end, speed, acceleration, window, load, forces, thickness, velocity, Y, climb, pin_x, pin_y - lift,
+                   torque - lift * lever0, error, evaluations, size)
+
+
+@compiled()
+def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force, friction_force):
+    """Change of film thickness and sliding velocity at the end of a step with the forces at its end.
+
+    Eq. (D1):  J d(acceleration) = dQ,   d(place) = c2 d(acceleration),  d(rate) = c1 d(acceleration)
+
+    Parameters
+    ----------
+    system : System
+    window : Window
+    c1, c2 : float
+        [s], [s2]
+    slope, climb_place : float
+        dY/dx_A [-], and the change of A's velocity along y with x_A [1/s].
+    inverse : ndarray, shape (2 + k, 2 + k)
+        J^-1 of the piston's motion.
+    pressure_force, friction_force : ndarray, shape (c, a)
+        Direction [N].
+
+    Returns
+    -------
+    film_thickness, sliding_velocity : ndarray, shape (c, a)
+        [m], [m/s]
+    """
+    block, skirt, bore = system.block, system.skirt, system.bore
+    forces = generalised(skirt, bore, window, pressure_force, friction_force)
+    right = np.empty(len(inverse))
+    right[0], right[1] = forces.lateral + slope * forces.axial, forces.moment
+    for k in range(len(forces.piston)):
+        right[2 + k] = forces.piston[k]
+    change, other = inverse @ right, forces.block                                                               # Eq. (D1)
+    for k in range(len(other)):
+        other[k] /= 1 + c1 * block.damping[k] + c2 * block.stiffness[k]
+    climb = (c1 * slope + c2 * climb_place) * change[0]
+    own, own_rate, other_rate = change.copy(), change.copy(), other.copy()
+    scale(own, c2)
+    scale(own_rate, c1)
+    scale(other_rate, c1)
+    scale(other, c2)
+    return (opening(skirt, bore, window, own[0], own[1], own[2:], other),
+            sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate))
+
+
+@compiled()
+def scale(a, factor):
+    """a *= factor, in a loop: array expressions take the compiler seconds each."""
+    for k in range(len(a)):
+        a[k] *= factor
