@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
 
 from master.case import check_case, find_case, read_tree
 from master.check import check_fmu, swap
@@ -91,6 +92,17 @@ def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_p
     one, two = (r.series("bodies.lateral_displacement")[0] for r in results.values())
     np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)     # a step is converged to 1 nm
     assert abs(one[-1]) > 1e-7
+
+
+def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
+    """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
+    fmu = FmuBuilder.build_FMU(HERE / "stock_film.py", dest=tmp_path / "stock.fmu", canGetAndSetFMUstate=True,
+                               canSerializeFMUstate=True)
+    role, breaches, remarks = check_fmu(fmu)
+    assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
+    summary, results, _ = run_with(fmu, tmp_path)
+    assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
+    assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
 
 
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
