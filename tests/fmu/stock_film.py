@@ -20,8 +20,9 @@ class StockFilm(Fmi2Slave):
         self.values = dict(constants)
         for name in constants:
             self._register(Integer, name, Fmi2Causality.parameter, Fmi2Variability.fixed)
-        for name, causality, start in (("film_thickness", "input", 3e-5), ("sliding_velocity", "input", 0.0), ("before", "local", 3e-5),
-                                       ("nodal_pressure_force", "output", 0.0), ("nodal_friction_force", "output", 0.0)):
+        for name, causality, start in (("film_thickness", "input", 3e-5), ("sliding_velocity", "input", 0.0),
+                                       ("before", "local", 3e-5), ("nodal_pressure_force", "output", 0.0),
+                                       ("nodal_friction_force", "output", 0.0)):
             for i in range(CELLS[0]):
                 for j in range(CELLS[1]):
                     self.values[f"{name}[{i + 1},{j + 1}]"] = start
