@@ -118,6 +118,8 @@ def _connection(wire, participants, faults):
     except ValueError as error:
         faults.append(f"{where}: tolerance: {error}")
         return None
+    if tolerance < 0 or not (tolerance or wire.relative_tolerance):
+        faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive, or 0 beside a relative_tolerance")
     return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
                       tolerance, wire.largest_decrease, wire.relative_tolerance)
 

@@ -1,6 +1,9 @@
 """FMUs built once for all tests here, and a small body mesh."""
 
+import json
 import subprocess
+import sys
+import textwrap
 import urllib.parse
 from pathlib import Path
 
@@ -39,6 +42,17 @@ def host(tmp_path_factory):
     program = tmp_path_factory.mktemp("host") / "host"
     subprocess.run([compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"], check=True)
     return program
+
+
+@pytest.fixture(scope="session")
+def outside():
+    """Runs code after a prelude in a bare Python away from the source, the FMU's path its argument; what it prints last is JSON."""
+    def run(prelude, fmu, body):
+        code = prelude + textwrap.dedent(body)
+        done = subprocess.run([sys.executable, "-I", "-c", code, str(fmu)], capture_output=True, text=True, cwd="/", timeout=300)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout.splitlines()[-1])
+    return run
 
 
 class Unpacked:

@@ -1,10 +1,5 @@
 """The built lubrication FMU, driven in a process that has never imported the source."""
 
-import json
-import subprocess
-import sys
-import textwrap
-
 from fmpy.validation import validate_fmu
 
 PRELUDE = """
@@ -44,20 +39,12 @@ def step(fmu, film, time=0.0, size=5e-5, speed=6.0):
 """
 
 
-def outside(fmu, body):
-    """Run `body` after PRELUDE in a bare Python away from the source; what it prints last is JSON."""
-    run = subprocess.run([sys.executable, "-I", "-c", PRELUDE + textwrap.dedent(body), str(fmu)], capture_output=True, text=True,
-                         cwd="/", timeout=300)
-    assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout.splitlines()[-1])
-
-
 def test_model_description_is_valid(fmu):
     assert validate_fmu(str(fmu)) == []
 
 
-def test_restored_step_repeats_every_byte(fmu):
-    same_forces, same_state, moved = outside(fmu, """
+def test_restored_step_repeats_every_byte(fmu, outside):
+    same_forces, same_state, moved = outside(PRELUDE, fmu, """
         assert not any(name.split(".")[0] in ("fmu_ehd", "master") for name in sys.modules)
         one = slave()
         saved = one.getFMUstate()
@@ -74,8 +61,8 @@ def test_restored_step_repeats_every_byte(fmu):
     assert moved > 0
 
 
-def test_serialised_state_continues_in_a_new_instance(fmu):
-    difference = outside(fmu, """
+def test_serialised_state_continues_in_a_new_instance(fmu, outside):
+    difference = outside(PRELUDE, fmu, """
         one = slave(viscosity=0.02)
         step(one, film)
         data = one.serializeFMUstate(one.getFMUstate())
@@ -87,8 +74,8 @@ def test_serialised_state_continues_in_a_new_instance(fmu):
     assert difference == 0.0
 
 
-def test_refused_steps_leave_the_state_and_the_host_alone(fmu):
-    refusals, survived = outside(fmu, """
+def test_refused_steps_leave_the_state_and_the_host_alone(fmu, outside):
+    refusals, survived = outside(PRELUDE, fmu, """
         import gc
         one = slave()
         saved = bytes(one.serializeFMUstate(one.getFMUstate()))
@@ -108,8 +95,8 @@ def test_refused_steps_leave_the_state_and_the_host_alone(fmu):
     assert survived
 
 
-def test_instances_do_not_share_state(fmu):
-    same = outside(fmu, """
+def test_instances_do_not_share_state(fmu, outside):
+    same = outside(PRELUDE, fmu, """
         one, two = slave("one"), slave("two", viscosity=0.05)
         a = step(one, film)
         step(two, 0.5 * film)
@@ -119,8 +106,8 @@ def test_instances_do_not_share_state(fmu):
     assert same
 
 
-def test_fmpy_simulates_it_alone(fmu):
-    count = outside(fmu, """
+def test_fmpy_simulates_it_alone(fmu, outside):
+    count = outside(PRELUDE, fmu, """
         result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=["minimum_film_thickness"])
         print(json.dumps(len(result)))
         """)

@@ -1,9 +1,5 @@
 """The built body FMU of the shipped case (60 + 60 modes), driven in a process that has never imported the source."""
 
-import json
-import subprocess
-import sys
-import textwrap
 
 import pytest
 from fmpy.validation import validate_fmu
@@ -51,19 +47,12 @@ def fmu():
     return build_fmu(table.package, table.build, path.parent)
 
 
-def outside(fmu, body):
-    run = subprocess.run([sys.executable, "-I", "-c", PRELUDE + textwrap.dedent(body), str(fmu)], capture_output=True, text=True,
-                         cwd="/", timeout=300)
-    assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout.splitlines()[-1])
-
-
 def test_model_description_is_valid(fmu):
     assert validate_fmu(str(fmu)) == []
 
 
-def test_restored_step_repeats_every_byte(fmu):
-    same_outputs, same_state = outside(fmu, """
+def test_restored_step_repeats_every_byte(fmu, outside):
+    same_outputs, same_state = outside(PRELUDE, fmu, """
         assert not any(name.split(".")[0] == "fmu_mfbd" for name in sys.modules)
         one = slave()
         step(one, forces)
@@ -80,8 +69,8 @@ def test_restored_step_repeats_every_byte(fmu):
     assert same_outputs and same_state
 
 
-def test_serialised_state_continues_in_a_new_instance(fmu):
-    difference = outside(fmu, """
+def test_serialised_state_continues_in_a_new_instance(fmu, outside):
+    difference = outside(PRELUDE, fmu, """
         one = slave()
         step(one, forces)
         data = one.serializeFMUstate(one.getFMUstate())
@@ -93,8 +82,8 @@ def test_serialised_state_continues_in_a_new_instance(fmu):
     assert difference == 0.0
 
 
-def test_directional_derivative_matches_differences(fmu):
-    error = outside(fmu, """
+def test_directional_derivative_matches_differences(fmu, outside):
+    error = outside(PRELUDE, fmu, """
         one = slave()
         step(one, forces)
         saved = one.getFMUstate()
@@ -113,8 +102,8 @@ def test_directional_derivative_matches_differences(fmu):
     assert error <= 1e-7  # central differences of a step map that is affine to 5e-5: third order in the direction
 
 
-def test_fmpy_simulates_it_alone(fmu):
-    angle = outside(fmu, """
+def test_fmpy_simulates_it_alone(fmu, outside):
+    angle = outside(PRELUDE, fmu, """
         result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=["crank_angle", "lateral_displacement"])
         print(json.dumps(float(result["crank_angle"][-1])))
         """)

@@ -1,0 +1,63 @@
+"""Wiring faults are found before the run, all of them, in words a user can act on."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from master.case import Wire
+from master.system import _connection, _parameters
+
+
+def field(name, causality, unit="m", shape=(4, 4), **more):
+    return SimpleNamespace(**{"name": name, "causality": causality, "unit": unit, "shape": shape, "nominal": 1e-5, "type": "Real",
+                              "minimum": None, "maximum": None} | more)
+
+
+@pytest.fixture
+def participants():
+    def participant(name, *fields):
+        return SimpleNamespace(name=name, fields={f.name: f for f in fields})
+    return {"body": participant("body", field("film_thickness", "output"), field("speed", "parameter", "rad/s", (), maximum=100.0)),
+            "film": participant("film", field("film_thickness", "input"), field("coarse", "input", shape=(2, 4)),
+                                field("other", "input", "Pa"))}
+
+
+@pytest.mark.parametrize("target, words", [
+    ("film.coarse", "shapes differ, (4, 4) and (2, 4)"),
+    ("film.other", "units differ, m and Pa"),
+    ("film.film_thicknes", "did you mean film_thickness?"),
+    ("body.film_thickness", "is no input"),
+])
+def test_wiring_faults(participants, target, words):
+    faults = []
+    _connection(Wire(**{"from": "body.film_thickness", "to": target}), participants, faults)
+    assert len(faults) == 1
+    assert words in faults[0]
+
+
+def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
+    def tolerance(value):
+        wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value})
+        return _connection(wire, participants, []).tolerance
+    assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
+    assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
+    faults = []
+    wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"})
+    assert _connection(wire, participants, faults) is None
+    assert "tolerance" in faults[0]
+
+
+def test_parameter_faults_name_value_unit_and_range(participants):
+    faults = []
+    values = _parameters(participants["body"], {"speed": "6000 rpm", "sped": "1 rad/s", "film_thickness": "1 m"}, faults)
+    assert values == {}
+    assert len(faults) == 3
+    assert "6000 rpm is 628.319 rad/s, allowed is -inf to 100 rad/s" in faults[0]
+    assert "did you mean speed?" in faults[1]
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
+def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
+    faults = []
+    _connection(Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}), participants, faults)
+    assert "must be positive" in faults[0]
