@@ -14,7 +14,6 @@ from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
-HIGHEST_PRESSURE = 1e10  # [Pa]; no viscosity law means anything beyond
 
 
 @dataclass(frozen=True)
@@ -272,10 +271,6 @@ class LubricationModel:
         pressure, ratio, dratio = reduced, None, None
         if around.thickening:
             pressure = around.thickening.pressure(reduced)
-            if not np.all(pressure < HIGHEST_PRESSURE):
-                i, j = np.unravel_index(np.argmax(reduced), reduced.shape)
-                raise NotConverged(f"no pressure answers a reduced pressure of {reduced[i, j]:g} Pa at [{i + 1},{j + 1}] under "
-                                   f"{self.parameters.oil.pressure_viscosity_law}")
             ratio, dratio = around.thickening.ratio(pressure)
         return Film(sliding_velocity, values, slopes, velocity_slopes, pressure, fraction, ratio, dratio, around)
 

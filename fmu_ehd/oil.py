@@ -28,8 +28,9 @@ import numpy as np
 ZERO_CELSIUS = 273.15  # [K]
 POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
 POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
-LARGEST_EXPONENT = 50.0  # mu/mu_0 up to e^50: beyond it the law has lost its meaning
-GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)  # Eq. (O5) is smooth: 1e-12 up to 1 GPa
+LARGEST_RATIO = 1e3  # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
+TABLE_CELLS = 2000  # of Eq. (O6): interpolation error below 1 mPa
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
 
 
 @dataclass(frozen=True)
@@ -164,8 +165,30 @@ SHEAR_THINNING_LAWS = {"none": None, "cross_1965": _cross_1965, "carreau_1972": 
 
 # ---- pressure -----------------------------------------------------------------------------------------------------------
 
-class Barus1893:
-    """Eqs. (O4), (O6): q = (1 - exp(-alpha p)) / alpha, so q stays below 1/alpha.
+class _Thickening:
+    """A pressure law up to mu/mu_0 = `LARGEST_RATIO` at the pressure `limit`, constant viscosity beyond.
+
+    Without the limit q would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q
+    exists and grows steeply. Skirt films stay far below it.
+    """
+
+    def ratio(self, pressure):
+        """mu/mu_0 [-] and its derivative to p [1/Pa]."""
+        ratio, slope = self._ratio(np.minimum(pressure, self.limit))
+        return ratio, np.where(pressure < self.limit, slope, 0.0)
+
+    def reduced(self, pressure):
+        """q [Pa] of p [Pa], Eq. (O6)."""
+        return self._reduced(np.minimum(pressure, self.limit)) + np.maximum(pressure - self.limit, 0.0) / LARGEST_RATIO
+
+    def pressure(self, reduced):
+        """p [Pa] of q [Pa]."""
+        most = self._reduced(np.array(self.limit))
+        return self._pressure(np.minimum(reduced, most)) + np.maximum(reduced - most, 0.0) * LARGEST_RATIO
+
+
+class Barus1893(_Thickening):
+    """Eq. (O4): q = (1 - exp(-alpha p)) / alpha.
 
     Parameters
     ----------
@@ -177,24 +200,30 @@ class Barus1893:
 
     def __init__(self, alpha, low_shear_viscosity):
         self.alpha = alpha
+        self.limit = np.log(LARGEST_RATIO) / alpha
 
-    def reduced(self, pressure):
-        """q [Pa] of p [Pa]."""
-        return -np.expm1(-self.alpha * pressure) / self.alpha  # Eq. (O6)
-
-    def pressure(self, reduced):
-        """p [Pa] of q [Pa]; NaN where no pressure has this q."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return -np.log1p(-self.alpha * reduced) / self.alpha
-
-    def ratio(self, pressure):
-        """mu/mu_0 [-] and its derivative to p [1/Pa]."""
-        ratio = np.exp(np.minimum(self.alpha * pressure, LARGEST_EXPONENT))  # Eq. (O4)
+    def _ratio(self, pressure):
+        ratio = np.exp(self.alpha * pressure)  # Eq. (O4)
         return ratio, self.alpha * ratio
 
+    def _reduced(self, pressure):
+        return -np.expm1(-self.alpha * pressure) / self.alpha  # Eq. (O6)
 
-class Roelands1966:
-    """Eqs. (O5), (O6): q by Gauss-Legendre quadrature, p by Newton's method.
+    def _pressure(self, reduced):
+        return -np.log1p(-self.alpha * reduced) / self.alpha
+
+
+def _hermite(x, nodes, values, slopes):
+    """Cubic Hermite interpolation on nodes that need not be equally spaced."""
+    k = np.clip(np.searchsorted(nodes, x) - 1, 0, nodes.size - 2)
+    step = nodes[k + 1] - nodes[k]
+    t = (x - nodes[k]) / step
+    rise, m0, m1 = values[k + 1] - values[k], slopes[k] * step, slopes[k + 1] * step
+    return values[k] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * (m0 + m1 - 2.0 * rise)))
+
+
+class Roelands1966(_Thickening):
+    """Eq. (O5), with Eq. (O6) in both directions from a table with exact slopes.
 
     Parameters
     ----------
@@ -207,27 +236,24 @@ class Roelands1966:
     def __init__(self, alpha, low_shear_viscosity):
         self.level = np.log(low_shear_viscosity) + POLE_LOGARITHM
         self.z = alpha * POLE_PRESSURE / self.level
+        self.limit = POLE_PRESSURE * ((np.log(LARGEST_RATIO) / self.level + 1.0) ** (1.0 / self.z) - 1.0)
+        self._nodes = np.linspace(0.0, self.limit, TABLE_CELLS + 1)
+        half = 0.5 * self._nodes[1]
+        points = self._nodes[:-1, None] + half * (1.0 + GAUSS_NODES)
+        parts = (half * GAUSS_WEIGHTS / self._ratio(points)[0]).sum(axis=1)
+        self._reduced_nodes = np.concatenate([[0.0], np.cumsum(parts)])  # Eq. (O6)
+        self._ratio_nodes = self._ratio(self._nodes)[0]
 
-    def ratio(self, pressure):
-        """mu/mu_0 [-] and its derivative to p [1/Pa]."""
+    def _ratio(self, pressure):
         base = np.maximum(1.0 + pressure / POLE_PRESSURE, 1e-3)
-        ratio = np.exp(np.minimum(self.level * (base**self.z - 1.0), LARGEST_EXPONENT))  # Eq. (O5)
+        ratio = np.exp(self.level * (base**self.z - 1.0))  # Eq. (O5)
         return ratio, ratio * self.level * self.z / POLE_PRESSURE * base ** (self.z - 1.0)
 
-    def reduced(self, pressure):
-        """q [Pa] of p [Pa]."""
-        half = 0.5 * np.asarray(pressure)[..., None]
-        return (half * GAUSS_WEIGHTS / self.ratio(half * (1.0 + GAUSS_NODES))[0]).sum(axis=-1)  # Eq. (O6)
+    def _reduced(self, pressure):
+        return _hermite(pressure, self._nodes, self._reduced_nodes, 1.0 / self._ratio_nodes)
 
-    def pressure(self, reduced):
-        """p [Pa] of q [Pa]; NaN where no pressure has this q."""
-        pressure = np.array(reduced, dtype=float)
-        for _ in range(60):
-            change = (reduced - self.reduced(pressure)) * self.ratio(pressure)[0]
-            pressure += change
-            if not np.any(np.abs(change) > 1e-12 * np.abs(pressure) + 1e-9):
-                return pressure
-        return np.where(np.abs(change) > 1e-9 * np.abs(pressure), np.nan, pressure)
+    def _pressure(self, reduced):
+        return _hermite(reduced, self._reduced_nodes, self._nodes, self._ratio_nodes)
 
 
 PRESSURE_VISCOSITY_LAWS = {"none": None, "barus_1893": Barus1893, "roelands_1966": Roelands1966}

@@ -36,7 +36,7 @@ COEFFICIENTS = np.array([
     [0.520, 1.5, 0.50, 1.290, 0.62, 1.09, 0.08, 0.388, 10.1, 2.25, 2.90, 0.18, 0.97, 0.91],
     [0.870, 1.5, 0.50, 1.011, 0.54, 1.07, 0.08, 0.295, 8.7, 2.15, 2.97, 0.18, 0.73, 0.91]])
 LOWEST = 0.5  # start of the published range of (R6)
-TABLE_END = 32.0  # H beyond which the factors keep their last value, within 0.2 % of smooth surfaces
+TABLE_END = 32.0  # H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
 TABLE_CELLS = 2048
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
 

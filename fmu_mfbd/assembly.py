@@ -12,10 +12,10 @@ from .slider_crank import Mechanism
 from .surface import cell_centres
 
 
-def damping(omega, ratio, high_ratio, transition):
-    """Modal damping: `ratio` below the transition frequency [Hz], `high_ratio` above.
+def damping(omega, ratio, high_ratio, transition, mass_factor, stiffness_factor):
+    """Modal damping: `ratio` below the transition frequency [Hz], `high_ratio` above; Rayleigh's two terms besides.
 
-    Eq. (V1):  D = 2 zeta omega
+    Eq. (V1):  D = 2 zeta omega + a + b omega^2
 
     Parameters
     ----------
@@ -23,13 +23,16 @@ def damping(omega, ratio, high_ratio, transition):
         [rad/s]
     ratio, high_ratio, transition : float
         [-], [-], [Hz]
+    mass_factor, stiffness_factor : float
+        a [1/s], b [s].
 
     Returns
     -------
     ndarray, shape (k,)
         [rad/s]
     """
-    return 2 * np.where(omega < 2 * np.pi * transition, ratio, high_ratio) * omega                              # Eq. (V1)
+    zeta = np.where(omega < 2 * np.pi * transition, ratio, high_ratio)
+    return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2                              # Eq. (V1)
 
 
 def faults(p, piston, block, options):
@@ -37,7 +40,8 @@ def faults(p, piston, block, options):
     offset = abs(options["piston"]["pin_offset"] - p["crank_offset"])
     reach = p["rod_length"] ** 2 - (p["crank_radius"] + offset) ** 2
     if reach <= 0.0:
-        return [f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, {p['crank_radius'] + offset:g} m"]
+        return [f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, "
+                f"{p['crank_radius'] + offset:g} m"]
     out = []
     if p["rod_centre"] > p["rod_length"]:
         out.append(f"rod_centre = {p['rod_centre']:g} m: must lie within rod_length = {p['rod_length']:g} m")
@@ -46,7 +50,8 @@ def faults(p, piston, block, options):
                                                                          + p["crank_radius"] * np.sin(turn)) ** 2)
     low, high = A.min() + piston["skirt_lower"], A.max() + piston["skirt_upper"]
     if low < block["heights"][0] or high > block["heights"][-1]:
-        out.append(f"crank_radius, rod_length: the skirt travels from {low:g} to {high:g} m above the crank axis, the bore reaches from "
+        out.append(f"crank_radius, rod_length: the skirt travels from {low:g} to {high:g} m above the crank axis, "
+                   f"the bore reaches from "
                    f"{block['heights'][0]:g} to {block['heights'][-1]:g} m")
     if piston["radius"] >= block["radius"]:
         out.append(f"piston mesh: skirt radius {piston['radius']:g} m is not smaller than the bore radius {block['radius']:g} m")
@@ -81,7 +86,8 @@ def assemble(piston, block, options, p):
     -------
     PistonInBore
     """
-    strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"])
+    strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"],
+              p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"])
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
@@ -90,11 +96,13 @@ def assemble(piston, block, options, p):
     radius = float(block["radius"])
     values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))
     skirt = Skirt(angle, height, gap, radius, offset, *(modal_field(v, symmetry(piston)) for v in values))
-    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
+    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]),
+                        *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
                         piston["omega"] ** 2, damping(piston["omega"], *strong))
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
                           p["rod_centre"] / p["rod_length"], p["pin_mass"])
-    bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block), bore_shape(block["heights"], angle, options, p))
+    bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block),
+                        bore_shape(block["heights"], angle, options, p))
     system = System(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
                     np.ascontiguousarray(piston["gas_force"]))
     crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"])

@@ -7,7 +7,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 
 class Elastic:
-    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2: they move rigidly with the frame).
+    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2: they move rigidly with the
+    frame).
 
     Parameters
     ----------
@@ -47,7 +48,8 @@ class Elastic:
 class MeanElastic(Elastic):
     """The same for a body whose mean motions over given surfaces vanish instead of every node's (RBE3): soft where RBE2 is stiff.
 
-    Eq. (B5):  K u + C^T lambda = f,   C u = 0        row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion there
+    Eq. (B5):  K u + C^T lambda = f,   C u = 0        row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion
+               there
 
     Parameters
     ----------
@@ -97,7 +99,8 @@ def factorise(K):
     pivots = lu.U.diagonal()
     bad = np.sum(pivots <= 1e-12 * np.abs(pivots).max())
     if bad:
-        raise ValueError(f"the stiffness has {bad} non-positive pivots: the body can still move rigidly (fewer than three held nodes, or all "
+        raise ValueError(f"the stiffness has {bad} non-positive pivots: the body can still move rigidly "
+                         "(fewer than three held nodes, or all "
                          "in one line), has a loose piece or an inverted element")
     return lu
 
@@ -135,7 +138,8 @@ def craig_bampton(body, modes):
 
     Eq. (B1):  K phi = omega^2 M phi, interface held
 
-    With one master (the frame point A, or the ground) the constraint modes are the rigid motions, which the floating frame carries.
+    With one master (the frame point A, or the ground) the constraint modes are the rigid motions, which the floating frame
+    carries.
 
     Parameters
     ----------
@@ -162,8 +166,8 @@ def pressure_modes(body, radial, weight, modes, extra_loads):
     Eq. (B2):  D W K^-1 W^T D p = mu p,   phi = K^-1 W^T D p,   largest mu first
 
     W reads the normal displacement at the points of a regular grid, W^T spreads forces at these points, D says where force is
-    expected. The spectrum mu falls fast, so that few shapes catch what a film pressure can do: with 60 of them the error of the skirt's
-    deflection under film-like patches is about five times smaller than with 60 normal modes.
+    expected. The spectrum mu falls fast, so that few shapes catch what a film pressure can do: with 60 of them the error of the
+    skirt's deflection under film-like patches is about five times smaller than with 60 normal modes.
 
     Parameters
     ----------
@@ -239,7 +243,8 @@ def orthonormal_modes(body, shapes):
     gram = shapes.T @ (body.K @ shapes)
     strength, turn = la.eigh((gram + gram.T) / 2)
     if strength[0] < 1e-13 * strength[-1]:
-        raise ValueError(f"{np.sum(strength < 1e-13 * strength[-1])} of {len(strength)} shapes are combinations of the others: ask for fewer modes")
+        dependent = np.sum(strength < 1e-13 * strength[-1])
+        raise ValueError(f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer modes")
     shapes = shapes @ (turn / np.sqrt(strength))
     mass = shapes.T @ (body.M @ shapes)
     square, turn = la.eigh((mass + mass.T) / 2)
@@ -291,6 +296,7 @@ def characteristic_constraint_modes(body, interface, modes):
         return body.solve(load)[outer]
 
     operator = [LinearOperator((len(outer),) * 2, matvec=apply, dtype=float)
-                for apply in (lambda x: (body.K @ extend(x.ravel()))[outer], lambda x: press(body.M @ extend(x.ravel())), lambda f: answer(f.ravel()))]
+                for apply in (lambda x: (body.K @ extend(x.ravel()))[outer], lambda x: press(body.M @ extend(x.ravel())),
+                              lambda f: answer(f.ravel()))]
     _, shapes = eigsh(operator[0], modes, operator[1], sigma=0.0, OPinv=operator[2], v0=_start(len(outer)), tol=1e-10)
     return np.column_stack([extend(x) for x in shapes.T])                                                       # Eq. (B6)

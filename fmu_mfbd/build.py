@@ -43,7 +43,7 @@ def prepare(options, folder, progress):
     faults, files = [], {}
     for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
         try:
-            files[name] = cached(reduce, {k: v for k, v in resolved[name].items() if k not in ("profiles", "orders")}, resolved["grid"], cache_folder("bodies"), lambda text, of=name: progress(f"{of}: {text}"))
+            files[name] = _body(name, reduce, resolved, progress)
         except MeshFault as error:
             faults += error.faults
         except ValueError as error:
@@ -51,11 +51,39 @@ def prepare(options, folder, progress):
     if faults:
         raise BadInput(faults)
     for part in ("piston", "block"):
-        resolved[part]["mesh"] = Path(resolved[part]["mesh"]).name      # where it lay is no property of the FMU
+        for source in ("mesh", "reduced"):          # where it lay is no property of the FMU
+            resolved[part][source] = resolved[part][source] and Path(resolved[part][source]).name
         resolved[part]["profiles"] = shapes[part]
-        resolved[part]["modes"] -= len(set(resolved[part]["modes_off"]))
+        with np.load(files[part]) as body:
+            resolved[part]["modes"] = len(body["omega"])
     resolved["gas"] = gas
     return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+
+
+NEEDED = {"piston": ("mass", "S", "I0", "T", "b", "B", "g", "G", "omega", "kind", "gas_force", "radial", "axial", "radius",
+                     "skirt_lower",
+                     "skirt_upper"),
+          "block": ("omega", "kind", "radial", "axial", "heights", "radius")}
+
+
+def _body(name, reduce, resolved, progress):
+    """Path of a reduced body: made from its mesh, found in the cache, or the user's own, checked."""
+    part, grid = resolved[name], tuple(resolved["grid"])
+    if part["reduced"] is None:
+        options = {key: value for key, value in part.items() if key not in ("profiles", "orders", "reduced")}
+        return cached(reduce, options, grid, cache_folder("bodies"), lambda text: progress(f"{name}: {text}"))
+    path = Path(part["reduced"])
+    with np.load(path) as body:
+        missing = [key for key in NEEDED[name] if key not in body]
+        if missing:
+            raise ValueError(f"{path.name} lacks {', '.join(missing)}")
+        rows = grid[0] * grid[1] if name == "piston" else grid[0]
+        if len(body["radial"]) != rows:
+            raise ValueError(f"{path.name} was reduced for another film grid "
+                             f"({len(body['radial'])} rows of modes, {rows} needed)")
+        if not np.all(np.diff(body["omega"]) >= 0) or np.any(body["omega"] <= 0):
+            raise ValueError(f"{path.name}: frequencies must be positive and rise")
+    return path
 
 
 def _tables(resolved):

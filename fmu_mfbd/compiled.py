@@ -1,4 +1,5 @@
-"""How this package's kernels are compiled: division by zero gives inf as in numpy (shorter code, faster to compile), results kept on disk."""
+"""How this package's kernels are compiled: division by zero gives inf as in numpy (shorter code, faster to compile), results
+kept on disk."""
 
 from functools import partial
 

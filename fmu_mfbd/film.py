@@ -1,7 +1,7 @@
 """The film's geometry: thickness and sliding velocity on the skirt grid from the motion, and forces back by virtual work.
 
-Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts from +z towards +x. Inside, rows are
-heights and columns angles, as `modal_field` wants them.
+Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts from +z towards +x. Inside,
+rows are heights and columns angles, as `modal_field` wants them.
 """
 
 from typing import NamedTuple

@@ -60,7 +60,8 @@ def shape_functions(position):
 
 
 def jacobians(points, tets, gradient):
-    """Isoparametric map dX/dxi and its determinant, shapes (e, q, 3, 3) and (e, q); the determinant is positive in a sound element."""
+    """Isoparametric map dX/dxi and its determinant, shapes (e, q, 3, 3) and (e, q); the determinant is positive in a sound
+    element."""
     map_ = np.einsum("eia,qib->eqab", points[tets], gradient, optimize=True)
     return map_, np.linalg.det(map_)
 
@@ -237,7 +238,8 @@ def nodal_stress(points, tets, displacement, young, poisson):
     lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
     _, reference = shape_functions(NODES)
     map_, _ = jacobians(points, tets, reference)
-    slope = np.einsum("eqib,eia->eqab", np.einsum("qib,eqba->eqia", reference, np.linalg.inv(map_), optimize=True), displacement[tets],
+    slope = np.einsum("eqib,eia->eqab", np.einsum("qib,eqba->eqia", reference, np.linalg.inv(map_), optimize=True),
+                      displacement[tets],
                       optimize=True)
     strain = (slope + slope.swapaxes(2, 3)) / 2
     stress = 2 * shear * strain + lame * np.trace(strain, axis1=2, axis2=3)[:, :, None, None] * np.eye(3)         # Eq. (F6)

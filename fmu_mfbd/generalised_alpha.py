@@ -29,7 +29,8 @@ class Coefficients(NamedTuple):
 def coefficients(step, spectral_radius):
     """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
 
-    Eq. (G1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma + 1/2)^2 / 4
+    Eq. (G1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma +
+               1/2)^2 / 4
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""One instant of the whole body side in compiled code: from predicted motion and forces to accelerations, film and outputs; and its
-derivative. Nothing is decided here: the equations stand in `film`, `piston_motion` and `slider_crank`."""
+"""One instant of the whole body side in compiled code: from predicted motion and forces to accelerations, film and outputs; and
+its derivative. Nothing is decided here: the equations stand in `film`, `piston_motion` and `slider_crank`."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,10 @@ class Block(NamedTuple):
 
 
 class System(NamedTuple):
-    """Both bodies, the mechanism and the film's geometry; gas_force (k,): modal force of a unit gas force on the crown [kg^-1/2]."""
+    """Both bodies, the mechanism and the film's geometry.
+
+    gas_force (k,) is the modal force of a unit gas force on the crown [kg^-1/2].
+    """
 
     piston: FlexibleBody
     block: Block
@@ -48,8 +51,8 @@ class Balance(NamedTuple):
     pin_x, pin_y, torque : float
         Pin force on the piston [N], drive torque on the crank without its own inertia [N m].
     work_error : float
-        Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe the
-        same work, so that anything above round-off is an error in the transfer of forces.
+        Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe
+        the same work, so that anything above round-off is an error in the transfer of forces.
     evaluations, size : int, float
         Of `settle`.
     """
@@ -108,15 +111,21 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
         piston, mechanism, load, place[:n], rate[:n], guess[:n], crank[0], crank[1], crank[2], c1, c2)
     end, speed = np.empty(len(place)), np.empty(len(place))
     for k in range(len(place)):
-        acceleration[k] = own[k] if k < n else ((forces.block[k - n] - block.damping[k - n] * rate[k] - block.stiffness[k - n] * place[k])
-                                                / (1 + c1 * block.damping[k - n] + c2 * block.stiffness[k - n]))
+        if k < n:
+            acceleration[k] = own[k]
+        else:
+            damping, stiffness = block.damping[k - n], block.stiffness[k - n]
+            force = forces.block[k - n] - damping * rate[k] - stiffness * place[k]
+            acceleration[k] = force / (1 + c1 * damping + c2 * stiffness)
         end[k], speed[k] = place[k] + c2 * acceleration[k], rate[k] + c1 * acceleration[k]
     Y, slope, lever = height(mechanism, end[0], crank[0])
     climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
-    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided, end, speed)
+    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided,
+                                                       end, speed)
     work, sizes = forces.axial * climb + lift * guided, abs(forces.axial * climb) + abs(lift * guided) + terms
     for k in range(len(place)):
-        force = (forces.lateral if k == 0 else forces.moment if k == 1 else forces.piston[k - 2] if k < n else forces.block[k - n])
+        force = (forces.lateral if k == 0 else forces.moment if k == 1 else
+                 forces.piston[k - 2] if k < n else forces.block[k - n])
         work += force * speed[k]
         sizes += abs(force * speed[k])
     error = abs(power - work) / sizes if sizes > 0.0 else 0.0

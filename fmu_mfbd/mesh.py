@@ -50,8 +50,8 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
     Parameters
     ----------
     path : Path
-        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets), Nastran .bdf (surfaces by geometry);
-        `.gz` is unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
+        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets), Nastran .bdf (surfaces by
+        geometry); `.gz` is unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
     surfaces : dict of str to None or (str, ...)
         Surfaces that must be there: None where the file names them, else ("cylinder", radius, low, high), a cylinder about y [m],
         ("bore", radius) one about z, or ("plane", height) across y, all in this project's axes.
@@ -134,7 +134,8 @@ def _marked(raw, place, points, outer, name, rule):
         return np.isin(outer[:, :3], place[np.asarray(raw.point_sets[name], dtype=int)]).all(axis=1)
     tag = raw.field_data.get(name, (None,))[0]
     chosen = raw.cell_sets.get(name) or [np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])]
-    faces = [cells.data[rows][:, :3] for cells, rows in zip(raw.cells, chosen) if rows is not None and cells.type in ("triangle", "triangle6")]
+    faces = [cells.data[rows][:, :3] for cells,
+             rows in zip(raw.cells, chosen) if rows is not None and cells.type in ("triangle", "triangle6")]
     wanted = {tuple(key) for key in np.sort(place[np.concatenate(faces)], axis=1)} if faces else set()
     return np.array([tuple(key) in wanted for key in np.sort(outer[:, :3], axis=1)], dtype=bool)
 
@@ -173,7 +174,8 @@ def mesh_faults(mesh, where):
     faults = []
     size = float(np.ptp(mesh.points, axis=0).max())
     if not 5e-3 < size < 5.0:
-        faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say what a length of 1 in the file means (e.g. '1 mm')")
+        faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say "
+                      f"what a length of 1 in the file means (e.g. '1 mm')")
     at = np.vstack([quadrature(3)[0], [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]])
     least = jacobians(mesh.points, mesh.tets, shape_functions(at)[1])[1].min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
@@ -185,7 +187,7 @@ def mesh_faults(mesh, where):
     graph = coo_matrix((np.ones(len(rows)), (rows, mesh.tets[:, 1:].ravel())), shape=(len(mesh.points),) * 2)
     pieces, label = connected_components(graph, directed=False)
     if pieces > 1:
-        sizes = np.bincount(label)
-        faults.append(f"{where}: {pieces} unconnected pieces, of {', '.join(str(s) for s in sorted(sizes, reverse=True)[:6])} nodes: merge "
+        largest = ", ".join(str(n) for n in sorted(np.bincount(label), reverse=True)[:6])
+        faults.append(f"{where}: {pieces} unconnected pieces, of {largest} nodes: merge "
                       "coincident nodes")
     return faults

@@ -1,8 +1,8 @@
 """Modal displacement on a regular grid around a cylinder, and modal forces back, in the least arithmetic.
 
-A body that is its own mirror image about the thrust plane and across it has modes that are even or odd about both. Then a quarter of
-the circumference and a quarter of the modes at a time hold everything, and both products cost a quarter. A body without that symmetry
-has one class, all of the circumference; the code is the same.
+A body that is its own mirror image about the thrust plane and across it has modes that are even or odd about both. Then a
+quarter of the circumference and a quarter of the modes at a time hold everything, and both products cost a quarter. A body
+without that symmetry has one class, all of the circumference; the code is the same.
 """
 
 from typing import NamedTuple
@@ -38,9 +38,11 @@ def modal_field(values, kind=None):
     """Pack values (angles, rows, k) by the modes' symmetry classes; kind None (or angles not divisible by 4): no symmetry."""
     angles, rows, k = values.shape
     if kind is None or angles % 4:
-        return ModalField(np.ascontiguousarray(values.transpose(2, 1, 0)).reshape(k, rows * angles), np.zeros(k, np.int64), 1, angles)
+        return ModalField(np.ascontiguousarray(values.transpose(2, 1, 0)).reshape(k, rows * angles), np.zeros(k, np.int64), 1,
+                          angles)
     quarter = (values[mirrors(angles)] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
-    return ModalField(np.ascontiguousarray(quarter.transpose(2, 1, 0)).reshape(k, rows * angles // 4), np.asarray(kind, np.int64), 4, angles // 4)
+    return ModalField(np.ascontiguousarray(quarter.transpose(2, 1, 0)).reshape(k, rows * angles // 4),
+                      np.asarray(kind, np.int64), 4, angles // 4)
 
 
 def mirrors(angles):

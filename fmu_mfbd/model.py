@@ -121,8 +121,8 @@ class PistonInBore:
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
 
-        The crank turns with constant acceleration over the step: what the input's change asks for, or, free, what its torques ask for at
-        the start of the step (order 1 in the step, for this slow motion alone).
+        The crank turns with constant acceleration over the step: what the input's change asks for, or, free, what its torques
+        ask for at the start of the step (order 1 in the step, for this slow motion alone).
 
         Parameters
         ----------
@@ -149,11 +149,13 @@ class PistonInBore:
         return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank, inputs)
 
     def _settle(self, c, place, rate, guess, auxiliary, weight, crank, inputs):
-        """State and outputs whose accelerations balance the forces; places and rates come predicted without these accelerations."""
+        """State and outputs whose accelerations balance the forces; places and rates come predicted without these
+        accelerations."""
         gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank[0]) if self.gas_table else 0.0))
         now = balance(self.system, c.rate, c.place, place, rate, guess, crank, gas, inputs.pressure_force, inputs.friction_force)
         if not now.evaluations:
-            raise NotConverged(f"piston motion at crank angle {crank[0]:.6g} rad: relative change of the accelerations stays at {now.size:.3g}")
+            raise NotConverged(f"piston motion at crank angle {crank[0]:.6g} rad: relative change of "
+                               f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
         state = State(*crank, now.place, now.rate, now.acceleration, auxiliary + weight * now.acceleration)
@@ -171,7 +173,8 @@ class PistonInBore:
         """
         n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
         motion_now = state.place[:n], state.rate[:n], state.acceleration[:n]
-        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[3] for turn in (1.0, 0.0))
+        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[3] for turn in (1.0,
+                                                                                                                           0.0))
         inertia = one - none + self.crank.inertia
         return -self.crank.load_torque, state.crank_acceleration - (torque + self.crank.load_torque) / inertia    # Eq. (M2)
 

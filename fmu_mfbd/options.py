@@ -16,7 +16,8 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Surface(BaseModel):
-    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across y."""
+    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across
+    y."""
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
@@ -34,26 +35,39 @@ class Surface(BaseModel):
 
     def rule(self):
         """As `mesh.read_mesh` takes it."""
-        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius), "plane": ("plane", self.height)}[self.shape]
+        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius),
+                "plane": ("plane", self.height)}[self.shape]
 
 
 class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are thrust (x),
-    towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by geometry what the file
-    does not name. `modes_off` switches single modes off, by their number in the table of modes."""
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are
+    thrust (x), towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by
+    geometry what the file does not name. `modes_off` switches single modes off, by their number in the table of modes. `reduced`
+    names a body that is reduced already (.npz as `reduction` writes it) and takes the place of mesh, material, basis and
+    modes."""
 
     model_config = STRICT
-    mesh: str
+    mesh: str | None = None
+    reduced: str | None = None
     mesh_unit: Annotated[Quantity("m"), Field(gt=0)] = 1.0
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
     origin: tuple[Quantity("m"), Quantity("m"), Quantity("m")] = (0.0, 0.0, 0.0)
     surfaces: dict[str, Surface] = {}
-    density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)]
-    young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)]
-    poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)]
+    density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)] | None = None
+    young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)] | None = None
+    poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)] | None = None
     basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
     modes: Annotated[int, Field(ge=0, le=200)] = 60
     modes_off: list[Annotated[int, Field(ge=1)]] = []
+
+    @model_validator(mode="after")
+    def _source(self):
+        if (self.mesh is None) == (self.reduced is None):
+            raise ValueError("give either mesh or reduced")
+        missing = [key for key in ("density", "young", "poisson") if getattr(self, key) is None]
+        if self.mesh is not None and missing:
+            raise ValueError(f"a mesh needs {', '.join(missing)}")
+        return self
 
 
 class ShapeTable(BaseModel):
@@ -88,8 +102,9 @@ class Gas(BaseModel):
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
 
-    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly (rbe2) or
-    the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
+    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly
+    (rbe2) or the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice
+    of modes.
     """
 
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
@@ -103,8 +118,8 @@ class Piston(Body):
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given. `tie`: bolt
-    faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
+    `tie`: bolt faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
     """
 
     tie: Literal["rbe2", "springs"] = "rbe2"
@@ -157,12 +172,13 @@ def read_options(options, folder):
     faults = []
     for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
         part = resolved[body]
-        part["mesh"] = str((Path(folder) / part["mesh"]).resolve())
+        source = "mesh" if part["mesh"] else "reduced"
+        part[source] = str((Path(folder) / part[source]).resolve())
         unknown = sorted({n for n in part["modes_off"] if n > part["modes"]})
         if unknown:
             faults.append(f"{body}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes")
-        if not Path(part["mesh"]).is_file():
-            faults.append(f"{body}.mesh = {options[body]['mesh']!r}: no such file in {folder}")
+        if not Path(part[source]).is_file():
+            faults.append(f"{body}.{source} = {options[body][source]!r}: no such file in {folder}")
         if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
     tables = [(f"{name}.profiles", table) for name in ("piston", "block") for table in resolved[name]["profiles"]]

@@ -110,7 +110,8 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
             out[i, j] = frame[1 + i, 1 + j]
     pin = mechanism.pin_mass
     vertical = s * force[0] + c * force[1] + pin * ay - load.axial
-    out[0, 0] = body.mass * (ex * dx + ey * dy) + bend * vertical + pin * (1 + slope * lift) + link[7] + c1 * link[8] + c2 * link[9]
+    rod = link[7] + c1 * link[8] + c2 * link[9]
+    out[0, 0] = body.mass * (ex * dx + ey * dy) + bend * vertical + pin * (1 + slope * lift) + rod
     out[0, 1] += c2 * (body.mass * (ex * by - ey * bx) + ey * force[0] - ex * force[1])
     return out
 
@@ -119,8 +120,8 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
 def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, crank_acceleration, c1, c2):
     """End accelerations that balance the equations of motion to 1e-15 or so of their size.
 
-    Newton's method with the part of the exact tangent that couples the rigid motion to everything and each mode to itself. What it
-    leaves out, Coriolis and centrifugal coupling of modes, is smaller by 2 w c1, about 1e-4 of it a step: each iteration gains four digits.
+    Newton's method with the part of the exact tangent that couples the rigid motion to everything and each mode to itself. What
+    it leaves out, Coriolis and centrifugal coupling of modes, is smaller by 2 w c1, about 1e-4: each iteration gains four digits.
 
     Parameters
     ----------
@@ -158,7 +159,8 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     det = s00 * s11 - s01 * s10
     size, total = 0.0, 0.0
     for evaluation in range(1, 40):
-        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration)
+        residual, pin_x, pin_y, torque = imbalance(body, mechanism, load, end, speed, a,
+                                                   crank_angle, crank_speed, crank_acceleration)
         if evaluation > 1 and size <= 1e-11 * total:
             return a, pin_x, pin_y, torque, evaluation, size
         r0, r1 = residual[0], residual[1]
@@ -169,7 +171,8 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
         d0, d1 = (s11 * r0 - s01 * r1) / det, (s00 * r1 - s10 * r0) / det
         a[0] -= d0
         a[1] -= d1
-        square, whole = abs(matrix[0, 0]) * d0**2 + abs(matrix[1, 1]) * d1**2, abs(matrix[0, 0]) * a[0] ** 2 + abs(matrix[1, 1]) * a[1] ** 2
+        m0, m1 = abs(matrix[0, 0]), abs(matrix[1, 1])
+        square, whole = m0 * d0 * d0 + m1 * d1 * d1, m0 * a[0] ** 2 + m1 * a[1] ** 2
         for k in range(2, n):
             d = (residual[k] - matrix[k, 0] * d0 - matrix[k, 1] * d1) / matrix[k, k]
             a[k] -= d

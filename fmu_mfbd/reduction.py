@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, expected_pressure, full_mass, mean_conditions,
+from .bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, expected_pressure, full_mass,
+                    mean_conditions,
                     orthonormal_modes, pressure_modes, rigid_motions)
 from .finite_element import consistent_mass, face_load, stiffness, surface_matrix
 from .mesh import read_mesh
@@ -52,7 +53,8 @@ def floating_frame_integrals(M, position, modes):
     planar = np.einsum("ab,nbk->nak", P, modes)
     # Eq. (I1)
     return {"mass": float(M.sum()), "S": weigh(position).sum(axis=0)[:2], "I0": float(np.sum(weigh(position @ P) * position)),
-            "T": weigh(modes).sum(axis=0)[:2], "b": flat.T @ weigh(position @ P).ravel(), "g": flat.T @ weigh(position @ Z.T).ravel(),
+            "T": weigh(modes).sum(axis=0)[:2], "b": flat.T @ weigh(position @ P).ravel(),
+            "g": flat.T @ weigh(position @ Z.T).ravel(),
             "B": flat.T @ weigh(planar).reshape(flat.shape), "G": flat.T @ weigh(turned).reshape(flat.shape)}
 
 
@@ -62,8 +64,8 @@ def reduce_piston(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off, tie, skirt_lower, skirt_upper [m above A, None: the mesh's],
-        pin_offset [m].
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off,
+        tie, skirt_lower, skirt_upper [m above A, None: the mesh's], pin_offset [m].
     grid : (int, int)
         Cells around and along the skirt.
     progress : callable
@@ -72,8 +74,8 @@ def reduce_piston(options, grid, progress=print):
     Returns
     -------
     dict of ndarray
-        `floating_frame_integrals` and omega (k,) [rad/s], kind (k,) (see `symmetry`), gas_force (k,) [N/Pa scaled to a unit total], radial, axial
-        (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
+        `floating_frame_integrals` and omega (k,) [rad/s], kind (k,) (see `symmetry`), gas_force (k,) [N/Pa scaled to a unit
+        total], radial, axial (grid points, k) [kg^-1/2], radius [m]; without modes, arrays of zero columns.
     """
     mesh = _mesh(options, ("skirt", "crown", "pin_bore"), progress)
     low, high = _ends(mesh, "skirt", options["skirt_lower"], options["skirt_upper"])
@@ -88,7 +90,10 @@ def reduce_piston(options, grid, progress=print):
     loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
     modes, omega, kind = _modes(mesh, M, options, "pin_bore", "skirt", radial, expected_pressure(angle, grid[1]), loads, progress)
     return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
-        "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes, "radius": radius, "skirt_lower": low, "skirt_upper": high,
+        "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes,
+                                                                                                 "radius": radius,
+                                                                                                 "skirt_lower": low,
+                                                                                                 "skirt_upper": high,
         "angles": grid[0], "points": position, "tets": mesh.tets, "shapes": modes.reshape(len(position), 3, len(omega))}
 
 
@@ -98,8 +103,8 @@ def reduce_block(options, grid, progress=print):
     Parameters
     ----------
     options : dict
-        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off, tie, spring_stiffness [N/m], bore_lower, bore_upper [m above the crank axis, None: the
-        mesh's], stations.
+        mesh (path), mesh_unit [m], axes, origin, surfaces (see `read_mesh`), density, young, poisson, basis, modes, modes_off,
+        tie, spring_stiffness [N/m], bore_lower, bore_upper [m above the crank axis, None: the mesh's], stations.
     grid : (int, int)
         Film grid; its angles are the table's.
     progress : callable
@@ -107,7 +112,8 @@ def reduce_block(options, grid, progress=print):
     Returns
     -------
     dict of ndarray
-        omega (k,) [rad/s], kind (k,), radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass [kg].
+        omega (k,) [rad/s], kind (k,), radial, axial (angles, stations, k) [kg^-1/2], heights (stations,) [m], radius [m], mass
+        [kg].
     """
     mesh = _mesh(options, ("bore", "bolts"), progress)
     M = consistent_mass(mesh.points, mesh.tets, options["density"])
@@ -119,7 +125,8 @@ def reduce_block(options, grid, progress=print):
                                 np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
-            "heights": heights, "radius": radius, "mass": float(M.sum()), "angles": grid[0], "points": mesh.points, "tets": mesh.tets,
+            "heights": heights, "radius": radius, "mass": float(M.sum()), "angles": grid[0], "points": mesh.points,
+            "tets": mesh.tets,
             "shapes": modes.reshape(len(mesh.points), 3, len(omega))}
 
 
@@ -179,7 +186,8 @@ def cached(reduce, options, grid, folder, progress=print):
     The file is written under another name and moved into place, so that an interrupted run leaves nothing half-written.
     """
     content = hashlib.sha256(Path(options["mesh"]).read_bytes()).hexdigest()
-    what = {k: v for k, v in options.items() if k != "mesh"} | {"grid": list(grid), "mesh": content, "version": VERSION, "of": reduce.__name__}
+    what = {k: v for k, v in options.items() if k != "mesh"} | {"grid": list(grid), "mesh": content, "version": VERSION,
+                                                                "of": reduce.__name__}
     key = hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
     path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{key}.npz"
     if not path.exists():

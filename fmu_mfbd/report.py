@@ -8,9 +8,11 @@ from .finite_element import nodal_stress, von_mises
 def mode_table(body):
     """One row a mode: number, frequency, modal mass, share in film thickness, symmetry class.
 
-    Eq. (T1):  modal mass = 1/max(phi)^2 over the film surface;   share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches p, sum 1
+    Eq. (T1):  modal mass = 1/max(phi)^2 over the film surface;   share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches
+               p, sum 1
 
-    The share weighs what the mode adds to the film thickness, statically, under film-like patches on the thrust and the other side.
+    The share weighs what the mode adds to the film thickness, statically, under film-like patches on the thrust and the other
+    side.
 
     Parameters
     ----------
@@ -28,7 +30,8 @@ def mode_table(body):
     force = np.abs(np.einsum("pij,ijk->pk", patches, field, optimize=True)).mean(axis=0)
     share = np.sqrt((field**2).mean(axis=(0, 1))) * force / body["omega"] ** 2                                  # Eq. (T1)
     mass = 1.0 / np.abs(field).max(axis=(0, 1)) ** 2
-    return [dict(mode=n + 1, frequency=float(body["omega"][n] / (2 * np.pi)), modal_mass=float(mass[n]), film_share=float(share[n] / share.sum()),
+    return [dict(mode=n + 1, frequency=float(body["omega"][n] / (2 * np.pi)), modal_mass=float(mass[n]),
+                 film_share=float(share[n] / share.sum()),
                  kind=int(body["kind"][n])) for n in range(k)]
 
 

@@ -47,4 +47,5 @@ class Mfbd(FieldSlave):
         return {"film_thickness": film, "sliding_velocity": sliding}
 
     def _inputs(self, values):
-        return Inputs(values["crank_speed"], values["gas_pressure"], values["nodal_pressure_force"], values["nodal_friction_force"])
+        return Inputs(values["crank_speed"], values["gas_pressure"], values["nodal_pressure_force"],
+                      values["nodal_friction_force"])

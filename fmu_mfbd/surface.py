@@ -7,7 +7,8 @@ from .finite_element import triangle_functions
 
 
 def cell_centres(n_circumferential, n_axial, low, high):
-    """Angles [rad] from +z towards +x and heights [m] of the film grid's cell centres, shapes (n_circumferential,), (n_axial,)."""
+    """Angles [rad] from +z towards +x and heights [m] of the film grid's cell centres, shapes (n_circumferential,),
+    (n_axial,)."""
     angle = (np.arange(n_circumferential) + 0.5) * 2 * np.pi / n_circumferential
     return angle, low + (np.arange(n_axial) + 0.5) * (high - low) / n_axial
 
@@ -68,7 +69,8 @@ def _nearest(corners, x, y):
 
 
 def _clamp(s, t, u, v):
-    """Nearest point of the triangle to the point s u + t v: itself inside, else the nearest of the three edges' nearest points."""
+    """Nearest point of the triangle to the point s u + t v: itself inside, else the nearest of the three edges' nearest
+    points."""
     uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
     inside = (s >= 0) & (t >= 0) & (s + t <= 1)
     on_u = np.clip(s + t * uv / uu, 0, 1)

@@ -24,7 +24,8 @@ def class_parts(modes, points):
         return None
     reflect = [modes[image] * np.where(np.arange(3) == axis, -1.0, 1.0)[None, :, None] for axis, image in zip((0, 2), images)]
     both = reflect[0][images[1]] * np.array([1.0, 1.0, -1.0])[None, :, None]
-    return np.stack([(modes + sx * reflect[0] + sz * reflect[1] + sx * sz * both) / 4 for sx in (1, -1) for sz in (1, -1)])     # Eq. (Y1)
+    return np.stack([(modes + sx * reflect[0] + sz * reflect[1] + sx * sz * both) / 4                           # Eq. (Y1)
+                     for sx in (1, -1) for sz in (1, -1)])
 
 
 def symmetric_modes(body, modes, omega, points):

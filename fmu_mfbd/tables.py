@@ -81,7 +81,8 @@ def gas_table(path, cycle, angle_unit, pressure_unit):
     if span < cycle * (1 - 1e-9):
         angle, pressure = np.append(angle, angle[0] + cycle), np.append(pressure, pressure[0])
     if abs(pressure[-1] - pressure[0]) > 0.01 * np.ptp(pressure):
-        raise TableFault(f"{path}: does not close: pressure {pressure[0]:g} Pa at the start and {pressure[-1]:g} Pa one cycle later")
+        raise TableFault(f"{path}: does not close: pressure {pressure[0]:g} Pa at the start and "
+                         f"{pressure[-1]:g} Pa one cycle later")
     pressure[-1] = pressure[0]
     return {"angle": angle.tolist(), "pressure": pressure.tolist(), "cycle": float(cycle)}
 
@@ -93,7 +94,8 @@ def gas_pressure(table, crank_angle):
 
 
 def profile_table(path, angle_unit, height_unit, value_unit):
-    """Shape over angle and height: the first row holds the angles (its first cell is not read), each later one a height and its values.
+    """Shape over angle and height: the first row holds the angles (its first cell is not read), each later one a height and its
+    values.
 
     Returns
     -------

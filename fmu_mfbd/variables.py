@@ -25,29 +25,36 @@ def inputs(grid):
     return [
         Variable("nodal_pressure_force", "N", "input", "Pressure force on a grid cell; positive pushes skirt and bore apart",
                  nominal=1.0, shape=grid),
-        Variable("nodal_friction_force", "N", "input", "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
+        Variable("nodal_friction_force", "N", "input",
+                 "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
                  nominal=0.1, shape=grid),
         Variable("gas_pressure", "Pa", "input", "Gauge pressure on the piston crown", nominal=1e6),
-        Variable("crank_speed", "rad/s", "input", "Speed of the crank at the end of the step; of a free crank at the start", start=314.1592653589793, nominal=300.0,
+        Variable("crank_speed", "rad/s", "input", "Speed of the crank at the end of the step; of a free crank at the start",
+                 start=314.1592653589793, nominal=300.0,
                  minimum=0.0, maximum=3000.0)]
 
 
 def outputs(grid, modes):
     """What the bodies answer."""
     out = [
-        Variable("film_thickness", "m", "output", "Radial distance bore minus skirt; negative where they overlap", nominal=1e-5, shape=grid),
-        Variable("sliding_velocity", "m/s", "output", "Axial velocity of the skirt minus that of the bore", nominal=1.0, shape=grid),
+        Variable("film_thickness", "m", "output", "Radial distance bore minus skirt; negative where they overlap", nominal=1e-5,
+                 shape=grid),
+        Variable("sliding_velocity", "m/s", "output", "Axial velocity of the skirt minus that of the bore", nominal=1.0,
+                 shape=grid),
         Variable("crank_angle", "rad", "output", "Crank angle, 0 at firing top dead centre", nominal=1.0),
         Variable("rotation_speed", "rad/s", "output", "Speed of the crank now", nominal=300.0),
         Variable("piston_position", "m", "output", "Height of pin point A above the crank axis", nominal=0.1),
         Variable("piston_velocity", "m/s", "output", "Velocity of pin point A towards the head", nominal=10.0),
-        Variable("lateral_displacement", "m", "output", "Displacement of A from its concentric place towards the thrust side", nominal=1e-5),
+        Variable("lateral_displacement", "m", "output", "Displacement of A from its concentric place towards the thrust side",
+                 nominal=1e-5),
         Variable("rocking_angle", "rad", "output", "Rotation of the piston about the pin axis +z", nominal=1e-3),
-        Variable("side_force", "N", "output", "Force of the piston on the bore through the film, positive on the thrust side", nominal=1e3),
+        Variable("side_force", "N", "output", "Force of the piston on the bore through the film, positive on the thrust side",
+                 nominal=1e3),
         Variable("crank_torque", "N.m", "output", "Torque of the drive on the crank in its direction of turning", nominal=10.0),
         Variable("pin_force_x", "N", "output", "Force of the pin on the piston along x", nominal=1e3),
         Variable("pin_force_y", "N", "output", "Force of the pin on the piston along y", nominal=1e3),
-        Variable("interface_work_error", "1", "output", "Power of the interface forces on the grid minus that in the coordinates, relative"),
+        Variable("interface_work_error", "1", "output",
+                 "Power of the interface forces on the grid minus that in the coordinates, relative"),
         Variable("residual_evaluations", "1", "output", "Residuals of the equations of motion evaluated so far (NRES)", start=0),
         Variable("jacobian_evaluations", "1", "output", "Jacobians of the equations of motion evaluated so far (NJAC)", start=0)]
     if modes:
@@ -65,9 +72,11 @@ def parameters():
         parameter("radial_clearance", "m", "Bore radius minus skirt radius at the thrust faces, mid skirt", 25e-6, 1e-6, 1e-3),
         parameter("barrel", "m", "Radial drop of the skirt profile at its upper and lower edge", 30e-6, 0.0, 1e-3),
         parameter("ovality", "m", "Skirt diameter across the thrust faces minus that along the pin", 150e-6, 0.0, 2e-3),
-        parameter("skirt_growth_lower", "m", "Radial thermal growth of the skirt at its lower edge, linear to the upper one", 0.0, -1e-3, 1e-3),
+        parameter("skirt_growth_lower", "m", "Radial thermal growth of the skirt at its lower edge, linear to the upper one",
+                  0.0, -1e-3, 1e-3),
         parameter("skirt_growth_upper", "m", "Radial thermal growth of the skirt at its upper edge", 0.0, -1e-3, 1e-3),
-        parameter("bore_growth_lower", "m", "Radial thermal growth of the bore at its lower end, linear to the upper one", 0.0, -1e-3, 1e-3),
+        parameter("bore_growth_lower", "m", "Radial thermal growth of the bore at its lower end, linear to the upper one", 0.0,
+                  -1e-3, 1e-3),
         parameter("bore_growth_upper", "m", "Radial thermal growth of the bore at its upper end", 0.0, -1e-3, 1e-3),
         parameter("crank_radius", "m", "Half the stroke", 24.75e-3, 1e-3, 0.5),
         parameter("rod_length", "m", "Between the eyes", 0.1, 5e-3, 2.0),
@@ -85,6 +94,8 @@ def parameters():
         parameter("damping_ratio", "1", "Modal damping ratio below the transition frequency", 0.02, 0.0, 2.0),
         parameter("high_frequency_damping_ratio", "1", "Modal damping ratio above it", 0.5, 0.0, 2.0),
         parameter("damping_transition_frequency", "Hz", "Where the strong damping begins", 20e3, 0.0, 1e9),
+        parameter("rayleigh_mass_factor", "1/s", "Further damping proportional to mass", 0.0, 0.0, 1e6),
+        parameter("rayleigh_stiffness_factor", "s", "Further damping proportional to stiffness", 0.0, 0.0, 1.0),
         parameter("spectral_radius", "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0)]
 
 

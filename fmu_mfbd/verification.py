@@ -25,7 +25,8 @@ STEEL = dict(young=210e9, poisson=0.3)
 
 
 def checks():
-    """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative, absolute, at most), source, reason."""
+    """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative, absolute, at most), source,
+    reason."""
     yield from slider_crank_checks()
     yield from element_checks()
     yield from bar_checks()
@@ -41,7 +42,8 @@ def slow_checks():
 
 def figure(case, quantity, computed, reference, tolerance, kind, source, reason):
     """One row of the table."""
-    return dict(case=case, quantity=quantity, computed=float(computed), reference=float(reference), tolerance=tolerance, kind=kind,
+    return dict(case=case, quantity=quantity, computed=float(computed), reference=float(reference), tolerance=tolerance,
+                kind=kind,
                 source=source, reason=reason)
 
 
@@ -53,9 +55,11 @@ def slider_crank_checks():
     for degrees in (30, 60, 90):
         angle = np.radians(degrees)
         guide, _, pin, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
-        found[degrees] = (height(mechanism, 0.0, angle)[0], motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0], -guide[0], pin, torque)
+        found[degrees] = (height(mechanism, 0.0, angle)[0], motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0], -guide[0],
+                          pin, torque)
     names = ("height of A [m]", "acceleration of A [m/s2]", "side force [N]", "pin force along y [N]", "crank torque [N m]")
-    references = {30: (0.13399491, -2846.7789, -181.47237, -896.73536, 21.352215), 60: (None, None, -150.83006), 90: (None, None, 25.33294)}
+    references = {30: (0.13399491, -2846.7789, -181.47237, -896.73536, 21.352215), 60: (None, None, -150.83006),
+                  90: (None, None, 25.33294)}
     for degrees, row in references.items():
         for name, reference, computed in zip(names, row, found[degrees]):
             if reference is not None:
@@ -68,15 +72,19 @@ def element_checks():
     points, tets = box_mesh((2, 2, 3), (0.1, 0.2, 0.3))
     found = floating_frame_integrals(consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0)))
     mass = 2700.0 * 0.1 * 0.2 * 0.3
-    for name, computed, reference in (("mass [kg]", found["mass"], mass), ("first moment along x [kg m]", found["S"][0], mass * 0.05),
+    for name, computed, reference in (("mass [kg]", found["mass"], mass),
+                                      ("first moment along x [kg m]", found["S"][0], mass * 0.05),
                                       ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3)):
-        yield figure("Box of TET10", name, computed, reference, 1e-12, "relative", "closed form", "the consistent mass is exact for degree 2")
+        yield figure("Box of TET10", name, computed, reference, 1e-12, "relative", "closed form",
+                     "the consistent mass is exact for degree 2")
     points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
     K = stiffness(points, tets, **STEEL)
-    yield figure("Warped TET10", "force of rigid-body motions / norm of K [-]", np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
+    yield figure("Warped TET10", "force of rigid-body motions / norm of K [-]",
+                 np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
                  0.0, 1e-12, "at most", "closed form", "round-off")
     eigenvalues = np.linalg.eigvalsh(K.toarray())
-    yield figure("Warped TET10", "rigid-body modes", np.sum(eigenvalues < 1e-10 * eigenvalues[-1]), 6, 0.0, "absolute", "closed form", "a count")
+    yield figure("Warped TET10", "rigid-body modes", np.sum(eigenvalues < 1e-10 * eigenvalues[-1]), 6, 0.0, "absolute",
+                 "closed form", "a count")
     try:
         import skfem                                                                                            # noqa: F401
     except ImportError:
@@ -157,21 +165,25 @@ def bar_checks():
     body = Elastic(K, M, np.concatenate(ends))
     fixed = orthonormal_modes(body, craig_bampton(body, 8))[1] / (2 * np.pi)
     for computed, reference in zip(fixed, (213.041, 422.001, 585.289, 1142.306)):
-        yield figure("Bar, both ends held", "fixed-interface frequency [Hz]", computed, reference, 1.5e-3, "relative", "independent code",
+        yield figure("Bar, both ends held", "fixed-interface frequency [Hz]", computed, reference, 1.5e-3, "relative",
+                     "independent code",
                      "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3")
     exact = craig_bampton_free(points, K, M, ends, 120)[6:9]
     for computed, reference in zip(exact, (212.374, 422.909, 583.981)):
-        yield figure("Bar, free", "free-free frequency, full model [Hz]", computed, reference, 1.5e-3, "relative", "independent code",
+        yield figure("Bar, free", "free-free frequency, full model [Hz]", computed, reference, 1.5e-3, "relative",
+                     "independent code",
                      "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3")
     reduced = craig_bampton_free(points, K, M, ends, 8)[6:9]
     for k, bound in enumerate((0.043e-2, 0.053e-2, 0.10e-2)):
         excess = reduced[k] / exact[k] - 1
-        yield figure("Bar, 12 + 8 coordinates", f"f{k + 7} above the full model [-]", excess, bound, 0.02, "relative", "independent code",
+        yield figure("Bar, 12 + 8 coordinates", f"f{k + 7} above the full model [-]", excess, bound, 0.02, "relative",
+                     "independent code",
                      "the reference has two to three digits and another mesh")
 
 
 def beam_in_frame():
-    """Slender steel bar, one end clamped in the frame whose point A it carries, long axis along x, bending in x, y: FlexibleBody."""
+    """Slender steel bar, one end clamped in the frame whose point A it carries, long axis along x, bending in x, y:
+    FlexibleBody."""
     points, K, M, ends = bar((16, 2, 2))
     body = Elastic(K, M, ends[0])
     modes, omega = orthonormal_modes(body, craig_bampton(body, 6))
@@ -225,7 +237,8 @@ def pendulum_checks():
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
     levels = np.array([energy(body, *at) for at in swing(body, 30.0, 2e-3, period / 100, 2000)])
-    yield figure("Flexible pendulum, 20 periods", "energy drift [-]", np.ptp(levels) / levels[0], 0.0, 1e-10, "at most", "conservation",
+    yield figure("Flexible pendulum, 20 periods", "energy drift [-]", np.ptp(levels) / levels[0], 0.0, 1e-10, "at most",
+                 "conservation",
                  "spectral radius 1 keeps the energy; what is left falls with the fourth power of the step")
 
 
@@ -246,7 +259,8 @@ BODIES = {"piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], de
 def shipped_body(name):
     """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's grid, angles, heights."""
     kind = BODIES[name]
-    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz", dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
+    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz",
+                     dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
     body = Elastic(stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"]))
     at = mesh.points[mesh.nodes(kind["surface"])]
@@ -288,9 +302,11 @@ def deflection_checks():
         for basis in ("craig_bampton", "pressure_modes"):
             most = craig_bampton(body, 60) if basis == "craig_bampton" else None
             for modes, bound in zip((20, 40, 60), BOUNDS[name, basis]):
-                shapes = most[:, :modes] if most is not None else pressure_modes(body, read, expected_pressure(angle, 40), modes, extra)
+                shapes = most[:, :modes] if most is not None else pressure_modes(body, read, expected_pressure(angle, 40), modes,
+                                                                                 extra)
                 yield figure(f"{name}, {modes} {basis}", "deflection under film patches, error [-]",
-                             deflection_error(body, read, shapes, loads, full), 0.0, bound, "at most", "full model", "truncation of the basis")
+                             deflection_error(body, read, shapes, loads, full), 0.0, bound, "at most", "full model",
+                             "truncation of the basis")
         if name == "piston":
             yield from load_checks(body, mesh, read, shapes, extra)
 
@@ -319,8 +335,10 @@ def load_checks(body, mesh, read, shapes, extra):
 def step_checks():
     """The shipped bodies with 60 modes each on the crank: derivative of the step, work on both sides, redone steps."""
     with TemporaryDirectory() as folder:
-        options = {"mesh_unit": 1.0, "axes": ("x", "y", "z"), "origin": (0.0, 0.0, 0.0), "surfaces": {}, "poisson": 0.33, "tie": "rbe2",
-                   "basis": "pressure_modes", "modes": 60, "modes_off": [], "skirt_lower": None, "skirt_upper": None, "pin_offset": 0.0, "bore_lower": None,
+        options = {"mesh_unit": 1.0, "axes": ("x", "y", "z"), "origin": (0.0, 0.0, 0.0), "surfaces": {}, "poisson": 0.33,
+                   "tie": "rbe2",
+                   "basis": "pressure_modes", "modes": 60, "modes_off": [], "skirt_lower": None, "skirt_upper": None,
+                   "pin_offset": 0.0, "bore_lower": None,
                    "bore_upper": None, "stations": 64, "profiles": [], "orders": []}
         table = {"grid": (40, 40), "gas": None} | {name: options | {k: kind[k] for k in ("density", "young")} | {
             "mesh": str(files("models") / "numerical_example" / f"{name}.msh.gz")} for name, kind in BODIES.items()}
@@ -334,7 +352,8 @@ def step_checks():
     for _ in range(20):
         state, out = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)
         errors.append(out["interface_work_error"])
-    yield figure("60 + 60 modes, 20 steps", "work of the interface forces, difference [-]", max(errors), 0.0, 1e-10, "at most", "conservation",
+    yield figure("60 + 60 modes, 20 steps", "work of the interface forces, difference [-]", max(errors), 0.0, 1e-10, "at most",
+                 "conservation",
                  "round-off")
     ends = [model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1] for e in (1.0, -1.0)]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
@@ -344,5 +363,6 @@ def step_checks():
                      np.abs(product - difference).max() / np.abs(difference).max(), 0.0, 1e-7, "at most", "central differences",
                      "the step is nearly affine in the forces")
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    yield figure("60 + 60 modes, one step redone", "bytes that differ", np.sum(first.place.tobytes() != again.place.tobytes()), 0, 0.0, "absolute",
+    yield figure("60 + 60 modes, one step redone", "bytes that differ", np.sum(first.place.tobytes() != again.place.tobytes()),
+                 0, 0.0, "absolute",
                  "rollback", "a count")

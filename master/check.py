@@ -74,7 +74,7 @@ def _compare(participant, terms, causalities, faults):
             field = participant.fields.get(name)
             if field is None or field.causality not in causalities:
                 faults.append(f"{name}: no such {' or '.join(causalities)} [{unit}]")
-            elif field.unit != unit:
+            elif field.unit != unit and participant.declares_units:
                 faults.append(f"{name}: unit {field.unit}, the contract says {unit}")
             elif (len(field.shape) == 2) != (shape == "field"):
                 faults.append(f"{name}: shape {field.shape}, the contract says {shape}")
@@ -85,6 +85,7 @@ def _capabilities(participant):
     can = participant.description.coSimulation
     breaches = [f"{flag} is not true" for flag in CAPABILITIES if not getattr(can, flag)]
     remarks = [] if participant.has_derivatives else ["no directional derivative: formed by repeated steps"]
+    remarks += [] if participant.declares_units else ["no units: taken to be SI"]
     return breaches, remarks
 
 

@@ -2,7 +2,8 @@
 
     python -m master.importers X.fmu OUTPUT [PYTHON ...]
 
-OUTPUT is the Real output to compare; PYTHON are further interpreters: their version runs the FMU too, and so do the importers installed there.
+OUTPUT is the Real output to compare; PYTHON are further interpreters: their version runs the FMU too, and so do the
+importers installed there.
 """
 
 import subprocess

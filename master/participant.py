@@ -99,6 +99,11 @@ class FmuParticipant:
         """Whether the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
 
+    @property
+    def declares_units(self):
+        """Whether the FMU names units at all; one that does not is taken to be in SI."""
+        return any(field.unit != "1" for field in self.fields.values())
+
     def start(self, parameters, start_time, stop_time):
         """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start values for the rest.
 
@@ -280,10 +285,11 @@ class FmuParticipant:
     def _difference(self, seeds, products):
         """The same from the last step taken once more with changed inputs; the FMU is left as it was.
 
-        Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / nominal|
+        Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
         """
-        largest = max(float(np.max(np.abs(value))) / (self.fields[name].nominal or 1.0) for name, value in seeds.items())
         before = {name: self.get(name) for name in (*seeds, *products)}
+        scale = {name: self.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0 for name in seeds}
+        largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
         if largest == 0.0:
             return {name: np.zeros_like(before[name]) for name in products}
         end, size = self.save(), DIFFERENCE / largest

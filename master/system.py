@@ -107,17 +107,20 @@ def _connection(wire, participants, faults):
         return None
     if source.shape != target.shape:
         faults.append(f"{where}: shapes differ, {source.shape} and {target.shape} (build both FMUs with the same grid)")
-    if source.unit != target.unit:
+    declared = [field.unit for field, port in ((source, wire.source), (target, wire.target))
+                if participants[port.split(".")[0]].declares_units]
+    if len(set(declared)) > 1:
         faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
+    unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
     try:
-        tolerance = wire.tolerance * nominal if isinstance(wire.tolerance, float) else to_si(wire.tolerance, target.unit)
+        tolerance = wire.tolerance * nominal if isinstance(wire.tolerance, float) else to_si(wire.tolerance, unit)
     except ValueError as error:
         faults.append(f"{where}: tolerance: {error}")
         return None
     if tolerance < 0 or not (tolerance or wire.relative_tolerance):
         faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive, or 0 beside a relative_tolerance")
-    return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, target.unit, nominal,
+    return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
                       tolerance, wire.largest_decrease, wire.relative_tolerance)
 
 

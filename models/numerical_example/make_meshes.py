@@ -1,8 +1,9 @@
 """Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does not).
 
 One quarter of each body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that both meshes are
-symmetric to the last bit about the thrust plane z = 0 and about x = 0. All lengths in millimetres inside gmsh, metres in the files.
-Axes: x thrust, y towards the head, z along the pin; the piston's origin is pin point A, the block's lies on the crank axis.
+symmetric to the last bit about the thrust plane z = 0 and about x = 0. All lengths in millimetres inside gmsh, metres in the
+files. Axes: x thrust, y towards the head, z along the pin; the piston's origin is pin point A, the block's lies on the crank
+axis.
 
     python make_meshes.py            writes both files beside this script
 """

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
 
 from master.case import check_case, find_case, read_tree
 from master.check import check_fmu, swap
@@ -93,6 +94,17 @@ def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_p
     assert abs(one[-1]) > 1e-7
 
 
+def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
+    """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
+    fmu = FmuBuilder.build_FMU(HERE / "stock_film.py", dest=tmp_path / "stock.fmu", canGetAndSetFMUstate=True,
+                               canSerializeFMUstate=True)
+    role, breaches, remarks = check_fmu(fmu)
+    assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
+    summary, results, _ = run_with(fmu, tmp_path)
+    assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
+    assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
+
+
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
     role, breaches, remarks = check_fmu(template)
     assert (role, breaches) == ("lubrication", [])
@@ -127,3 +139,21 @@ def test_missing_file_or_class_is_bad_input(tmp_path):
         build_fmu_of_file(f"{tmp_path}/none.py:Film", {"grid": [4, 4]})
     with pytest.raises(BadInput, match="no class Film"):
         build_fmu_of_file(f"{TEMPLATE}:Film", {"grid": [4, 4]})
+
+
+def test_dry_contact_pushes_only_where_the_gap_is_closed():
+    fmu = build_fmu_of_file(f"{TEMPLATE.parent}/dry_contact.py:DryContact", {"grid": list(CELLS)})
+    assert validate_fmu(str(fmu)) == []
+    assert check_fmu(fmu)[:2] == ("lubrication", [])
+    participant = FmuParticipant("dry", fmu)
+    gap = np.full(CELLS, 2e-5)
+    gap[3, 4] = 0.0                                # 1 um of overlap
+    participant.start({"film_thickness": gap}, 0.0, 1.0)
+    participant.set("sliding_velocity", np.full(CELLS, 5.0))
+    participant.step(0.0, 1e-4)                    # nothing closes: the spring alone
+    area = 27e-3 / CELLS[1] * 2 * np.pi * 28.25e-3 / CELLS[0]
+    force = participant.get("nodal_pressure_force")
+    assert np.flatnonzero(force).tolist() == [3 * CELLS[1] + 4]
+    assert force[3, 4] == pytest.approx(1e12 * 1e-6 * area, rel=1e-12)
+    assert participant.get("nodal_friction_force")[3, 4] == pytest.approx(-0.1 * force[3, 4], rel=1e-12)     # tanh(500) = 1
+    participant.close()

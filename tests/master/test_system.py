@@ -16,7 +16,7 @@ def field(name, causality, unit="m", shape=(4, 4), **more):
 @pytest.fixture
 def participants():
     def participant(name, *fields):
-        return SimpleNamespace(name=name, fields={f.name: f for f in fields})
+        return SimpleNamespace(name=name, fields={f.name: f for f in fields}, declares_units=True)
     return {"body": participant("body", field("film_thickness", "output"), field("speed", "parameter", "rad/s", (), maximum=100.0)),
             "film": participant("film", field("film_thickness", "input"), field("coarse", "input", shape=(2, 4)),
                                 field("other", "input", "Pa"))}

@@ -46,7 +46,8 @@ def bodies(tmp_path_factory):
         "pin_bore": np.isclose(radius, INNER) & (np.abs(x) < 10e-3) & (np.abs(y) < 9e-3)})
     points, tets = tube((24, 2, 10), 50e-3, 155e-3, OUTER + 25e-6, 36e-3)
     radius = np.hypot(points[:, 0], points[:, 2])
-    write(folder / "block.msh", points, tets, {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)})
+    write(folder / "block.msh", points, tets,
+          {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)})
     material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33}
     return folder, {"grid": [16, 12], "piston": {"mesh": "piston.msh", "modes": 12, **material},
                     "block": {"mesh": "block.msh", "modes": 10, "stations": 24, **material}}

@@ -61,7 +61,8 @@ def test_mean_tie_is_softer_than_the_rigid_one(plate):
 
 def test_stiff_springs_approach_the_clamp_and_soft_ones_do_not(plate):
     points, K, M, area = plate
-    clamp = orthonormal_modes(*(lambda body: (body, craig_bampton(body, 2)))(Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))))[1]
+    clamp = orthonormal_modes(*(lambda body: (body, craig_bampton(body, 2)))(Elastic(K, M,
+                                                                                     np.flatnonzero(points[:, 1] == 0.0))))[1]
     lowest = []
     for total in (1e14, 1e7):
         body = Elastic(K + full_mass(area * (total / area.sum())), M, np.empty(0, int))

@@ -20,7 +20,8 @@ def test_all_faults_of_the_table_at_once(bodies):
     with pytest.raises(BadInput) as caught:
         prepare(wrong, folder, print)
     text = "\n".join(caught.value.faults)
-    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm", "block.basis"):
+    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm",
+                  "block.basis"):
         assert piece.split(" = ")[0] in text, text
     assert len(caught.value.faults) == 5
 
@@ -149,3 +150,23 @@ def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
     tube = np.pi * (28e-3**2 - 24e-3**2) * 36e-3 * 2700
     assert piston["mass"] == pytest.approx(tube, rel=1e-3)      # edges of 15 degrees, curved: (pi/24)^4 / 6
     assert block["radius"] == pytest.approx(28.025e-3, rel=1e-9)
+
+
+def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
+    folder, options = bodies
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+    small = options | {"piston": options["piston"] | {"modes": 4}, "block": options["block"] | {"modes": 3}}
+    made = prepare(small, folder, lambda text: None)[1]
+    (tmp_path / "own.npz").write_bytes(made[0].read_bytes())
+    resolved, files = prepare(small | {"piston": {"reduced": "own.npz"}} | {"block": small["block"]
+                                                                            | {"mesh": str(folder / "block.msh")}},
+                              tmp_path, lambda text: None)
+    assert files[0].name == "own.npz" and resolved["piston"]["modes"] == 4
+    with pytest.raises(BadInput, match="own.npz was reduced for another film grid"):
+        prepare({"grid": [12, 12], "piston": {"reduced": str(tmp_path / "own.npz")}, "block": small["block"]}, folder,
+                lambda text: None)
+    np.savez(tmp_path / "poor.npz", mass=1.0)
+    with pytest.raises(BadInput, match="poor.npz lacks S, I0"):
+        prepare(small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None)
+    with pytest.raises(BadInput, match="either mesh or reduced"):
+        prepare(small | {"piston": {"modes": 3}}, folder, print)

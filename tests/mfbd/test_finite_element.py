@@ -1,4 +1,5 @@
-"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (scikit-fem: tests/verification/test_mfbd.py)."""
+"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (scikit-fem:
+tests/verification/test_mfbd.py)."""
 
 import math
 

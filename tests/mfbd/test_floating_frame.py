@@ -5,7 +5,7 @@ import pytest
 
 from fmu_mfbd.floating_frame import frame_force, frame_tangent, rigid_body
 from fmu_mfbd.piston_motion import Load, imbalance, tangent
-from fmu_mfbd.slider_crank import Mechanism, height, motion
+from fmu_mfbd.slider_crank import Mechanism, height
 from fmu_mfbd.verification import beam_in_frame, bar, box_mesh
 from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
 from fmu_mfbd.finite_element import consistent_mass, stiffness
@@ -169,7 +169,8 @@ def test_height_slopes():
     for phi in (0.3, 2.0, 5.0):
         Y, across, along = height(SKEW, 2e-4, phi)
         eps = 1e-6
-        assert across == pytest.approx((height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps), abs=1e-9)
+        assert across == pytest.approx((height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps),
+                                       abs=1e-9)
         assert along == pytest.approx((height(SKEW, 2e-4, phi + eps)[0] - height(SKEW, 2e-4, phi - eps)[0]) / (2 * eps), abs=1e-9)
 
 

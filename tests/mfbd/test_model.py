@@ -159,7 +159,8 @@ def test_free_crank_keeps_the_energy(reduced):
     options, piston, block = reduced
     piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")}
     piston |= {k: piston[k][:0, :0] for k in "BG"}
-    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 2e-4, "rod_mass": 0.0, "rod_inertia": 0.0,
+    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 2e-4, "rod_mass": 0.0,
+                                                        "rod_inertia": 0.0,
                                                         "pin_mass": 0.4}
     model = assemble(piston | {"S": 0 * piston["S"]}, block, options, values)
     nothing = np.zeros(model.system.skirt.gap.shape)
@@ -193,3 +194,11 @@ def test_free_crank_turns_against_its_load(model, reduced):
     # a heavy flywheel: 50 N m / 10 kg m2 over 10 ms, and 0.4 kg of piston at 5 m/s hardly count
     assert out["rotation_speed"] == pytest.approx(200.0 - 0.05, abs=0.02)
     assert out["crank_torque"] == -50.0
+
+
+def test_damping_by_ratio_band_and_rayleigh():
+    from fmu_mfbd.assembly import damping
+
+    omega = 2 * np.pi * np.array([1e3, 3e4])
+    np.testing.assert_allclose(damping(omega, 0.02, 0.5, 2e4, 0.0, 0.0), [0.04 * omega[0], omega[1]])
+    np.testing.assert_allclose(damping(omega, 0.0, 0.0, 2e4, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)

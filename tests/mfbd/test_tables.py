@@ -87,7 +87,8 @@ def shaped(bodies, tmp_path_factory):
 
 
 def test_shapes_enter_the_film_and_its_work(shaped):
-    """A bore of varying width does work on the moving piston: the balance still closes, and slope times force lifts the piston."""
+    """A bore of varying width does work on the moving piston: the balance still closes, and slope times force lifts the
+    piston."""
     rng = np.random.default_rng(2)
     push, drag = rng.random((2, *shaped.system.skirt.gap.shape))
     state, out = shaped.start(0.7, 0.0, 0.0, Inputs(314.0, 0.0, push, drag))

@@ -21,7 +21,8 @@ def film(seed):
     """A skirt and a bore with random modes, and the window at a random height."""
     rng = np.random.default_rng(seed)
     angle, rows = cell_centres(8, 5, -0.01, 0.008)
-    skirt = Skirt(angle, rows, np.full((8, 5), 2e-5), 0.028, 1e-3, *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)))
+    skirt = Skirt(angle, rows, np.full((8, 5), 2e-5), 0.028, 1e-3,
+                  *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)))
     bore = bore_splines(np.linspace(0.0, 0.1, 12), *rng.standard_normal((2, 8, 12, 2)), shape=1e-5 * rng.standard_normal((8, 12)))
     return rng, skirt, bore, window_at(bore.lowest, bore.spacing, rng.uniform(0.02, 0.08), rows)
 
@@ -32,10 +33,12 @@ def test_virtual_work_for_any_force_and_motion(seed):
     """sum F dh + sum f dv = Q . dq for every direction dq."""
     rng, skirt, bore, window = film(seed)
     push, drag = rng.standard_normal((2, 8, 5))
-    x, turn, climb, q, p = rng.standard_normal(), rng.standard_normal(), rng.standard_normal(), rng.standard_normal(3), rng.standard_normal(2)
+    x, turn, climb = rng.standard_normal(3)
+    q, p = rng.standard_normal(3), rng.standard_normal(2)
     Q = generalised(skirt, bore, window, push, drag)
     # pressure works on x, angle and modes; friction on climb, angle and modes
-    grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(drag * sliding(skirt, bore, window, climb, turn, q, p))
+    grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(drag * sliding(skirt, bore, window, climb, turn,
+                                                                                              q, p))
     own = Q.lateral * x + Q.axial * climb + Q.moment * turn + Q.piston @ q + Q.block @ p
     assert abs(grid - own) <= 1e-12 * (np.abs(push).sum() + np.abs(drag).sum()) * 10
 
@@ -43,7 +46,8 @@ def test_virtual_work_for_any_force_and_motion(seed):
 @settings(max_examples=30, deadline=None)
 @given(seeds)
 def test_film_rate_is_the_derivative_of_the_film(seed):
-    """Power of a unit pressure force against the difference of film thickness along the motion, moving skirt and uneven bore included."""
+    """Power of a unit pressure force against the difference of film thickness along the motion, moving skirt and uneven bore
+    included."""
     rng, skirt, bore, _ = film(seed)
     place, rate, A, climb = 1e-5 * rng.standard_normal(7), 1e-2 * rng.standard_normal(7), 0.05, 3.0
     nothing, unit = np.zeros((8, 5)), np.zeros((8, 5))
