@@ -117,7 +117,7 @@ def bore_splines(heights, radial, axial, kind=None, shape=None):
     -------
     Bore
     """
-    s, (c, _, k) = len(heights), radial.shape
+    s, c = len(heights), radial.shape[0]
     rule = np.zeros((s + 2, s + 2))
     rule[0, :3] = rule[-1, -3:] = 1.0, -2.0, 1.0
     for i in range(s):

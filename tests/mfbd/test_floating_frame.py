@@ -29,7 +29,7 @@ def lump():
 
 def kinetic_energy(points, M, modes, coordinates, rates):
     """From nodal velocities of the rotated, deformed body and the full mass matrix: no floating-frame term in sight."""
-    x, y, angle, q = coordinates[0], coordinates[1], coordinates[2], coordinates[3:]
+    angle, q = coordinates[2], coordinates[3:]
     c, s = np.cos(angle), np.sin(angle)
     turn, spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]])
     local = points + modes @ q
