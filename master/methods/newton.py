@@ -48,20 +48,20 @@ class Newton:
                 raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             if len(history) > 3 and history[-1] > 1e3 * min(history):
                 raise NotConverged("the residual grows", interface, residual, y, history)
-            change, count = self._update(interface, y - used, interface.allowed(y), memory)
+            change, count = self._update(macro_step, y - used, interface.allowed(y), memory)
             products += count
             x = used + step_length(interface, used, change) * change
         raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
-    def _update(self, interface, residual, allowed, memory):
+    def _update(self, macro_step, residual, allowed, memory):
         """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
-        feedback = interface.feedback
+        interface, feedback = macro_step.interface, macro_step.interface.feedback
         scale = interface.nominal[feedback]
 
         def sweep(reduced):
             change = np.zeros(interface.size)
             change[feedback] = reduced * scale
-            return interface.linear_sweep(change)
+            return macro_step.linear_sweep(change)
 
         right = residual[feedback] / scale
         tolerance = max(self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right))
