@@ -72,7 +72,8 @@ class Coupling(Table):
     mixing : share taken of what the secants leave unexplained.
     probing : a macro step without secants, or led astray by them, is taken by Newton on differences of sweeps.
     windows : of how many macro steps iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
-    largest_krylov_space : products per Newton update at most.
+    largest_krylov_space : products per Newton update at most. differences : products by differences of sweeps, not by the
+    participants' derivatives.
     halvings : how often a macro step that fails may be halved.
     """
 
@@ -87,6 +88,7 @@ class Coupling(Table):
     filter: Literal["QR1", "QR2"] = "QR2"
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     largest_krylov_space: int = Field(120, ge=1)
+    differences: bool = False
     halvings: int = Field(6, ge=0)
 
 

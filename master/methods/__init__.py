@@ -18,7 +18,7 @@ __all__ = ["Ageing", "LeastSquares", "MacroStep", "MultiVector", "Newton", "NotC
 def method_of(coupling):
     """The method a case's coupling table asks for."""
     if coupling.method == "newton":
-        return Newton(coupling.max_iterations, coupling.largest_krylov_space)
+        return Newton(coupling.max_iterations, coupling.largest_krylov_space, differences=coupling.differences)
     if coupling.method in ("aitken", "constant"):
         return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
     secants = {"iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit, coupling.filter),

@@ -1,10 +1,11 @@
 """Interface Newton-Krylov: the fixed point of a macro step by directional derivatives."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .krylov import RecycledGmres
+from .probing import ProbedStep
 from .solution import NotConverged, Solution, step_length
 
 
@@ -27,17 +28,26 @@ class Newton:
         GMRES stops at this share of the tolerance ...
     forcing : float
         ... or at this share of the right-hand side, whichever is larger: the next nonlinear residual spoils the rest.
+    differences : bool
+        Products by differences of sweeps (rollback), also where the participants offer derivatives.
     """
 
     max_iterations: int = 20
     largest_krylov_space: int = 120
     accuracy: float = 0.1
     forcing: float = 1e-6
+    differences: bool = False
 
     def memory(self):
         return RecycledGmres(self.largest_krylov_space)
 
     def solve(self, macro_step, guess, memory):
+        if self.differences:
+            solution = self._iterate(ProbedStep(macro_step), guess, memory)
+            return replace(solution, products=0, probes=solution.products)
+        return self._iterate(macro_step, guess, memory)
+
+    def _iterate(self, macro_step, guess, memory):
         interface, x, history, products = macro_step.interface, guess, [], 0
         for jacobians in range(self.max_iterations):
             used, y, residual = macro_step.sweep(x)
