@@ -30,13 +30,18 @@ class Time(Table):
 
 class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
-    and its parameters and input starts."""
+    and its parameters and input starts.
+
+    isolated : the FMU runs in a process of its own, which is ended if it takes longer than `timeout` for any one answer.
+    """
 
     package: str | None = None
     file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
+    isolated: bool = False
+    timeout: str = "60 s"
 
     @model_validator(mode="after")
     def one_origin(self):

@@ -6,6 +6,7 @@ from .case import times
 from .fmi.builder import build_fmu, build_fmu_of_file
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
+from .isolated import IsolatedParticipant
 from .participant import open_fmu
 from .wiring import Connection, System
 
@@ -22,7 +23,7 @@ def open_system(case, folder, progress):
     faults, participants = [], {}
     for name in case.participants:
         try:
-            participants[name] = open_fmu(name, _fmu(case.participants[name], folder, progress))
+            participants[name] = _participant(name, case.participants[name], folder, progress)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
@@ -39,6 +40,19 @@ def open_system(case, folder, progress):
     if faults:
         raise BadInput(faults)
     return System(participants, tuple(case.coupling.order), connections, parameters, stop, step, str(folder))
+
+
+def _participant(name, table, folder, progress):
+    participant = open_fmu(name, _fmu(table, folder, progress))
+    if not table.isolated:
+        return participant
+    try:
+        timeout = to_si(table.timeout, "s")
+    except ValueError as error:
+        raise BadInput(f"timeout: {error}") from None
+    if not timeout > 0:
+        raise BadInput(f"timeout = {table.timeout}: must be positive")
+    return IsolatedParticipant(participant, timeout)
 
 
 def _fmu(table, folder, progress):
