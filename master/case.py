@@ -100,7 +100,7 @@ class Record(Table):
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
-    checkpoint_every: int = Field(0, ge=0)
+    checkpoint_every: int = Field(50, ge=0)
 
 
 class Picture(Table):

@@ -10,8 +10,9 @@ import numpy as np
 from .checkpoint import Checkpoint, Interrupted, listening
 from .freezing import freeze, thaw
 from .methods import method_of
-from .recorder import Recorder
-from .stepping import Stepper
+from .participant import ParticipantFault
+from .recorder import CannotWrite, Recorder, writing
+from .stepping import Stepper, StepFailed
 from .wiring import start
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
@@ -42,17 +43,29 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     ------
     BadInput
         If a participant refuses its parameters; nothing has been written then.
-    StepFailed
-        If a macro step cannot be converged; the results up to it stay in `<output>.partial`.
+    StepFailed, ParticipantFault, CannotWrite
+        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
+        in `<output>.partial`, and a note on the exception names the last checkpoint.
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
         start(system)
         return _march(system, case, tree, output, watch, begin_at)
+    except (StepFailed, ParticipantFault, CannotWrite) as stop:
+        stop.add_note(kept(output))
+        raise
     finally:
         for participant in system.participants.values():
             participant.close()
+
+
+def kept(output):
+    """Sentence on the checkpoint that a stopped run has left."""
+    checkpoint = Checkpoint.path(output)
+    if not checkpoint.exists():
+        return "no checkpoint had been written yet"
+    return f"what was reached is kept; once the cause is gone, go on with: piston-cosim resume {checkpoint}"
 
 
 def _march(system, case, tree, output, watch, begin_at):
@@ -70,15 +83,19 @@ def _march(system, case, tree, output, watch, begin_at):
         stepper.counters = begin_at.counters
         for reduction in reductions:
             reduction.values = begin_at.reductions[reduction.name]
-    recorder = Recorder(output, system.participants, case.record, {
-        "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, begin_at.rows if begin_at else 0)
+    else:
+        Checkpoint.path(output).unlink(missing_ok=True)     # that of an older run, whose results give way to these
+    with writing(output):
+        recorder = Recorder(output, system.participants, case.record, {
+            "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, begin_at.rows if begin_at else 0)
     first, spent = (begin_at.steps_done, begin_at.wall_time) if begin_at else (0, 0.0)
     begin, steps = clock.perf_counter() - spent, round(system.stop / system.step)
 
     def keep(steps_done):
         recorder.flush()
-        Checkpoint(tree, system.folder, steps_done, recorder.rows, clock.perf_counter() - begin, freeze(stepper), stepper.counters,
-                   {r.name: r.values for r in reductions}).write(output)
+        with writing(Checkpoint.path(output)):
+            Checkpoint(tree, system.folder, steps_done, recorder.rows, clock.perf_counter() - begin, freeze(stepper),
+                       stepper.counters, {r.name: r.values for r in reductions}).write(output)
 
     try:
         with listening() as heard:
