@@ -57,6 +57,8 @@ class Wire(Table):
     that multiplies its nominal value.
     relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
+    interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
+    also has the slopes which the source declares (an output that is the field's `derivative`).
     """
 
     source: Port = Field(alias="from")
@@ -64,6 +66,7 @@ class Wire(Table):
     tolerance: str | float = 1e-6
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
+    interpolation: Literal["held", "linear", "hermite"] = "held"
 
 
 class Coupling(Table):

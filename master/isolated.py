@@ -39,7 +39,7 @@ class IsolatedParticipant:
         self.description, self.timeout = participant, timeout
         self.name, self.fields, self.path = participant.name, participant.fields, participant.path
         self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
-        self.declares_units = participant.declares_units
+        self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate
         self._process, self._queue, self._fresh, self._read_ahead = None, [], set(), set()
 
     def start(self, parameters, start_time, stop_time):
@@ -60,6 +60,11 @@ class IsolatedParticipant:
             self._queue.append(("write", (name,)))
         else:
             self._queue.append(("set", (name, value)))
+
+    def set_course(self, name, course):
+        """Set an input and its time derivatives at the beginning of the next step; see `FmuParticipant.set_course`."""
+        self._fresh.discard(name)
+        self._queue.append(("set_course", (name, course)))
 
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar. What was read once comes along with every step."""
@@ -129,7 +134,8 @@ class IsolatedParticipant:
             self._pipe.send(queue)
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
-                raise ParticipantFault(f"{self.name}: no answer to {method} within {self.timeout:g} s; its process has been ended")
+                raise ParticipantFault(f"{self.name}: no answer to {method} within {self.timeout:g} s; "
+                                       "its process has been ended")
             raised, answer = self._pipe.recv()
         except (EOFError, OSError):
             self._process.join(self.timeout)

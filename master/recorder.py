@@ -101,10 +101,10 @@ class Recorder:
 
     def _largest_growth(self):
         """Bytes of data that may be waiting for the disk at any one time: rows of fields and a chunk of each series."""
-        sizes = []
-        self.file.visititems(lambda name, item: sizes.append((len(item.shape) > 1, item.dtype.itemsize * int(np.prod(item.chunks))))
-                             if isinstance(item, h5py.Dataset) else None)
-        return sum(size * (self.flush_every + 1 if rows else 1) for rows, size in sizes)
+        datasets = []
+        self.file.visititems(lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None)
+        waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
+        return sum(count * item.dtype.itemsize * int(np.prod(item.chunks)) for count, item in zip(waiting, datasets))
 
     def _reserve(self):
         """Take the room for what comes next on the disk before HDF5 needs it: after a write that fails HDF5 cannot even close."""
