@@ -59,6 +59,7 @@ class Wire(Table):
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
     interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
     also has the slopes which the source declares (an output that is the field's `derivative`).
+    conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
     """
 
     source: Port = Field(alias="from")
@@ -67,6 +68,7 @@ class Wire(Table):
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
     interpolation: Literal["held", "linear", "hermite"] = "held"
+    conjugate: Port | None = None
 
 
 class Coupling(Table):

@@ -20,6 +20,7 @@ COMMANDS = {
     "resume": "Go on with an interrupted run, with the same bits.",
     "plot": "Draw runs side by side.",
     "report": "Write one self-contained HTML page about runs.",
+    "scalars": "Write all scalar outputs of a run as CSV.",
     "fields": "Write recorded fields as CSV, HDF5 or VTU.",
     "compare": "Score curves of runs against one another or against measured ones.",
     "study": "Run a study of a case: cost, and distance from its reference run.",

@@ -185,6 +185,27 @@ class Results:
         dataset = self.file[port.replace(".", "/")]
         return dataset[:], dataset.attrs["unit"], dataset.attrs["description"]
 
+    @property
+    def ports(self):
+        """All scalar outputs, "participant.name", and "coupling.name"."""
+        found = []
+        self.file.visititems(lambda name, item: found.append(name.replace("/", ".")) if isinstance(item, h5py.Dataset) else None)
+        return [port for port in found if port != "time" and not port.startswith("fields.")]
+
+    def structured(self):
+        """All scalar outputs as FMPy hands out results.
+
+        Returns
+        -------
+        ndarray, shape (rows,)
+            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and `plot_result` take it.
+        """
+        table = np.empty(self.time.size, [("time", float), *((port, float) for port in self.ports)])
+        table["time"] = self.time
+        for port in self.ports:
+            table[port] = self.series(port)[0]
+        return table
+
     def field(self, port, time):
         """Recorded field nearest to `time` [s], its instant [s], unit and description."""
         dataset, instants = self.file["fields/" + port.replace(".", "/")], self.file["fields/time"][:]

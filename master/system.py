@@ -12,6 +12,7 @@ from .interpolated import InterpolatedParticipant, slope_of
 from .isolated import IsolatedParticipant
 from .participant import open_fmu
 from .wiring import Connection, System
+from .work import conjugates
 
 
 def open_system(case, folder, progress):
@@ -34,6 +35,10 @@ def open_system(case, folder, progress):
     parameters = {name: _parameters(participants[name], case.participants[name].parameters, faults) for name in participants}
     connections = [c for wire in case.wires if (c := _connection(wire, participants, faults))]
     participants = _interpolating(case, participants, faults)
+    try:
+        conjugates(connections, case.wires)
+    except BadInput as error:
+        faults += error.faults
     _check_capabilities(participants, faults)
     _check_ports(case, participants, faults)
     stop = step = None
@@ -174,7 +179,8 @@ def _slopes(case, participants, connections, step):
         (owner, name), (target, inlet) = c.source, c.target
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
             found.append(replace(c, source=(owner, _rate(participants[owner], name)), target=(target, slope_of(inlet)),
-                                 unit=f"{c.unit}/s", nominal=c.nominal / step, tolerance=c.tolerance / step, largest_decrease=None))
+                                 unit=f"{c.unit}/s", nominal=c.nominal / step, tolerance=c.tolerance / step,
+                                 largest_decrease=None))
     return found
 
 

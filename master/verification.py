@@ -82,6 +82,8 @@ def slow_checks():
     yield at_most("Numerical example, 60 + 60 modes", "mean iterations / those of rigid bodies",
                   flexible["mean_iterations"] / rigid["mean_iterations"], 1.2, "design target", "iterations do not grow with modes")
     yield at_most("Numerical example", "largest mass imbalance", flexible["mass_imbalance_max"], 1e-12, "conservation", "round-off")
+    yield at_most("Numerical example", "interface work that both sides disagree on / exchanged",
+                  abs(flexible["interface_work_imbalance"]), 1e-6, "conservation", "forces of some N a cell agree to 1e-6 N")
     yield at_most("Numerical example", "largest interface work error", flexible["interface_work_error_max"], 1e-10, "conservation", "round-off")
 
 

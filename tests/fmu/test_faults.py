@@ -60,13 +60,17 @@ def datasets(file):
     return found
 
 
+def logs(folder):
+    return {kind: (folder / f"base-{kind}.log").read_text() for kind in ("iterations", "convergence")}
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """Results of the run in which nothing goes wrong."""
     folder = tmp_path_factory.mktemp("whole")
     done = run(folder, "")
     assert done.returncode == 0, done.stderr
-    return datasets(folder / "base.h5")
+    return datasets(folder / "base.h5") | logs(folder)
 
 
 @pytest.mark.parametrize("fault, isolated", [("discard", False), ("nan", False), ("discard", True), ("nan", True)])
@@ -78,6 +82,8 @@ def test_recovers(whole, tmp_path, fault, isolated):
     # backward Euler with one step of 200 halved: its error there, H^2 |x''|/4 < 1e-4 * 40 / 4, is all that differs
     np.testing.assert_allclose(results["fields/bad/x"][-1], whole["fields/bad/x"][-1], atol=1e-3)
     assert results["coupling/residual"].max() <= 1
+    failed = [line for line in logs(tmp_path)["iterations"].splitlines()[1:] if line.split()[5] == "0"]
+    assert len(failed) == 1 and ("refused on purpose" in failed[0] or "not finite" in failed[0])
 
 
 @pytest.mark.parametrize("fault, isolated, words", [
@@ -96,7 +102,7 @@ def goes_on_as_if_nothing_had_happened(done, folder, whole):
     assert f"piston-cosim resume {checkpoint}" in done.stderr
     resumed = call("resume", checkpoint)
     assert resumed.returncode == 0, resumed.stderr
-    results = datasets(folder / "base.h5")
+    results = datasets(folder / "base.h5") | logs(folder)
     assert [name for name in whole if not np.array_equal(whole[name], results[name])] == []
     assert not checkpoint.exists()
 
