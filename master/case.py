@@ -30,13 +30,18 @@ class Time(Table):
 
 class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
-    and its parameters and input starts."""
+    and its parameters and input starts.
+
+    isolated : the FMU runs in a process of its own, which is ended if it takes longer than `timeout` for any one answer.
+    """
 
     package: str | None = None
     file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
+    isolated: bool = False
+    timeout: str = "60 s"
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -52,6 +57,9 @@ class Wire(Table):
     that multiplies its nominal value.
     relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
+    interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
+    also has the slopes which the source declares (an output that is the field's `derivative`).
+    conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
     """
 
     source: Port = Field(alias="from")
@@ -59,6 +67,8 @@ class Wire(Table):
     tolerance: str | float = 1e-6
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
+    interpolation: Literal["held", "linear", "hermite"] = "held"
+    conjugate: Port | None = None
 
 
 class Coupling(Table):
@@ -100,7 +110,7 @@ class Record(Table):
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
-    checkpoint_every: int = Field(0, ge=0)
+    checkpoint_every: int = Field(50, ge=0)
 
 
 class Picture(Table):

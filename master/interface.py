@@ -14,10 +14,12 @@ class Interface:
     participants : dict of str to Participant
         In stepping order.
     connections : sequence of Connection
+
+    `trail` holds the measures of every wire since it was last cleared, a list for each sweep that was measured.
     """
 
     def __init__(self, participants, connections):
-        self.participants, self.connections = participants, connections
+        self.participants, self.connections, self.trail = participants, connections, []
         sizes = [int(np.prod(c.shape)) for c in connections]
         ends = np.cumsum(sizes, dtype=int)
         self.parts = [slice(end - size, end) for end, size in zip(ends, sizes)]
@@ -104,7 +106,8 @@ class Interface:
 
     def measure(self, residual, values):
         """Largest measure of a wire, Eq. (C0): converged at 1 and below, NaN if any element is not finite."""
-        return float(np.max([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]))
+        self.trail.append([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)])
+        return float(np.max(self.trail[-1]))
 
     def worst(self, residual, values):
         """Sentence naming the worst wire and its largest residual."""
