@@ -144,18 +144,18 @@ def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, 
     m, n_c, n_a = dfilm.shape
     normal, shear, p = np.empty((m, n_c, n_a)), np.empty((m, n_c, n_a)), np.empty(n_a)
     half, last = 0.5 / dy, n_a - 1
-    for q in range(m):
-        for i in range(n_c):
-            h, v, u, to_p = dfilm[q, i], dvelocity[q, i], dunknown[q, i], pressure_share[i]
-            by_h, by_v, by_f, by_g, by_p = slopes[0, i], slopes[1, i], slopes[2, i], slopes[3, i], by_pressure[i]
-            out, force, a, k, to_f = shear[q, i], normal[q, i], area[i], contact_slope[i], fraction_share[i]
+    for i in range(n_c):  # what stands before the changes of a row stays in the cache for all directions
+        for q in range(m):
             for j in range(n_a):
-                p[j] = to_p[j] * u[j]
-                force[j] = a[j] * (p[j] + k[j] * h[j])
-                out[j] = by_h[j] * h[j] + by_v[j] * v[j] + by_f[j] * to_f[j] * u[j] + by_p[j] * p[j]
+                p[j] = pressure_share[i, j] * dunknown[q, i, j]
+            for j in range(n_a):
+                normal[q, i, j] = area[i, j] * (p[j] + contact_slope[i, j] * dfilm[q, i, j])
+            for j in range(n_a):
+                shear[q, i, j] = (slopes[0, i, j] * dfilm[q, i, j] + slopes[1, i, j] * dvelocity[q, i, j]
+                                  + slopes[2, i, j] * fraction_share[i, j] * dunknown[q, i, j] + by_pressure[i, j] * p[j])
             for j in range(1, last):
-                out[j] += by_g[j] * half * (p[j + 1] - p[j - 1])
+                shear[q, i, j] += slopes[3, i, j] * half * (p[j + 1] - p[j - 1])
             if n_a > 1:
-                out[0] += by_g[0] * half * (p[0] + p[1])
-                out[last] -= by_g[last] * half * (p[last] + p[last - 1])
+                shear[q, i, 0] += slopes[3, i, 0] * half * (p[0] + p[1])
+                shear[q, i, last] -= slopes[3, i, last] * half * (p[last] + p[last - 1])
     return normal, shear

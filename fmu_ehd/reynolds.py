@@ -402,18 +402,18 @@ def apply_stencils(stencil, dfilm, dvelocity):
     """
     m, n_c, n_a = dfilm.shape
     out = np.empty((m, n_c, n_a))
-    for q in range(m):
-        for i in range(n_c):
-            row = out[q, i]
-            row[:] = 0.0
+    for i in range(n_c):  # the stencil of a row stays in the cache for all directions
+        before, behind = (i - 1) % n_c, (i + 1) % n_c
+        for q in range(m):
+            for j in range(n_a):
+                out[q, i, j] = 0.0
             for k in range(2):
-                x = dfilm[q] if k == 0 else dvelocity[q]
-                here, before, behind = x[i], x[(i - 1) % n_c], x[(i + 1) % n_c]
-                c, s, n, w, e = stencil[k, 0, i], stencil[k, 1, i], stencil[k, 2, i], stencil[k, 3, i], stencil[k, 4, i]
+                x = dfilm if k == 0 else dvelocity
                 for j in range(n_a):
-                    row[j] -= c[j] * here[j] + w[j] * before[j] + e[j] * behind[j]
+                    out[q, i, j] -= (stencil[k, 0, i, j] * x[q, i, j] + stencil[k, 3, i, j] * x[q, before, j]
+                                     + stencil[k, 4, i, j] * x[q, behind, j])
                 for j in range(1, n_a):
-                    row[j] -= s[j] * here[j - 1]
+                    out[q, i, j] -= stencil[k, 1, i, j] * x[q, i, j - 1]
                 for j in range(n_a - 1):
-                    row[j] -= n[j] * here[j + 1]
+                    out[q, i, j] -= stencil[k, 2, i, j] * x[q, i, j + 1]
     return out

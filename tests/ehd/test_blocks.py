@@ -24,8 +24,20 @@ def test_inverse(n):
     a = -np.random.default_rng(n).random((n, n))
     a += np.diag(0.1 - a.sum(axis=0))
     inverse = a.copy()
-    invert_in_place(inverse)
+    invert_in_place(inverse, np.arange(n))
     assert np.allclose(inverse @ a, np.eye(n), atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 5, 8])
+def test_inverse_of_scattered_columns_multiplies_the_others(n):
+    rng = np.random.default_rng(n)
+    a = -rng.random((n, n + 3))
+    places, others = np.arange(n + 3)[1:-2], np.array([0, n + 1, n + 2])
+    a[np.arange(n), places] = 0.1 - a.sum(axis=1)
+    both = a.copy()
+    invert_in_place(both, places)
+    assert np.allclose(both[:, places] @ a[:, places], np.eye(n), atol=1e-12)
+    assert np.allclose(a[:, places] @ both[:, others], a[:, others], atol=1e-12)
 
 
 @pytest.mark.parametrize("shape", [(1, 5), (2, 4), (3, 1), (7, 9), (8, 8)])
