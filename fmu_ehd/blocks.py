@@ -19,16 +19,13 @@ References
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 
-# Fused multiply-add alone, no reordering: a repeated step gives the same bits. A zero pivot gives inf, which `cavitation` reports.
-compiled = njit(cache=True, fastmath={"contract"}, error_model="numpy")
-compiled_inside = njit(cache=True, fastmath={"contract"}, error_model="numpy", inline="always")
 
-
-@compiled_inside
+@compiled(inline="always")
 def _single_pivot(a, k, place):
     """One Gauss-Jordan step of the whole matrix with the pivot of row k in column `place`."""
     d = 1.0 / a[k, place]
@@ -43,7 +40,7 @@ def _single_pivot(a, k, place):
                 a[r, c] -= f * a[k, c]
 
 
-@compiled_inside
+@compiled(inline="always")
 def _invert_four(pivot):
     """Invert a 4 x 4 matrix in place; loops of constant length, which the compiler unrolls."""
     for q in range(4):

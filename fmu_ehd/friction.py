@@ -18,10 +18,11 @@ References
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _gradients(pressure, lower, upper, dy, out):
     """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
     last = pressure.size - 1
@@ -35,7 +36,7 @@ def _gradients(pressure, lower, upper, dy, out):
         out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
-@njit(cache=True)
+@compiled
 def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy,
                  boundary_stress, rounding_velocity, area):
     """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
@@ -79,7 +80,7 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     return viscous, boundary, power
 
 
-@njit(cache=True)
+@compiled
 def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy, boundary_stress, rounding_velocity,
                  area, by_film, by_velocity, boundary_slope):
     """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
@@ -89,7 +90,7 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     pressure ... area
         As in `shear_forces`.
     by_film, by_velocity : ndarray, shape (3, n_c, n_a)
-        Derivatives of c, d, b to film thickness and to sliding velocity.
+        Derivatives of c, d, b to film thickness and to sliding velocity; the latter of shape (0, n_c, n_a) if all zero.
     boundary_slope : ndarray, shape (n_c, n_a)
         Derivative of tau_b to film thickness [Pa/m].
 
@@ -109,15 +110,16 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
             direction = v / np.sqrt(square)
             slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
                                    + boundary_slope[i, j] * direction)
-            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j]))
-                                   + by_velocity[2, i, j] * gradient[j]
-                                   + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            slopes[1, i, j] = a * (f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            if by_velocity.shape[0] > 0:
+                slopes[1, i, j] += a * (f * v * (by_velocity[0, i, j] - by_velocity[1, i, j])
+                                        + by_velocity[2, i, j] * gradient[j])
             slopes[2, i, j] = a * c * v
             slopes[3, i, j] = a * poiseuille[i, j]
     return slopes
 
 
-@njit(cache=True, fastmath={"contract"})
+@compiled
 def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown):
     """Changes of both nodal forces.
 

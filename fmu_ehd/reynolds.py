@@ -28,17 +28,18 @@ hydrodynamic lubrication, Tribol. Lett. 58 (2015) 18 (the complementarity form).
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
     """Conductance K and transport T of a face, Eq. (E3)."""
     inverse = 1.0 / (g_a + g_b)
     return aspect * 2.0 * g_a * g_b * inverse, width * velocity * (t_a * g_b + t_b * g_a) * inverse
 
 
-@njit(cache=True)
+@compiled
 def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx, dy, ring):
     """Conductances and transports of all faces, Eq. (E3).
 
@@ -82,7 +83,7 @@ def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx,
     return k_c, t_c, k_a, t_a
 
 
-@njit(cache=True)
+@compiled
 def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pressure, edge_fraction, ring):
     """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq. (E5).
 
@@ -155,7 +156,7 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     return (centre, south, north, west, east), right
 
 
-@njit(cache=True)
+@compiled
 def hold(fixed, value, centre, south, north, west, east, right):
     """Replace the balance of fixed cells by u = value; in place.
 
@@ -174,13 +175,13 @@ def hold(fixed, value, centre, south, north, west, east, right):
                 south[i, j] = north[i, j] = west[i, j] = east[i, j] = 0.0
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b
 
 
-@njit(cache=True)
+@compiled
 def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction, ring):
     """Sum of outward face flows of each cell, and the inward flows over the four edges, Eq. (E2).
 
@@ -242,7 +243,7 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
     return out, edge_flow, gross
 
 
-@njit(cache=True)
+@compiled
 def balance(pressure, deficit, faces, stored, content, area_per_step, edge_pressure, edge_fraction, ring, open_cells):
     """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of the whole film.
 
@@ -291,20 +292,38 @@ def balance(pressure, deficit, faces, stored, content, area_per_step, edge_press
     return fraction, now, residual, edge_flow, abs(inflow - total) / max(throughput, floor)
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _flow_slopes(g_a, g_b, t_a, t_b, velocity, aspect, width, drop, upstream):
     """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of either cell."""
     inverse = 1.0 / (g_a + g_b)
+    share_a, share_b = g_a * inverse, g_b * inverse
     moved = width * velocity * upstream
-    by_g_a = g_b * (2.0 * aspect * g_b * drop + moved * (t_b - t_a)) * inverse * inverse
-    by_g_b = g_a * (2.0 * aspect * g_a * drop + moved * (t_a - t_b)) * inverse * inverse
-    by_velocity = 0.5 * width * upstream * (t_a * g_b + t_b * g_a) * inverse
-    return by_g_a, by_g_b, moved * g_b * inverse, moved * g_a * inverse, by_velocity
+    bend = moved * (t_b - t_a) * inverse
+    by_g_a = share_b * (2.0 * aspect * share_b * drop + bend)
+    by_g_b = share_a * (2.0 * aspect * share_a * drop - bend)
+    return by_g_a, by_g_b, moved * share_b, moved * share_a, 0.5 * width * upstream * (t_a * share_b + t_b * share_a)
 
 
-@njit(cache=True)
-def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, area_per_step, edge_pressure, edge_fraction,
-              ring):
+@compiled(inline="always")
+def _flow_changes(film, by_film, by_velocity, dvelocity, row, a, b, aspect, width, p_a, p_b, f_a, f_b):
+    """Derivatives of the flow from cell a to cell b: to the film of a and of b, to the sliding velocity of a and of b."""
+    conductivity, transport, speed = film
+    velocity = 0.5 * (speed[a] + speed[b])
+    g_a, g_b, t_a, t_b, v = _flow_slopes(conductivity[a], conductivity[b], transport[a], transport[b], velocity, aspect, width,
+                                         p_a - p_b, f_a if velocity > 0.0 else f_b)
+    (i_a, j_a), (i_b, j_b) = a, b
+    film_a = g_a * by_film[row, i_a, j_a] + t_a * by_film[1, i_a, j_a]
+    film_b = g_b * by_film[row, i_b, j_b] + t_b * by_film[1, i_b, j_b]
+    velocity_a, velocity_b = v * dvelocity[a], v * dvelocity[b]
+    if by_velocity.shape[0] > 0:
+        velocity_a += g_a * by_velocity[row, i_a, j_a] + t_a * by_velocity[1, i_a, j_a]
+        velocity_b += g_b * by_velocity[row, i_b, j_b] + t_b * by_velocity[1, i_b, j_b]
+    return film_a, film_b, velocity_a, velocity_b
+
+
+@compiled
+def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, area_per_step,
+              edge_pressure, edge_fraction, ring):
     """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two five-point stencils.
 
     What is upstream of a face stays so; at rest the cell before the face counts as downstream of the one behind it.
@@ -313,9 +332,11 @@ def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, 
     ----------
     film_c, film_a : tuple of ndarray, each shape (n_c, n_a)
         Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along j.
-    by_film, by_velocity : tuple of ndarray, each shape (n_c, n_a)
-        Derivatives of stored film, transported film, conductivity along i and along j, and entrainment velocity along i
-        and along j, to film thickness and to sliding velocity.
+    by_film, by_velocity : ndarray, shape (4 or more, n_c, n_a)
+        Derivatives of stored film, transported film, conductivity along i and along j to film thickness and to sliding velocity;
+        the latter of shape (0, n_c, n_a) if all zero.
+    dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
+        Derivatives of the entrainment velocity along i and along j to the sliding velocity [-].
     pressure, fraction : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction [-].
     dx, dy, area_per_step, edge_pressure, edge_fraction, ring
@@ -328,63 +349,63 @@ def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, 
     """
     n_c, n_a = pressure.shape
     stencil = np.zeros((2, 5, n_c, n_a))
-    last = n_a - 1
+    aspect, last = dx / dy, n_a - 1
     for i in range(n_c):
-        for j in range(n_a + 1):
-            a, b = (i, max(j - 1, 0)), (i, min(j, last))
-            aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
-            p_a, f_a = (pressure[a], fraction[a]) if j > 0 else (edge_pressure[0], edge_fraction[0])
-            p_b, f_b = (pressure[b], fraction[b]) if j < n_a else (edge_pressure[1], edge_fraction[1])
-            velocity = 0.5 * (film_a[2][a] + film_a[2][b])
-            g_a, g_b, t_a, t_b, v = _flow_slopes(film_a[0][a], film_a[0][b], film_a[1][a], film_a[1][b], velocity, aspect, dx,
-                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                on_a = g_a * by[3][a] + t_a * by[1][a] + v * by[5][a]
-                on_b = g_b * by[3][b] + t_b * by[1][b] + v * by[5][b]
-                if j == 0:
-                    stencil[k, 0, i, 0] -= on_a + on_b
-                elif j == n_a:
-                    stencil[k, 0, i, last] += on_a + on_b
-                else:
-                    stencil[k, 0, i, j - 1] += on_a
-                    stencil[k, 2, i, j - 1] += on_b
-                    stencil[k, 0, i, j] -= on_b
-                    stencil[k, 1, i, j] -= on_a
-    last = n_c - 1
-    for i in range(0, n_c if ring else n_c + 1):
-        inner = ring or 0 < i < n_c
-        aspect = dy / dx if inner else 2.0 * dy / dx
-        lower = (i - 1) % n_c if ring else max(i - 1, 0)
+        for j in range(1, n_a):
+            a, b = (i, j - 1), (i, j)
+            h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, a, b, aspect, dx,
+                                               pressure[a], pressure[b], fraction[a], fraction[b])
+            stencil[0, 0, i, j - 1] += h_a
+            stencil[0, 2, i, j - 1] += h_b
+            stencil[0, 0, i, j] -= h_b
+            stencil[0, 1, i, j] -= h_a
+            stencil[1, 0, i, j - 1] += v_a
+            stencil[1, 2, i, j - 1] += v_b
+            stencil[1, 0, i, j] -= v_b
+            stencil[1, 1, i, j] -= v_a
+        a, b = (i, 0), (i, last)
+        h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, a, a, 2.0 * aspect, dx,
+                                           edge_pressure[0], pressure[a], edge_fraction[0], fraction[a])
+        stencil[0, 0, i, 0] -= h_a + h_b
+        stencil[1, 0, i, 0] -= v_a + v_b
+        h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, b, b, 2.0 * aspect, dx,
+                                           pressure[b], edge_pressure[1], fraction[b], edge_fraction[1])
+        stencil[0, 0, i, last] += h_a + h_b
+        stencil[1, 0, i, last] += v_a + v_b
+    aspect, last = dy / dx, n_c - 1
+    for i in range(0 if ring else 1, n_c):
+        behind = (i - 1) % n_c
         for j in range(n_a):
-            a, b = (lower, j), (min(i, last), j)
-            p_a, f_a = (pressure[a], fraction[a]) if inner or i > 0 else (edge_pressure[2], edge_fraction[2])
-            p_b, f_b = (pressure[b], fraction[b]) if inner or i == 0 else (edge_pressure[3], edge_fraction[3])
-            velocity = 0.5 * (film_c[2][a] + film_c[2][b])
-            g_a, g_b, t_a, t_b, v = _flow_slopes(film_c[0][a], film_c[0][b], film_c[1][a], film_c[1][b], velocity, aspect, dy,
-                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                on_a = g_a * by[2][a] + t_a * by[1][a] + v * by[4][a]
-                on_b = g_b * by[2][b] + t_b * by[1][b] + v * by[4][b]
-                if inner:
-                    stencil[k, 0, a[0], j] += on_a
-                    stencil[k, 4, a[0], j] += on_b
-                    stencil[k, 0, b[0], j] -= on_b
-                    stencil[k, 3, b[0], j] -= on_a
-                elif i == 0:
-                    stencil[k, 0, 0, j] -= on_a + on_b
-                else:
-                    stencil[k, 0, last, j] += on_a + on_b
+            a, b = (behind, j), (i, j)
+            h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, a, b, aspect, dy,
+                                               pressure[a], pressure[b], fraction[a], fraction[b])
+            stencil[0, 0, behind, j] += h_a
+            stencil[0, 4, behind, j] += h_b
+            stencil[0, 0, i, j] -= h_b
+            stencil[0, 3, i, j] -= h_a
+            stencil[1, 0, behind, j] += v_a
+            stencil[1, 4, behind, j] += v_b
+            stencil[1, 0, i, j] -= v_b
+            stencil[1, 3, i, j] -= v_a
+    for j in range(0 if ring else n_a):
+        a, b = (0, j), (last, j)
+        h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, a, a, 2.0 * aspect, dy,
+                                           edge_pressure[2], pressure[a], edge_fraction[2], fraction[a])
+        stencil[0, 0, 0, j] -= h_a + h_b
+        stencil[1, 0, 0, j] -= v_a + v_b
+        h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, b, b, 2.0 * aspect, dy,
+                                           pressure[b], edge_pressure[3], fraction[b], edge_fraction[3])
+        stencil[0, 0, last, j] += h_a + h_b
+        stencil[1, 0, last, j] += v_a + v_b
     for i in range(n_c):
         for j in range(n_a):
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                stencil[k, 0, i, j] += area_per_step * fraction[i, j] * by[0][i, j]
+            stencil[0, 0, i, j] += area_per_step * fraction[i, j] * by_film[0, i, j]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 0, i, j] += area_per_step * fraction[i, j] * by_velocity[0, i, j]
     return stencil
 
 
-@njit(cache=True, fastmath={"contract"})
+@compiled
 def apply_stencils(stencil, dfilm, dvelocity):
     """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
 
