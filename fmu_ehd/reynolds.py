@@ -293,32 +293,53 @@ def balance(pressure, deficit, faces, stored, content, area_per_step, edge_press
 
 
 @compiled(inline="always")
-def _flow_slopes(g_a, g_b, t_a, t_b, velocity, aspect, width, drop, upstream):
+def _flow_slopes(g_a, g_b, t_a, t_b, velocity_a, velocity_b, aspect, width, p_a, p_b, f_a, f_b):
     """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of either cell."""
+    velocity = 0.5 * (velocity_a + velocity_b)
+    upstream = f_a if velocity > 0.0 else f_b
     inverse = 1.0 / (g_a + g_b)
     share_a, share_b = g_a * inverse, g_b * inverse
     moved = width * velocity * upstream
-    bend = moved * (t_b - t_a) * inverse
-    by_g_a = share_b * (2.0 * aspect * share_b * drop + bend)
-    by_g_b = share_a * (2.0 * aspect * share_a * drop - bend)
+    bend, driven = moved * (t_b - t_a) * inverse, 2.0 * aspect * (p_a - p_b)
+    by_g_a, by_g_b = share_b * (share_b * driven + bend), share_a * (share_a * driven - bend)
     return by_g_a, by_g_b, moved * share_b, moved * share_a, 0.5 * width * upstream * (t_a * share_b + t_b * share_a)
 
 
 @compiled(inline="always")
-def _flow_changes(film, by_film, by_velocity, dvelocity, row, a, b, aspect, width, p_a, p_b, f_a, f_b):
-    """Derivatives of the flow from cell a to cell b: to the film of a and of b, to the sliding velocity of a and of b."""
-    conductivity, transport, speed = film
-    velocity = 0.5 * (speed[a] + speed[b])
-    g_a, g_b, t_a, t_b, v = _flow_slopes(conductivity[a], conductivity[b], transport[a], transport[b], velocity, aspect, width,
-                                         p_a - p_b, f_a if velocity > 0.0 else f_b)
-    (i_a, j_a), (i_b, j_b) = a, b
-    film_a = g_a * by_film[row, i_a, j_a] + t_a * by_film[1, i_a, j_a]
-    film_b = g_b * by_film[row, i_b, j_b] + t_b * by_film[1, i_b, j_b]
-    velocity_a, velocity_b = v * dvelocity[a], v * dvelocity[b]
+def _edge_changes(slopes, by_film, by_velocity, dvelocity, row, i, j):
+    """Derivatives of the flow over an edge to film and sliding velocity of its cell, which stands on both sides of the face."""
+    g_a, g_b, t_a, t_b, v = slopes
+    film = (g_a + g_b) * by_film[row, i, j] + (t_a + t_b) * by_film[1, i, j]
+    velocity = 2.0 * v * dvelocity[i, j]
     if by_velocity.shape[0] > 0:
-        velocity_a += g_a * by_velocity[row, i_a, j_a] + t_a * by_velocity[1, i_a, j_a]
-        velocity_b += g_b * by_velocity[row, i_b, j_b] + t_b * by_velocity[1, i_b, j_b]
-    return film_a, film_b, velocity_a, velocity_b
+        velocity += (g_a + g_b) * by_velocity[row, i, j] + (t_a + t_b) * by_velocity[1, i, j]
+    return film, velocity
+
+
+@compiled
+def _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
+                 edge_fraction, ring, centre):
+    """Add the derivatives of the flows over the edges to the centre of both stencils, shape (2, n_c, n_a)."""
+    (g, t, u), n_c, n_a = film_a, *pressure.shape
+    for i in range(n_c):
+        for edge in range(2):
+            j, sign = (0, -1.0) if edge == 0 else (n_a - 1, 1.0)  # inward flow over the lower edge, outward over the upper one
+            p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[edge], edge_fraction[edge]
+            p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
+            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dx / dy, dx, p_a, p_b, f_a, f_b)
+            film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_a, 3, i, j)
+            centre[0, i, j] += sign * film
+            centre[1, i, j] += sign * velocity
+    g, t, u = film_c
+    for j in range(0 if ring else n_a):
+        for edge in range(2):
+            i, sign = (0, -1.0) if edge == 0 else (n_c - 1, 1.0)
+            p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[2 + edge], edge_fraction[2 + edge]
+            p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
+            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dy / dx, dy, p_a, p_b, f_a, f_b)
+            film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_c, 2, i, j)
+            centre[0, i, j] += sign * film
+            centre[1, i, j] += sign * velocity
 
 
 @compiled
@@ -349,54 +370,42 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
     """
     n_c, n_a = pressure.shape
     stencil = np.zeros((2, 5, n_c, n_a))
-    aspect, last = dx / dy, n_a - 1
+    g, t, u = film_a
     for i in range(n_c):
-        for j in range(1, n_a):
-            a, b = (i, j - 1), (i, j)
-            h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, a, b, aspect, dx,
-                                               pressure[a], pressure[b], fraction[a], fraction[b])
-            stencil[0, 0, i, j - 1] += h_a
-            stencil[0, 2, i, j - 1] += h_b
-            stencil[0, 0, i, j] -= h_b
-            stencil[0, 1, i, j] -= h_a
-            stencil[1, 0, i, j - 1] += v_a
-            stencil[1, 2, i, j - 1] += v_b
-            stencil[1, 0, i, j] -= v_b
-            stencil[1, 1, i, j] -= v_a
-        a, b = (i, 0), (i, last)
-        h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, a, a, 2.0 * aspect, dx,
-                                           edge_pressure[0], pressure[a], edge_fraction[0], fraction[a])
-        stencil[0, 0, i, 0] -= h_a + h_b
-        stencil[1, 0, i, 0] -= v_a + v_b
-        h_a, h_b, v_a, v_b = _flow_changes(film_a, by_film, by_velocity, dvelocity_a, 3, b, b, 2.0 * aspect, dx,
-                                           pressure[b], edge_pressure[1], fraction[b], edge_fraction[1])
-        stencil[0, 0, i, last] += h_a + h_b
-        stencil[1, 0, i, last] += v_a + v_b
-    aspect, last = dy / dx, n_c - 1
-    for i in range(0 if ring else 1, n_c):
-        behind = (i - 1) % n_c
+        for j in range(n_a - 1):
+            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[i, j + 1], t[i, j], t[i, j + 1], u[i, j], u[i, j + 1], dx / dy, dx,
+                                                 pressure[i, j], pressure[i, j + 1], fraction[i, j], fraction[i, j + 1])
+            stencil[0, 1, i, j + 1] = -g_a * by_film[3, i, j] - t_a * by_film[1, i, j]
+            stencil[0, 2, i, j] = g_b * by_film[3, i, j + 1] + t_b * by_film[1, i, j + 1]
+            stencil[1, 1, i, j + 1] = -v * dvelocity_a[i, j]
+            stencil[1, 2, i, j] = v * dvelocity_a[i, j + 1]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 1, i, j + 1] -= g_a * by_velocity[3, i, j] + t_a * by_velocity[1, i, j]
+                stencil[1, 2, i, j] += g_b * by_velocity[3, i, j + 1] + t_b * by_velocity[1, i, j + 1]
+    g, t, u = film_c
+    for i in range(n_c if ring else n_c - 1):
+        after = (i + 1) % n_c
         for j in range(n_a):
-            a, b = (behind, j), (i, j)
-            h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, a, b, aspect, dy,
-                                               pressure[a], pressure[b], fraction[a], fraction[b])
-            stencil[0, 0, behind, j] += h_a
-            stencil[0, 4, behind, j] += h_b
-            stencil[0, 0, i, j] -= h_b
-            stencil[0, 3, i, j] -= h_a
-            stencil[1, 0, behind, j] += v_a
-            stencil[1, 4, behind, j] += v_b
-            stencil[1, 0, i, j] -= v_b
-            stencil[1, 3, i, j] -= v_a
-    for j in range(0 if ring else n_a):
-        a, b = (0, j), (last, j)
-        h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, a, a, 2.0 * aspect, dy,
-                                           edge_pressure[2], pressure[a], edge_fraction[2], fraction[a])
-        stencil[0, 0, 0, j] -= h_a + h_b
-        stencil[1, 0, 0, j] -= v_a + v_b
-        h_a, h_b, v_a, v_b = _flow_changes(film_c, by_film, by_velocity, dvelocity_c, 2, b, b, 2.0 * aspect, dy,
-                                           pressure[b], edge_pressure[3], fraction[b], edge_fraction[3])
-        stencil[0, 0, last, j] += h_a + h_b
-        stencil[1, 0, last, j] += v_a + v_b
+            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[after, j], t[i, j], t[after, j], u[i, j], u[after, j], dy / dx, dy,
+                                                 pressure[i, j], pressure[after, j], fraction[i, j], fraction[after, j])
+            stencil[0, 3, after, j] = -g_a * by_film[2, i, j] - t_a * by_film[1, i, j]
+            stencil[0, 4, i, j] = g_b * by_film[2, after, j] + t_b * by_film[1, after, j]
+            stencil[1, 3, after, j] = -v * dvelocity_c[i, j]
+            stencil[1, 4, i, j] = v * dvelocity_c[after, j]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 3, after, j] -= g_a * by_velocity[2, i, j] + t_a * by_velocity[1, i, j]
+                stencil[1, 4, i, j] += g_b * by_velocity[2, after, j] + t_b * by_velocity[1, after, j]
+    for k in range(2):
+        for i in range(n_c):
+            before, after = (i - 1) % n_c, (i + 1) % n_c
+            for j in range(n_a):  # what a cell loses its neighbours win
+                stencil[k, 0, i, j] -= stencil[k, 3, after, j] + stencil[k, 4, before, j]
+            for j in range(n_a - 1):
+                stencil[k, 0, i, j] -= stencil[k, 1, i, j + 1]
+            for j in range(1, n_a):
+                stencil[k, 0, i, j] -= stencil[k, 2, i, j - 1]
+    _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
+                 edge_fraction, ring, stencil[:, 0])
     for i in range(n_c):
         for j in range(n_a):
             stencil[0, 0, i, j] += area_per_step * fraction[i, j] * by_film[0, i, j]
