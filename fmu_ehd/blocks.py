@@ -146,7 +146,7 @@ def _schur(order, m, centre, back, ahead, west, east, station, before, previous,
         else:
             for r in range(n):
                 s[a, r] = 0.0
-            s[a, c] = u * diagonal[c] * weight[c]
+            s[a, c] = u * diagonal[c] * weight[c] if before >= 0 else 0.0
         lower, upper = (c - 1) % n, (c + 1) % n
         s[a, c] += centre[c, station]
         s[a, upper] += west[upper, station] * scale[upper]
@@ -218,17 +218,12 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
     ascending : bool
         As in `factorise`.
     right : ndarray, shape (m, n_c, n_a)
-        Right-hand sides b.
-
-    Returns
-    -------
-    ndarray, shape (m, n_c, n_a)
+        Right-hand sides b, overwritten by the solutions.
     """
     m, n, stations = right.shape
     x = np.empty((stations, n))
     b = np.empty(n)
     y = np.empty(n)
-    out = np.empty((m, n, stations))
     for q in range(m):
         for k in range(stations):
             j = k if ascending else stations - 1 - k
@@ -247,8 +242,7 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
         for k in range(stations):
             j = k if ascending else stations - 1 - k
             for i in range(n):
-                out[q, i, j] = x[k, i]
-    return out
+                right[q, i, j] = x[k, i]
 
 
 @compiled
@@ -260,43 +254,43 @@ def _multiply_together(columns, diagonal, order, m, b, gathered, out):
             gathered[a, q] = b[order[a], q]
     np.dot(columns[:m].T, gathered[:m], out)
     for a in range(m, n):
+        c = order[a]
         for q in range(directions):
-            out[order[a], q] += diagonal[order[a]] * b[order[a], q]
+            out[c, q] += diagonal[c] * b[c, q]
 
 
 @compiled
-def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right):
-    """As `substitute`, all right-hand sides through a station at once, by matrix products."""
+def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right, work):
+    """As `substitute`, all right-hand sides through a station at once, by matrix products; `work` as large as `right`."""
     m, n, stations = right.shape
-    x = np.empty((stations, n, m))
+    x = work.reshape((stations, n, m))
     b, y, gathered = np.empty((n, m)), np.empty((n, m)), np.empty((n, m))
+    for i in range(n):
+        for q in range(m):
+            for k in range(stations):
+                x[k, i, q] = right[q, i, k if ascending else stations - 1 - k]
     for k in range(stations):
         j = k if ascending else stations - 1 - k
         for i in range(n):
             for q in range(m):
-                b[i, q] = right[q, i, j]
+                b[i, q] = x[k, i, q]
             if k > 0:
-                coupling = back[i, j]
                 for q in range(m):
-                    b[i, q] -= coupling * x[k - 1, i, q]
+                    b[i, q] -= back[i, j] * x[k - 1, i, q]
         _multiply_together(columns[k], diagonals[k], orders[k], counts[k], b, gathered, x[k])
     for k in range(stations - 2, -1, -1):
         j = k if ascending else stations - 1 - k
         for i in range(n):
-            coupling = ahead[i, j]
             for q in range(m):
-                b[i, q] = coupling * x[k + 1, i, q]
+                b[i, q] = ahead[i, j] * x[k + 1, i, q]
         _multiply_together(columns[k], diagonals[k], orders[k], counts[k], b, gathered, y)
         for i in range(n):
             for q in range(m):
                 x[k, i, q] -= y[i, q]
-    out = np.empty((m, n, stations))
-    for k in range(stations):
-        j = k if ascending else stations - 1 - k
-        for i in range(n):
-            for q in range(m):
-                out[q, i, j] = x[k, i, q]
-    return out
+    for i in range(n):
+        for q in range(m):
+            for k in range(stations):
+                right[q, i, k if ascending else stations - 1 - k] = x[k, i, q]
 
 
 class BlockTridiagonal:
@@ -314,6 +308,7 @@ class BlockTridiagonal:
                          np.zeros((stations, across), np.int64), np.zeros(stations, np.int64))
         self._couplings = None
         self._ascending = None
+        self._work = np.empty(0)
 
     def factorise(self, stencil, stations=None):
         """Factorise, as far as needed.
@@ -335,6 +330,11 @@ class BlockTridiagonal:
         self._couplings, self._ascending = (back, ahead), ascending
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
-        method = substitute if right.shape[0] < TOGETHER else substitute_together
-        return method(*self._factors, *self._couplings, self._ascending, right)
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
+        if right.shape[0] < TOGETHER:
+            substitute(*self._factors, *self._couplings, self._ascending, right)
+        else:
+            if self._work.size < right.size:  # kept: memory that is returned and asked for again costs more than the solution
+                self._work = np.empty(right.size)
+            substitute_together(*self._factors, *self._couplings, self._ascending, right, self._work[:right.size])
+        return right

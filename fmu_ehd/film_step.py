@@ -74,6 +74,7 @@ class FilmStep:
         self.solver = solver or linear_solver(grid.shape)
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
+        self._right = np.empty(0)
 
     def solve(self, film, velocity_c, velocity_a, edges, content, full, step, softness=None):
         """Solve Eqs. (E1)-(E5) for one step.
@@ -199,5 +200,10 @@ class FilmStep:
         Returns
         -------
         ndarray, shape (m, n_c, n_a)
+            Overwritten by the next call.
         """
-        return self.solver.solve(reynolds.apply_stencils(self._stencil, dfilm, dvelocity))  # Eq. (E6)
+        if self._right.size < dfilm.size:  # kept, as in `blocks`
+            self._right = np.empty(dfilm.size)
+        right = self._right[:dfilm.size].reshape(dfilm.shape)
+        reynolds.apply_stencils(self._stencil, dfilm, dvelocity, right)
+        return self.solver.solve(right)  # Eq. (E6)

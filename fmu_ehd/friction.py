@@ -120,7 +120,8 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
 
 
 @compiled
-def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown):
+def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown,
+                  normal, shear):
     """Changes of both nodal forces.
 
     Parameters
@@ -137,14 +138,11 @@ def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, 
         Derivatives of pressure and film fraction to the signed unknown.
     dfilm, dvelocity, dunknown : ndarray, shape (m, n_c, n_a)
         [m], [m/s], [Pa] or [-].
-
-    Returns
-    -------
-    dnormal, dshear : ndarray, shape (m, n_c, n_a)
-        [N].
+    normal, shear : ndarray, shape (m, n_c, n_a)
+        Overwritten: changes of pressure and friction force [N].
     """
     m, n_c, n_a = dfilm.shape
-    normal, shear, p = np.empty((m, n_c, n_a)), np.empty((m, n_c, n_a)), np.empty(n_a)
+    p = np.empty(n_a)
     half, last = 0.5 / dy, n_a - 1
     for i in range(n_c):  # what stands before the changes of a row stays in the cache for all directions
         for q in range(m):
@@ -160,4 +158,3 @@ def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, 
             if n_a > 1:
                 shear[q, i, 0] += slopes[3, i, 0] * half * (p[0] + p[1])
                 shear[q, i, last] -= slopes[3, i, last] * half * (p[last] + p[last - 1])
-    return normal, shear

@@ -13,7 +13,7 @@ from .roughness import factor_table
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
-BATCH = 64  # directions at once: bounds the memory of a large Jacobian
+BATCH = 16  # directions at once: what the cache holds of a 40 x 40 film
 
 
 @dataclass(frozen=True)
@@ -184,19 +184,22 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        forces = [self._force_changes(dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH)]
-        joined = forces[0] if len(forces) == 1 else [np.concatenate(parts) for parts in zip(*forces)]
-        return tuple(force.reshape(np.shape(dfilm_thickness)) for force in joined)
+        normal, shear = np.empty((2, *dfilm.shape))  # one piece: of two, malloc returns the memory and asks for it again each time
+        for k in range(0, len(dfilm), BATCH):
+            some = slice(k, k + BATCH)
+            self._force_changes(dfilm[some], dvelocity[some], normal[some], shear[some])
+        return normal.reshape(np.shape(dfilm_thickness)), shear.reshape(np.shape(dfilm_thickness))
 
-    def _force_changes(self, dfilm, dvelocity):
+    def _force_changes(self, dfilm, dvelocity, normal, shear):
         """`tangent` for stacked directions; a coating yields to the change of pressure, Eq. (L3)."""
         if not self._compliance:
-            return friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity))
+            friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity), normal, shear)
+            return
         yielding = 1.0 / (1.0 - self._compliance * self._last[1][1])
         dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
         to_pressure = self._linear[5]
         dfilm = yielding * (dfilm + self._compliance * to_pressure * dunknown)
-        return friction.force_changes(*self._linear, dfilm, dvelocity, dunknown)
+        friction.force_changes(*self._linear, dfilm, dvelocity, dunknown, normal, shear)
 
     def _linearise(self):
         """Derivatives of the forces of the last step that every direction shares."""

@@ -415,7 +415,7 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
 
 
 @compiled
-def apply_stencils(stencil, dfilm, dvelocity):
+def apply_stencils(stencil, dfilm, dvelocity, out):
     """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
 
     Parameters
@@ -424,26 +424,23 @@ def apply_stencils(stencil, dfilm, dvelocity):
         From `linearise`.
     dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
         [m], [m/s].
-
-    Returns
-    -------
-    ndarray, shape (m, n_c, n_a)
-        [m3/s].
+    out : ndarray, shape (m, n_c, n_a)
+        Overwritten [m3/s].
     """
     m, n_c, n_a = dfilm.shape
-    out = np.empty((m, n_c, n_a))
-    for i in range(n_c):  # the stencil of a row stays in the cache for all directions
-        before, behind = (i - 1) % n_c, (i + 1) % n_c
-        for q in range(m):
+    row = np.empty(n_a)
+    for q in range(m):
+        for i in range(n_c):
+            before, after = (i - 1) % n_c, (i + 1) % n_c
             for j in range(n_a):
-                out[q, i, j] = 0.0
-            for k in range(2):
-                x = dfilm if k == 0 else dvelocity
-                for j in range(n_a):
-                    out[q, i, j] -= (stencil[k, 0, i, j] * x[q, i, j] + stencil[k, 3, i, j] * x[q, before, j]
-                                     + stencil[k, 4, i, j] * x[q, behind, j])
-                for j in range(1, n_a):
-                    out[q, i, j] -= stencil[k, 1, i, j] * x[q, i, j - 1]
-                for j in range(n_a - 1):
-                    out[q, i, j] -= stencil[k, 2, i, j] * x[q, i, j + 1]
-    return out
+                row[j] = (stencil[0, 0, i, j] * dfilm[q, i, j] + stencil[0, 3, i, j] * dfilm[q, before, j]
+                          + stencil[0, 4, i, j] * dfilm[q, after, j])
+            for j in range(n_a):
+                row[j] += (stencil[1, 0, i, j] * dvelocity[q, i, j] + stencil[1, 3, i, j] * dvelocity[q, before, j]
+                           + stencil[1, 4, i, j] * dvelocity[q, after, j])
+            for j in range(1, n_a):
+                row[j] += stencil[0, 1, i, j] * dfilm[q, i, j - 1] + stencil[1, 1, i, j] * dvelocity[q, i, j - 1]
+            for j in range(n_a - 1):
+                row[j] += stencil[0, 2, i, j] * dfilm[q, i, j + 1] + stencil[1, 2, i, j] * dvelocity[q, i, j + 1]
+            for j in range(n_a):
+                out[q, i, j] = -row[j]
