@@ -246,47 +246,43 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
 
 
 @compiled
-def _multiply_together(columns, diagonal, order, m, b, gathered, out):
-    """out = S_j^-1 b for all columns of b, shape (n_c, number of right-hand sides)."""
-    n, directions = b.shape
-    for a in range(m):
-        for q in range(directions):
-            gathered[a, q] = b[order[a], q]
-    np.dot(columns[:m].T, gathered[:m], out)
-    for a in range(m, n):
-        c = order[a]
-        for q in range(directions):
-            out[c, q] += diagonal[c] * b[c, q]
-
-
-@compiled
 def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right, work):
     """As `substitute`, all right-hand sides through a station at once, by matrix products; `work` as large as `right`."""
     m, n, stations = right.shape
     x = work.reshape((stations, n, m))
-    b, y, gathered = np.empty((n, m)), np.empty((n, m)), np.empty((n, m))
+    b, y = np.empty((n, m)), np.empty((n, m))
     for i in range(n):
         for q in range(m):
             for k in range(stations):
                 x[k, i, q] = right[q, i, k if ascending else stations - 1 - k]
     for k in range(stations):
         j = k if ascending else stations - 1 - k
-        for i in range(n):
+        for a in range(n):
+            c = orders[k, a]
             for q in range(m):
-                b[i, q] = x[k, i, q]
+                b[a, q] = x[k, c, q]
             if k > 0:
                 for q in range(m):
-                    b[i, q] -= back[i, j] * x[k - 1, i, q]
-        _multiply_together(columns[k], diagonals[k], orders[k], counts[k], b, gathered, x[k])
+                    b[a, q] -= back[c, j] * x[k - 1, c, q]
+        np.dot(columns[k, :counts[k]].T, b[:counts[k]], x[k])
+        for a in range(counts[k], n):
+            c = orders[k, a]
+            for q in range(m):
+                x[k, c, q] += diagonals[k, c] * b[a, q]
     for k in range(stations - 2, -1, -1):
         j = k if ascending else stations - 1 - k
-        for i in range(n):
+        for a in range(n):
+            c = orders[k, a]
             for q in range(m):
-                b[i, q] = ahead[i, j] * x[k + 1, i, q]
-        _multiply_together(columns[k], diagonals[k], orders[k], counts[k], b, gathered, y)
+                b[a, q] = ahead[c, j] * x[k + 1, c, q]
+        np.dot(columns[k, :counts[k]].T, b[:counts[k]], y)
         for i in range(n):
             for q in range(m):
                 x[k, i, q] -= y[i, q]
+        for a in range(counts[k], n):
+            c = orders[k, a]
+            for q in range(m):
+                x[k, c, q] -= diagonals[k, c] * b[a, q]
     for i in range(n):
         for q in range(m):
             for k in range(stations):

@@ -13,7 +13,7 @@ from .roughness import factor_table
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
-BATCH = 16  # directions at once: what the cache holds of a 40 x 40 film
+BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
 
 @dataclass(frozen=True)
