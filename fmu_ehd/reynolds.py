@@ -369,7 +369,10 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
         To film and to velocity; centre, south, north, west, east as in `assemble`.
     """
     n_c, n_a = pressure.shape
-    stencil = np.zeros((2, 5, n_c, n_a))
+    stencil = np.empty((2, 5, n_c, n_a))
+    stencil[:, 1, :, 0] = stencil[:, 2, :, n_a - 1] = 0.0  # no neighbour beyond an edge
+    if not ring:
+        stencil[:, 3, 0] = stencil[:, 4, n_c - 1] = 0.0
     g, t, u = film_a
     for i in range(n_c):
         for j in range(n_a - 1):
@@ -399,7 +402,7 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
         for i in range(n_c):
             before, after = (i - 1) % n_c, (i + 1) % n_c
             for j in range(n_a):  # what a cell loses its neighbours win
-                stencil[k, 0, i, j] -= stencil[k, 3, after, j] + stencil[k, 4, before, j]
+                stencil[k, 0, i, j] = -(stencil[k, 3, after, j] + stencil[k, 4, before, j])
             for j in range(n_a - 1):
                 stencil[k, 0, i, j] -= stencil[k, 1, i, j + 1]
             for j in range(1, n_a):
