@@ -14,8 +14,8 @@ class Elastic:
     ----------
     K : scipy.sparse matrix, shape (3 n, 3 n)
         Stiffness [N/m].
-    M : scipy.sparse matrix, shape (n, n)
-        Consistent mass of one displacement component [kg].
+    M : scipy.sparse matrix, shape (3 n, 3 n)
+        Mass [kg].
     fixed_nodes : ndarray of int
         Nodes that do not move; none for a body on springs.
 
@@ -30,8 +30,8 @@ class Elastic:
         held[fixed_nodes] = True
         self.free = np.flatnonzero(np.repeat(~held, 3))
         self.size = K.shape[0]
-        self.K = K[self.free][:, self.free].tocsc()
-        self.M = full_mass(M)[self.free][:, self.free].tocsc()
+        self.K = K.tocsr()[self.free][:, self.free].tocsc()
+        self.M = M.tocsr()[self.free][:, self.free].tocsc()
         self._lu = factorise(self.K)
 
     def solve(self, load):
@@ -63,7 +63,7 @@ class MeanElastic(Elastic):
 
     def __init__(self, K, M, conditions, rigid):
         self.free, self.size = np.arange(K.shape[0]), K.shape[0]
-        self.K, self.M = K.tocsc(), full_mass(M)
+        self.K, self.M = K.tocsc(), M.tocsc()
         # six well-placed degrees of freedom make K regular; what they carry is cancelled by the small system
         touched = np.flatnonzero(conditions.any(axis=0))
         support = touched[la.qr(rigid[touched].T, mode="r", pivoting=True)[1][:6]]
@@ -103,11 +103,6 @@ def factorise(K):
                          "(fewer than three held nodes, or all "
                          "in one line), has a loose piece or an inverted element")
     return lu
-
-
-def full_mass(M):
-    """Mass of one component -> of all three, degrees of freedom node by node."""
-    return sp.kron(M, sp.identity(3), format="csc")
 
 
 def rigid_motions(points):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .finite_element import EDGES, jacobians, quadrature, shape_functions
+from .finite_element import EDGES, NODES, jacobian_determinants, quadrature
 
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 
@@ -176,8 +176,7 @@ def mesh_faults(mesh, where):
     if not 5e-3 < size < 5.0:
         faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say "
                       f"what a length of 1 in the file means (e.g. '1 mm')")
-    at = np.vstack([quadrature(3)[0], [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]])
-    least = jacobians(mesh.points, mesh.tets, shape_functions(at)[1])[1].min(axis=1)
+    least = jacobian_determinants(mesh.points, mesh.tets, np.vstack([quadrature(3)[0], NODES[:4]])).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
         centre = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)

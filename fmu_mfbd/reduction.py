@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from .bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, expected_pressure, full_mass,
-                    mean_conditions,
-                    orthonormal_modes, pressure_modes, rigid_motions)
-from .finite_element import consistent_mass, face_load, stiffness, surface_matrix
+from .bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, expected_pressure,
+                    mean_conditions, orthonormal_modes, pressure_modes, rigid_motions)
+from .faces import face_load, surface_matrix
+from .finite_element import consistent_mass, each_direction, stiffness
 from .mesh import read_mesh
 from .surface import cell_centres, interpolation, radial_and_axial
 from .symmetry import symmetric_modes
 
-VERSION = 7       # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 8       # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])     # e_z x
 P = np.diag([1.0, 1.0, 0.0])                                           # projection onto the plane of motion
 
@@ -27,8 +27,8 @@ def floating_frame_integrals(M, position, modes):
 
     Parameters
     ----------
-    M : scipy.sparse matrix, shape (n, n)
-        Consistent mass of one displacement component [kg].
+    M : scipy.sparse matrix, shape (3 n, 3 n)
+        Mass [kg].
     position : ndarray, shape (n, 3)
         Nodes in the body frame, origin at A [m].
     modes : ndarray, shape (n, 3, k)
@@ -44,18 +44,14 @@ def floating_frame_integrals(M, position, modes):
     [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in tests/mfbd/test_floating_frame.py.
     """
     flat = modes.reshape(3 * len(position), modes.shape[2])
-
-    def weigh(field):
-        """Apply the full mass matrix to nodal vectors (n, 3, ...)."""
-        return (M @ field.reshape(len(position), field[0].size)).reshape(field.shape)
-
-    turned = np.einsum("ab,nbk->nak", Z, modes)
-    planar = np.einsum("ab,nbk->nak", P, modes)
+    unit = np.tile(np.eye(3)[:, :2], (len(position), 1))
+    turned = np.einsum("ab,nbk->nak", Z, modes).reshape(flat.shape)
+    planar = np.einsum("ab,nbk->nak", P, modes).reshape(flat.shape)
+    arm, turn = (position @ P).ravel(), (position @ Z.T).ravel()
+    heavy, modal = M @ unit, flat.T @ M
     # Eq. (I1)
-    return {"mass": float(M.sum()), "S": weigh(position).sum(axis=0)[:2], "I0": float(np.sum(weigh(position @ P) * position)),
-            "T": weigh(modes).sum(axis=0)[:2], "b": flat.T @ weigh(position @ P).ravel(),
-            "g": flat.T @ weigh(position @ Z.T).ravel(),
-            "B": flat.T @ weigh(planar).reshape(flat.shape), "G": flat.T @ weigh(turned).reshape(flat.shape)}
+    return {"mass": float(unit[:, 0] @ heavy[:, 0]), "S": heavy.T @ position.ravel(), "I0": float(arm @ (M @ arm)),
+            "T": heavy.T @ flat, "b": modal @ arm, "g": modal @ turn, "B": modal @ planar, "G": modal @ turned}
 
 
 def reduce_piston(options, grid, progress=print):
@@ -87,7 +83,7 @@ def reduce_piston(options, grid, progress=print):
     gas = face_load(mesh.points, mesh.faces["crown"])
     gas /= -gas[:, 1].sum()                                             # unit resultant along -y
     inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
-    loads = np.column_stack([gas.ravel()] + [(M @ field).ravel() for field in inertia])
+    loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     modes, omega, kind = _modes(mesh, M, options, "pin_bore", "skirt", radial, expected_pressure(angle, grid[1]), loads, progress)
     return floating_frame_integrals(M, position, modes.reshape(len(position), 3, len(omega))) | {
         "omega": omega, "kind": kind, "gas_force": modes.T @ gas.ravel(), "radial": radial @ modes, "axial": axial @ modes,
@@ -125,7 +121,7 @@ def reduce_block(options, grid, progress=print):
                                 np.empty((3 * len(mesh.points), 0)), progress)
     table = (grid[0], len(heights), len(omega))
     return {"omega": omega, "kind": kind, "radial": (radial @ modes).reshape(table), "axial": (axial @ modes).reshape(table),
-            "heights": heights, "radius": radius, "mass": float(M.sum()), "angles": grid[0], "points": mesh.points,
+            "heights": heights, "radius": radius, "mass": float(M.sum()) / 3, "angles": grid[0], "points": mesh.points,
             "tets": mesh.tets,
             "shapes": modes.reshape(len(mesh.points), 3, len(omega))}
 
@@ -174,7 +170,7 @@ def _held(mesh, K, M, surface, options):
     area = surface_matrix(mesh.points, mesh.faces[surface])
     if tie == "springs":
         spread = area * (options["spring_stiffness"] / area.sum())
-        return Elastic(K + full_mass(spread), M, np.empty(0, dtype=int))
+        return Elastic(K + each_direction(spread), M, np.empty(0, dtype=int))
     share = np.asarray(area.sum(axis=1)).ravel()
     bosses = [share * (mesh.points[:, 2] > 0), share * (mesh.points[:, 2] < 0)] if tie == "rbe3_per_boss" else [share]
     return MeanElastic(K, M, mean_conditions(mesh.points, bosses), rigid_motions(mesh.points))

@@ -3,7 +3,7 @@
 import numpy as np
 import scipy.sparse as sp
 
-from .finite_element import triangle_functions
+from .faces import triangle_functions
 
 
 def cell_centres(n_circumferential, n_axial, low, high):
@@ -16,7 +16,7 @@ def cell_centres(n_circumferential, n_axial, low, high):
 def interpolation(points, triangles, angle, height, radius):
     """Matrix that takes nodal values of a cylinder's faces to the grid points (angle_i, height_j), j fastest.
 
-    Eq. (S1):  value(theta, y) = sum_k N_k(s, t) value_k     6-node triangle that covers (theta, y) on the developed surface
+    Eq. (S1):  value(theta, y) = sum_k N_k(s, t) value_k     triangle that covers (theta, y) on the developed surface
 
     A grid point with no surface under it (the pin holes) takes the value of the nearest surface point.
 
@@ -24,7 +24,7 @@ def interpolation(points, triangles, angle, height, radius):
     ----------
     points : ndarray, shape (n, 3)
         Nodes [m]; the cylinder's axis is y through the origin.
-    triangles : ndarray of int, shape (t, 6)
+    triangles : ndarray of int, shape (t, 3 or 6)
     angle, height : ndarray
         Grid lines [rad], [m].
     radius : float
@@ -41,13 +41,13 @@ def interpolation(points, triangles, angle, height, radius):
     first = turn[:, :1]
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi        # one triangle never straddles the cut
     rows, columns, values = [], [], []
-    for k, chunk in enumerate(np.array_split(np.arange(len(theta)), max(1, len(theta) // 400))):
+    for chunk in np.array_split(np.arange(len(theta)), max(1, len(theta) // 400)):
         centre = turn.mean(axis=1)
         shift = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
         best, s, t = _nearest(np.stack([radius * turn, corner[:, :, 1]], axis=-1), radius * shift, y[chunk])
-        rows.append(np.repeat(chunk, 6))
+        rows.append(np.repeat(chunk, triangles.shape[1]))
         columns.append(triangles[best].ravel())
-        values.append(triangle_functions(s, t)[0].ravel())                      # Eq. (S1)
+        values.append(triangle_functions(s, t, triangles.shape[1])[0].ravel())                      # Eq. (S1)
     shape = (len(theta), len(points))
     return sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
