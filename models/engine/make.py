@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from master.case import check_case, find_case, read_tree
-from master.cli import parse_change
+from master.commands.common import parse_change
 from master.export import export_fmu
 from master.fmi.builder import build_fmu_of_file
 from master.ssp import export_ssp

@@ -3,7 +3,7 @@
 import pytest
 
 from master.case import check_case, read_tree, times
-from master.cli import parse_change, parse_grid, variant_trees
+from master.commands.common import parse_change, parse_grid, variant_trees
 from master.fmi.errors import BadInput
 from master.fmi.quantities import to_si
 

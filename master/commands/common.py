@@ -1,0 +1,76 @@
+"""What several commands do: read --set and --grid, resolve variants, open results, speak."""
+
+import tomllib
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from ..case import check_case, read_tree
+from ..fmi.errors import BadInput
+
+console = Console()
+
+Changes = Annotated[list[str], Parameter(name="--set", negative=())]
+"""KEY=VALUE pairs; several allowed."""
+
+
+def say(text):
+    """Tell what is being done."""
+    console.print(f"[dim]{text}[/]", soft_wrap=True)
+
+
+def parse_change(text):
+    """(dotted key, value) of KEY=VALUE; the value is TOML where it reads as TOML, else text."""
+    key, sign, value = text.partition("=")
+    if not sign or not key:
+        raise BadInput(f"--set {text!r}: write KEY=VALUE")
+    try:
+        return key.strip(), tomllib.loads(f"v = {value}")["v"]
+    except tomllib.TOMLDecodeError:
+        return key.strip(), value.strip().strip("\"'")
+
+
+def parse_grid(text):
+    """[circumferential, axial] cells from "40x40"."""
+    try:
+        sizes = [int(part) for part in text.split("x")]
+    except ValueError:
+        sizes = []
+    if len(sizes) != 2:
+        raise BadInput(f"--grid {text!r}: write CIRCUMFERENTIALxAXIAL cells, e.g. 40x40")
+    return sizes
+
+
+def variant_trees(path, changes, only):
+    """Resolved TOML tree of each run: the case itself under its label, then its variants."""
+    tree = read_tree(path, changes)
+    variants = {tree.get("label", "base"): {}} | tree.get("variants", {})
+    if only and only not in variants:
+        raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
+    chosen = {label: changed for label, changed in variants.items() if only in (None, label)}
+    return {label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()}
+
+
+def open_runs(files):
+    """Case of the first results file, and label -> Results of all; files of equal names are told apart by their folders."""
+    from ..recorder import Results
+
+    missing = [f"{file}: no such file" for file in files if not file.is_file()]
+    if missing or not files:
+        raise BadInput(missing or "give one or more results files")
+    labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
+    try:
+        runs = {label: Results(file) for label, file in zip(labels, files)}
+        tree = next(iter(runs.values())).case
+    except (OSError, KeyError) as error:
+        raise BadInput(f"{', '.join(map(str, files))}: not all are results of a run: {error}") from None
+    return check_case(tree, files[0]), runs
+
+
+def draw_pictures(case, runs, folder):
+    """Draw a case's pictures of its runs (label -> Results) and say where they are."""
+    from ..pictures import draw
+
+    for picture in draw(case, runs, folder):
+        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

@@ -1,0 +1,17 @@
+"""`piston-cosim list`."""
+
+import tomllib
+
+from rich.table import Table
+
+from ..case import case_names, find_case
+from .common import console
+
+
+def command():
+    """List the cases that come with the tool."""
+    table = Table("case", "title", "variants", box=None)
+    for name in case_names():
+        tree = tomllib.loads(find_case(name).read_text())
+        table.add_row(name, tree.get("title", ""), ", ".join(tree.get("variants", {})))
+    console.print(table)

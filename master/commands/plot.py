@@ -1,0 +1,13 @@
+"""`piston-cosim plot`."""
+
+from pathlib import Path
+
+from .common import draw_pictures, open_runs
+
+
+def command(*files: Path, output: Path = Path("pictures")):
+    """Draw the pictures of one or several results files, side by side, as the first one's case describes them.
+
+    Example: piston-cosim plot results/numerical_example/base.h5 results/numerical_example/rigid.h5
+    """
+    draw_pictures(*open_runs(files), output)

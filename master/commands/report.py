@@ -1,0 +1,25 @@
+"""`piston-cosim report`."""
+
+from pathlib import Path
+
+from ..html_report import write_report
+from .common import console, open_runs
+
+
+def command(*files: Path, output: Path = Path("report"), notes: Path | None = None):
+    """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
+
+    Example: piston-cosim report results/fired_motorcycle/flexible.h5 results/fired_motorcycle/rigid.h5 --output report
+
+    Parameters
+    ----------
+    files
+        Results files; the first one's case says what is shown.
+    output
+        Folder for report.html and the figures.
+    notes
+        Text file shown on the page, for example the case's README with the sources of its numbers.
+    """
+    case, runs = open_runs(files)
+    page = write_report(case, runs, output, notes.read_text() if notes else "")
+    console.print(f"report   {page}", highlight=False, soft_wrap=True)

@@ -1,0 +1,28 @@
+"""`piston-cosim resume`."""
+
+from pathlib import Path
+
+from ..case import check_case
+from ..checkpoint import Checkpoint
+from ..fmi.errors import BadInput
+from ..report import print_summary, watching
+from ..run import run as run_system
+from ..system import open_system
+from .common import console, say
+
+
+def command(checkpoint: Path):
+    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had happened.
+
+    Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
+    """
+    if not checkpoint.name.endswith(".h5.checkpoint"):
+        raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
+    found = Checkpoint.read(checkpoint)
+    output = checkpoint.with_suffix("")
+    case = check_case(found.tree, checkpoint)
+    system = open_system(case, Path(found.folder), say)
+    with watching(console, output.stem) as watch:
+        summary = run_system(system, case, found.tree, output, watch, found)
+    print_summary(console, {output.stem: summary})
+    console.print(f"results  {output}", highlight=False, soft_wrap=True)
