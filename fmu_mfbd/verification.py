@@ -15,10 +15,12 @@ from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
 from .generalised_alpha import coefficients, predict
 from .mesh import read_mesh, second_order
 from .model import Inputs
+from .options import read_options
 from .piston_motion import Load, imbalance
 from .reduction import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
 from .slider_crank import Mechanism, height, motion
-from .surface import cell_centres, interpolation, radial_and_axial
+from .interpolation import interpolation, radial_and_axial
+from .surface import cell_centres
 from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
@@ -323,13 +325,9 @@ def load_checks(body, mesh, read, shapes, extra):
 def step_checks():
     """The shipped bodies with 60 modes each on the crank: derivative of the step, work on both sides, redone steps."""
     with TemporaryDirectory() as folder:
-        options = {"mesh_unit": 1.0, "axes": ("x", "y", "z"), "origin": (0.0, 0.0, 0.0), "surfaces": {}, "poisson": 0.33,
-                   "tie": "rbe2",
-                   "basis": "pressure_modes", "modes": 60, "modes_off": [], "skirt_lower": None, "skirt_upper": None,
-                   "pin_offset": 0.0, "bore_lower": None,
-                   "bore_upper": None, "stations": 64, "profiles": [], "orders": []}
-        table = {"grid": (40, 40), "gas": None} | {name: options | {k: kind[k] for k in ("density", "young")} | {
-            "mesh": str(files("models") / "numerical_example" / f"{name}.msh.gz")} for name, kind in BODIES.items()}
+        table = read_options({name: {
+            "mesh": f"{name}.msh.gz", "density": f"{kind['density']} kg/m^3", "young": f"{kind['young']} Pa", "poisson": 0.33}
+            for name, kind in BODIES.items()}, files("models") / "numerical_example")
         reduced = (np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
                    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)))
         model = assemble(*(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()})
