@@ -15,7 +15,8 @@ class StepFailed(RuntimeError):
 
 @dataclass
 class Counters:
-    """What the run has cost. NRES and NJAC count sweeps and linearisations as an implicit integrator counts them."""
+    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and linearisations, as an implicit
+    integrator counts them."""
 
     steps: int = 0
     halved_steps: int = 0
@@ -27,7 +28,7 @@ class Counters:
     def accept(self, solution):
         self.steps += 1
         self.iterations.append(solution.iterations)
-        self.residual_evaluations += solution.iterations
+        self.residual_evaluations += solution.iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
 
@@ -68,11 +69,14 @@ class Stepper:
         Told of every accepted step, halves included, while the participants stand at its end.
     order : int
         Of the predictor.
+    attempted : callable(time, step, trail, failure)
+        Told of every attempt before it is accepted or halved: the wires' measures by sweep, and why it failed or None.
     """
 
-    def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2):
+    def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2,
+                 attempted=lambda time, step, trail, failure: None):
         self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections)
-        self.method, self.halvings, self.accepted = method, halvings, accepted
+        self.method, self.halvings, self.accepted, self.attempted = method, halvings, accepted, attempted
         self.counters, self.failures, self.memory = Counters(), [], method.memory()
         self.predictor = Predictor(order)
         self.predictor.keep(0.0, self.interface.read())
@@ -86,11 +90,13 @@ class Stepper:
         halvings = self.halvings if halvings is None else halvings
         participants = self.interface.participants
         saved = {name: p.save() for name, p in participants.items()}
+        self.interface.trail.clear()
         try:
             solution = self._converge(time, step, saved)
         except (NotConverged, Discard) as failure:
+            self.attempted(time, step, self.interface.trail, failure)
             self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {failure}")
-            self.counters.residual_evaluations += getattr(failure, "iterations", 0)
+            self.counters.residual_evaluations += len(self.interface.trail)
             for name, p in participants.items():
                 p.restore(saved[name])
             self.predictor.clear()
@@ -101,6 +107,7 @@ class Stepper:
             self.advance(time, step / 2, halvings - 1)
             self.advance(time + step / 2, step / 2, halvings - 1)
         else:
+            self.attempted(time, step, self.interface.trail, None)
             self.counters.accept(solution)
             self.predictor.keep(time + step, solution.x)
             self.accepted(time + step, solution)

@@ -61,3 +61,5 @@ def start(system):
                if c.target[0] == name and c.source[0] in started}
         participant.start(system.parameters[name] | fed, 0.0, system.stop)
         started[name] = participant
+    for c in system.connections:        # where inputs are interpolated the first step begins with what its sources say
+        started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
