@@ -62,4 +62,4 @@ def main(cells):
 
 
 if __name__ == "__main__":
-    main(tuple(map(int, sys.argv[1:4])) or (96, 10, 42))
+    main(tuple(map(int, sys.argv[1:4])) or (120, 6, 54))
