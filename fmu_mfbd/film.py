@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import compiled
-from .modal_field import ModalField, modal_field, read, spread
+from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
 class Skirt(NamedTuple):
@@ -195,14 +195,13 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
         [m]
     """
     outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
-    return _opening(skirt, lateral, angle, piston, outer)
+    return _opening(skirt, lateral, angle, read(skirt.radial, 0, skirt.gap.shape[1], piston), outer)
 
 
 @compiled()
-def _opening(skirt, lateral, angle, piston, outer):
-    """Eq. (H1) without the gap, the bore's displacement given on the rows, (a, c)."""
+def _opening(skirt, lateral, angle, inner, outer):
+    """Eq. (H1) without the gap, the displacements of skirt and bore given on the rows, (a, c)."""
     c, a = skirt.gap.shape
-    inner = read(skirt.radial, 0, a, piston)
     out = np.empty((c, a))
     for i in range(c):
         sine = np.sin(skirt.angle[i])
@@ -312,13 +311,14 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     pressure_force, friction_force = forces
     n = 2 + len(skirt.radial.kind)
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
-    opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
-    surface = read(bore.radial, window.first, window.knots, place[n:])
+    inner, inner_rate = read_both(skirt.radial, 0, skirt.gap.shape[1], place[2:n], rate[2:n])
+    surface, surface_rate = read_both(bore.radial, window.first, window.knots, place[n:], rate[n:])
+    opening_rate = _opening(skirt, rate[0], rate[1], inner_rate, on_rows(window, window.value, surface_rate))
     if len(bore.shape):
         for k in range(window.knots):
             for i in range(surface.shape[1]):
                 surface[k, i] += bore.shape[window.first + k, i]
-    thickness = _opening(skirt, place[0], place[1], place[2:n], on_rows(window, window.value, surface))
+    thickness = _opening(skirt, place[0], place[1], inner, on_rows(window, window.value, surface))
     slope = on_rows(window, window.slope, surface)              # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
     for i in range(thickness.shape[0]):

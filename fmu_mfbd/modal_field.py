@@ -70,12 +70,33 @@ def read(field, first, rows, coordinates):
     ndarray, shape (rows, angles)
         [m]
     """
-    part, start, count = field.part, first * field.part, rows * field.part
+    start, count = first * field.part, rows * field.part
     sums = np.zeros((field.classes, count))
     for k in range(len(coordinates)):
         q, line, row = coordinates[k], sums[field.kind[k]], field.table[k, start:start + count]
         for p in range(count):
             line[p] += q * row[p]                                                                               # Eq. (H4)
+    return _unfold(field, sums, rows)
+
+
+@compiled_sums()
+def read_both(field, first, rows, place, rate):
+    """Displacement and its rate in one pass over the table, which is what a reading costs; both as `read` gives them."""
+    start, count = first * field.part, rows * field.part
+    sums, rates = np.zeros((field.classes, count)), np.zeros((field.classes, count))
+    for k in range(len(place)):
+        q, dq, row = place[k], rate[k], field.table[k, start:start + count]
+        line, line_rate = sums[field.kind[k]], rates[field.kind[k]]
+        for p in range(count):
+            line[p] += q * row[p]                                                                               # Eq. (H4)
+            line_rate[p] += dq * row[p]
+    return _unfold(field, sums, rows), _unfold(field, rates, rows)
+
+
+@compiled_sums()
+def _unfold(field, sums, rows):
+    """All angles (rows, angles) from the sums of each symmetry class."""
+    part = field.part
     if field.classes == 1:
         return sums.reshape(rows, part)
     out = np.empty((rows, 4 * part))

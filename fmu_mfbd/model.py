@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .generalised_alpha import coefficients, predict
-from .instant import balance, response
-from .piston_motion import imbalance, tangent
-from .slider_crank import motion
+from .instant import balance, linearise, response
+from .piston_motion import imbalance
 from .tables import gas_pressure
 
 
@@ -159,7 +158,7 @@ class PistonInBore:
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
         state = State(*crank, now.place, now.rate, now.acceleration, auxiliary + weight * now.acceleration)
-        self._last, self._inverse = (c, now.load, state, crank, now.window), None
+        self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)
         if self.crank.free:
             outputs["crank_torque"], freed = self._release(now.load, state, outputs["crank_torque"])
@@ -173,7 +172,7 @@ class PistonInBore:
         """
         n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
         motion_now = state.place[:n], state.rate[:n], state.acceleration[:n]
-        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[3] for turn in (1.0,
+        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[4] for turn in (1.0,
                                                                                                                            0.0))
         inertia = one - none + self.crank.inertia
         return -self.crank.load_torque, state.crank_acceleration - (torque + self.crank.load_torque) / inertia    # Eq. (M2)
@@ -185,6 +184,7 @@ class PistonInBore:
             "rotation_speed": crank[1], "piston_position": now.position, "piston_velocity": now.velocity,
             "lateral_displacement": now.place[0], "rocking_angle": now.place[1], "side_force": -now.forces.lateral,
             "crank_torque": now.torque + self.crank.inertia * crank[2], "pin_force_x": now.pin_x, "pin_force_y": now.pin_y,
+            "pin_friction_moment": now.pin_moment,
             "interface_work_error": now.work_error,
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
         return outputs | ({"modal_coordinate": now.place[2:].copy()} if self.coordinates > 2 else {})
@@ -202,17 +202,10 @@ class PistonInBore:
         film_thickness, sliding_velocity : ndarray, shape (c, a)
             [m], [m/s]
         """
-        c, _, _, _, window = self._last
-        if self._inverse is None:
-            self._inverse = self._linearise()
-        return response(self.system, window, c.rate, c.place, *self._inverse, pressure_force, friction_force)
-
-    def _linearise(self):
-        """dY/dx_A, change of A's velocity with x_A, and the inverse of the tangent, at the end of the last step."""
-        c, load, state, crank, _ = self._last
-        n = self.flexible.stop
-        here = state.place[:n], state.rate[:n], state.acceleration[:n]
-        matrix = tangent(self.system.piston, self.system.mechanism, load, *here, *crank, c.rate, c.place)
-        self.jacobian_evaluations += 1
-        link = motion(self.system.mechanism, state.place[0], state.rate[0], state.acceleration[0], *crank)
-        return link[4], link[2] / 2, np.linalg.inv(matrix)
+        c, load, state, crank, window = self._last
+        if self._linear is None:
+            n = self.flexible.stop
+            self._linear = linearise(self.system, load, state.place[:n], state.rate[:n], state.acceleration[:n], crank,
+                                     c.rate, c.place)
+            self.jacobian_evaluations += 1
+        return response(self.system, window, c.rate, c.place, self._linear, pressure_force, friction_force)

@@ -53,6 +53,7 @@ def outputs(grid, modes):
         Variable("crank_torque", "N.m", "output", "Torque of the drive on the crank in its direction of turning", nominal=10.0),
         Variable("pin_force_x", "N", "output", "Force of the pin on the piston along x", nominal=1e3),
         Variable("pin_force_y", "N", "output", "Force of the pin on the piston along y", nominal=1e3),
+        Variable("pin_friction_moment", "N.m", "output", "Friction of the pin on the piston about +z", nominal=0.1),
         Variable("interface_work_error", "1", "output",
                  "Power of the interface forces on the grid minus that in the coordinates, relative"),
         Variable("residual_evaluations", "1", "output", "Residuals of the equations of motion evaluated so far (NRES)", start=0),

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from .assembly import assemble
 from .bases import Elastic, craig_bampton, expected_pressure, full_mass, orthonormal_modes, pressure_modes, rigid_motions
 from .finite_element import consistent_mass, face_load, quadrature, stiffness
-from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
+from .floating_frame import FlexibleBody, frame_arrow, frame_force, mode_coupling, rigid_body, whole
 from .generalised_alpha import coefficients, predict
 from .mesh import read_mesh, second_order
 from .model import Inputs
@@ -54,7 +54,7 @@ def slider_crank_checks():
     speed, found = 100 * np.pi, {}
     for degrees in (30, 60, 90):
         angle = np.radians(degrees)
-        guide, _, pin, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
+        guide, _, pin, _, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
         found[degrees] = (height(mechanism, 0.0, angle)[0], motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0], -guide[0],
                           pin, torque)
     names = ("height of A [m]", "acceleration of A [m/s2]", "side force [N]", "pin force along y [N]", "crank torque [N m]")
@@ -217,7 +217,8 @@ def _pendulum_step(body, place, rate, guess, c):
     for _ in range(12):
         p, r = place + c.place * a, rate + c.rate * a
         residual = frame_force(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:])[2:]
-        matrix = frame_tangent(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place)[2:, 2:]
+        matrix = whole(frame_arrow(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place),
+                       mode_coupling(body, a[0], r[0], c.rate, c.place))[2:, 2:]
         a = a - np.linalg.solve(matrix, residual)
     return place + c.place * a, rate + c.rate * a, a
 

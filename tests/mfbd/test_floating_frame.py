@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fmu_mfbd.floating_frame import frame_force, frame_tangent, rigid_body
-from fmu_mfbd.piston_motion import Load, imbalance, tangent
+from fmu_mfbd.floating_frame import frame_arrow, frame_force, mode_coupling, rigid_body, whole
+from fmu_mfbd.piston_motion import Load, imbalance, solve_coupled, tangent
 from fmu_mfbd.slider_crank import Mechanism, height
 from fmu_mfbd.verification import beam_in_frame, bar, box_mesh
 from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
@@ -82,7 +82,8 @@ def test_frame_tangent_is_the_derivative(lump):
         a = base + d
         return frame_force(body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
 
-    matrix = frame_tangent(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2)
+    matrix = whole(frame_arrow(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2),
+                   mode_coupling(body, base[2], w, c1, c2))
     for column in range(3 + k):
         difference = (force(1.0, column) - force(-1.0, column)) / 2
         # the force is a polynomial of low degree: unit steps are good to the size of its cubic terms, c1 c1 c2
@@ -119,7 +120,7 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
-    residual, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
+    residual, _, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
 
     def energy(place, rate):
         return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
@@ -154,7 +155,10 @@ def test_mechanism_tangent_is_the_derivative(lump):
     place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
     c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
-    matrix = tangent(body, SKEW, load, place, rate, a, phi, w, 2e3, c1, c2)
+    arrow, coupling = tangent(body, SKEW, load, place, rate, a, phi, w, 2e3, c1, c2), mode_coupling(body, a[1], rate[1], c1, c2)
+    matrix = whole(arrow, coupling)
+    right = rng.standard_normal(n)
+    np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)
 
     def residual(change):
         return imbalance(body, SKEW, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3)[0]
