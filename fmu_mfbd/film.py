@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import compiled
+from .compiled import compiled, compiled_sums
 from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
@@ -258,22 +258,39 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
     -------
     FilmForces
     """
-    c, a = pressure_force.shape
-    push, drag = np.empty((a, c)), np.empty((a, c))
-    lateral, axial, moment = 0.0, 0.0, 0.0
-    for i in range(c):
-        sine = np.sin(skirt.angle[i])
-        arm = skirt.radius * sine - skirt.pin_offset
-        for j in range(a):
-            F, f = pressure_force[i, j], friction_force[i, j]
-            push[j, i], drag[j, i] = F, f
-            lateral -= F * sine
-            axial += f
-            moment += F * sine * skirt.height[j] + f * arm
+    lateral, axial, moment = resultants(skirt, pressure_force, friction_force)
+    push, drag = by_rows(pressure_force), by_rows(friction_force)
     piston, block = spread(skirt.axial, 0, drag), spread(bore.radial, window.first, on_knots(window, push))
     subtract(piston, spread(skirt.radial, 0, push))
     subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
     return FilmForces(lateral, axial, moment, piston, block)
+
+
+@compiled_sums()
+def resultants(skirt, pressure_force, friction_force):
+    """Forces of the film on the piston along x and y, and moment about A."""
+    lateral, axial, moment = 0.0, 0.0, 0.0
+    for i in range(pressure_force.shape[0]):
+        push, lift, drag = 0.0, 0.0, 0.0
+        for j in range(pressure_force.shape[1]):
+            push += pressure_force[i, j]
+            lift += pressure_force[i, j] * skirt.height[j]
+            drag += friction_force[i, j]
+        sine = np.sin(skirt.angle[i])
+        lateral -= push * sine
+        axial += drag
+        moment += lift * sine + drag * (skirt.radius * sine - skirt.pin_offset)
+    return lateral, axial, moment
+
+
+@compiled()
+def by_rows(field):
+    """The transpose (a, c), contiguous."""
+    out = np.empty((field.shape[1], field.shape[0]))
+    for i in range(field.shape[0]):
+        for j in range(field.shape[1]):
+            out[j, i] = field[i, j]
+    return out
 
 
 @compiled()
@@ -319,14 +336,23 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
             for i in range(surface.shape[1]):
                 surface[k, i] += bore.shape[window.first + k, i]
     thickness = _opening(skirt, place[0], place[1], inner, on_rows(window, window.value, surface))
-    slope = on_rows(window, window.slope, surface)              # of the bore, under the moving skirt
+    slope = by_rows(on_rows(window, window.slope, surface))     # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
-    for i in range(thickness.shape[0]):
+    for i in range(len(thickness)):
         for j in range(thickness.shape[1]):
             thickness[i, j] += skirt.gap[i, j]
-            push = pressure_force[i, j] * (opening_rate[i, j] + guided_rate * slope[j, i])
-            drag = friction_force[i, j] * velocity[i, j]
-            lift += pressure_force[i, j] * slope[j, i]
-            power += push + drag
-            size += abs(push) + abs(drag)
+        line = _work(pressure_force[i], friction_force[i], opening_rate[i], velocity[i], slope[i], guided_rate)
+        lift, power, size = lift + line[0], power + line[1], size + line[2]
     return thickness, velocity, lift, power, size
+
+
+@compiled_sums()
+def _work(push, drag, opening_rate, velocity, slope, guided_rate):
+    """A line's share of lift, power and size, see `film_now`."""
+    lift, power, size = 0.0, 0.0, 0.0
+    for j in range(len(push)):
+        first, second = push[j] * (opening_rate[j] + guided_rate * slope[j]), drag[j] * velocity[j]
+        lift += push[j] * slope[j]
+        power += first + second
+        size += abs(first) + abs(second)
+    return lift, power, size

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import compiled
-from .film import Bore, FilmForces, Skirt, Window, film_now, generalised, opening, sliding, window_at
+from .film import Bore, Skirt, Window, film_now, generalised, opening, sliding, window_at
 from .floating_frame import Arrow, FlexibleBody, mode_coupling
+from .generalised_alpha import predict
 from .pin_friction import friction_moment
 from .piston_motion import Load, imbalance, settle, solve_coupled, tangent
 from .slider_crank import Mechanism, height, motion, rod_turn
@@ -41,10 +42,11 @@ class Balance(NamedTuple):
     ----------
     place, rate, acceleration : ndarray, shape (n,)
         [x_A, rocking angle, piston then block modal coordinates] and derivatives in time.
+    auxiliary : ndarray, shape (n,)
+        The time integrator's auxiliary acceleration.
     window : Window
     load : Load
         On the piston, gas included.
-    forces : FilmForces
     film_thickness, sliding_velocity : ndarray, shape (c, a)
         [m], [m/s]
     position, velocity : float
@@ -61,9 +63,9 @@ class Balance(NamedTuple):
     place: np.ndarray
     rate: np.ndarray
     acceleration: np.ndarray
+    auxiliary: np.ndarray
     window: Window
     load: Load
-    forces: FilmForces
     film_thickness: np.ndarray
     sliding_velocity: np.ndarray
     position: float
@@ -78,16 +80,15 @@ class Balance(NamedTuple):
 
 
 @compiled()
-def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, friction_force):
-    """Accelerations that balance the forces, and everything that follows from them.
+def balance(system, c, motion_before, crank, gas, pressure_force, friction_force):
+    """One step: accelerations at its end that balance the forces there, and everything that follows from them.
 
     Parameters
     ----------
     system : System
-    c1, c2 : float
-        What an acceleration of 1 adds to rate and place at the end of the step [s], [s2].
-    place, rate, guess : ndarray, shape (n,)
-        Predicted without the end accelerations; a guess of these.
+    c : Coefficients
+    motion_before : tuple of ndarray, shape (n,)
+        Place, rate, acceleration and auxiliary acceleration at the start of the step.
     crank : tuple of float
         Angle [rad], speed [rad/s], acceleration [rad/s2].
     gas : float
@@ -100,7 +101,8 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
     Balance
     """
     piston, block, mechanism, skirt, bore, gas_force = system
-    n = 2 + len(piston.stiffness)
+    n, c1, c2 = 2 + len(piston.stiffness), c.rate, c.place
+    place, rate, auxiliary = predict(c, motion_before[0], motion_before[1], motion_before[2], motion_before[3])
     Y0, _, lever0 = height(mechanism, 0.0, crank[0])
     window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
@@ -110,7 +112,7 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
     load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push)
     acceleration = np.empty(len(place))
     own, pin_x, pin_y, moment, torque, evaluations, size = settle(
-        piston, mechanism, load, place[:n], rate[:n], guess[:n], crank[0], crank[1], crank[2], c1, c2)
+        piston, mechanism, load, place[:n], rate[:n], motion_before[2][:n], crank[0], crank[1], crank[2], c1, c2)
     end, speed = np.empty(len(place)), np.empty(len(place))
     for k in range(len(place)):
         if k < n:
@@ -120,6 +122,7 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
             force = forces.block[k - n] - damping * rate[k] - stiffness * place[k]
             acceleration[k] = force / (1 + c1 * damping + c2 * stiffness)
         end[k], speed[k] = place[k] + c2 * acceleration[k], rate[k] + c1 * acceleration[k]
+        auxiliary[k] += c.weight * acceleration[k]
     Y, slope, lever = height(mechanism, end[0], crank[0])
     climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
     thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided,
@@ -131,7 +134,7 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
         work += force * speed[k]
         sizes += abs(force * speed[k])
     error = abs(power - work) / sizes if sizes > 0.0 else 0.0
-    return Balance(end, speed, acceleration, window, load, forces, thickness, velocity, Y, climb, pin_x, pin_y - lift,
+    return Balance(end, speed, acceleration, auxiliary, window, load, thickness, velocity, Y, climb, pin_x, pin_y - lift,
                    moment, torque - lift * lever0, error, evaluations, size)
 
 

@@ -38,10 +38,10 @@ def modal_field(values, kind=None):
     """Pack values (angles, rows, k) by the modes' symmetry classes; kind None (or angles not divisible by 4): no symmetry."""
     angles, rows, k = values.shape
     if kind is None or angles % 4:
-        return ModalField(np.ascontiguousarray(values.transpose(2, 1, 0)).reshape(k, rows * angles), np.zeros(k, np.int64), 1,
+        return ModalField(np.ascontiguousarray(values.transpose(2, 1, 0), np.float32).reshape(k, rows * angles), np.zeros(k, np.int64), 1,
                           angles)
     quarter = (values[mirrors(angles)] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
-    return ModalField(np.ascontiguousarray(quarter.transpose(2, 1, 0)).reshape(k, rows * angles // 4),
+    return ModalField(np.ascontiguousarray(quarter.transpose(2, 1, 0), np.float32).reshape(k, rows * angles // 4),
                       np.asarray(kind, np.int64), 4, angles // 4)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .generalised_alpha import coefficients, predict
+from .generalised_alpha import coefficients
 from .instant import balance, linearise, response
 from .piston_motion import imbalance
 from .tables import gas_pressure
@@ -114,8 +114,9 @@ class PistonInBore:
         nothing = np.zeros(self.coordinates)
         place = nothing.copy()
         place[:2] = lateral, angle
-        return self._settle(coefficients(0.0, self.spectral_radius), place, nothing, nothing, nothing, 1.0,
-                            (crank_angle, inputs.crank_speed, 0.0), inputs)
+        state, outputs = self._settle(coefficients(0.0, self.spectral_radius), (place, nothing, nothing, nothing),
+                                      (crank_angle, inputs.crank_speed, 0.0), inputs)
+        return replace(state, auxiliary=state.acceleration), outputs
 
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
@@ -140,24 +141,21 @@ class PistonInBore:
         NotConverged
         """
         c = coefficients(step, self.spectral_radius)
-        place, rate, auxiliary = predict(c, state.place, state.rate, state.acceleration, state.auxiliary)
-        weight = (1 - c.alpha_f) / (1 - c.alpha_m)
         turn = state.crank_acceleration if self.crank.free else (inputs.crank_speed - state.crank_speed) / step
         speed = state.crank_speed + step * turn if self.crank.free else inputs.crank_speed
         crank = state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
-        return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank, inputs)
+        return self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), crank, inputs)
 
-    def _settle(self, c, place, rate, guess, auxiliary, weight, crank, inputs):
-        """State and outputs whose accelerations balance the forces; places and rates come predicted without these
-        accelerations."""
+    def _settle(self, c, before, crank, inputs):
+        """State and outputs whose accelerations balance the forces, a step after the motion `before`."""
         gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank[0]) if self.gas_table else 0.0))
-        now = balance(self.system, c.rate, c.place, place, rate, guess, crank, gas, inputs.pressure_force, inputs.friction_force)
+        now = balance(self.system, c, before, crank, gas, inputs.pressure_force, inputs.friction_force)
         if not now.evaluations:
             raise NotConverged(f"piston motion at crank angle {crank[0]:.6g} rad: relative change of "
                                f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
-        state = State(*crank, now.place, now.rate, now.acceleration, auxiliary + weight * now.acceleration)
+        state = State(*crank, now.place, now.rate, now.acceleration, now.auxiliary)
         self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)
         if self.crank.free:
@@ -182,7 +180,7 @@ class PistonInBore:
         outputs = {
             "film_thickness": now.film_thickness, "sliding_velocity": now.sliding_velocity, "crank_angle": crank[0],
             "rotation_speed": crank[1], "piston_position": now.position, "piston_velocity": now.velocity,
-            "lateral_displacement": now.place[0], "rocking_angle": now.place[1], "side_force": -now.forces.lateral,
+            "lateral_displacement": now.place[0], "rocking_angle": now.place[1], "side_force": -now.load.lateral,
             "crank_torque": now.torque + self.crank.inertia * crank[2], "pin_force_x": now.pin_x, "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
             "interface_work_error": now.work_error,

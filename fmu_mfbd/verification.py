@@ -206,7 +206,7 @@ def swing(body, angle_rate, bend, step, steps, spectral_radius=1.0):
     for _ in range(steps):
         p, r, a = predict(c, place, rate, acceleration, auxiliary)
         place, rate, acceleration = _pendulum_step(body, p, r, acceleration, c)
-        auxiliary = a + (1 - c.alpha_f) / (1 - c.alpha_m) * acceleration
+        auxiliary = a + c.weight * acceleration
         history.append((place, rate))
     return history
 
