@@ -326,7 +326,7 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
         sum F dh/dt + sum f v, and the sum of the absolute values of its terms [W].
     """
     pressure_force, friction_force = forces
-    n = 2 + len(skirt.radial.kind)
+    n = 2 + skirt.radial.modes
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
     inner, inner_rate = read_both(skirt.radial, 0, skirt.gap.shape[1], place[2:n], rate[2:n])
     surface, surface_rate = read_both(bore.radial, window.first, window.knots, place[n:], rate[n:])
