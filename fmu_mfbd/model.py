@@ -169,10 +169,10 @@ class PistonInBore:
         Eq. (M2):  torque(w') + load_torque = 0,   torque linear in w'
         """
         n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
-        motion_now = state.place[:n], state.rate[:n], state.acceleration[:n]
-        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[4] for turn in (1.0,
-                                                                                                                           0.0))
-        inertia = one - none + self.crank.inertia
+        now = state.place[:n], state.rate[:n], state.acceleration[:n]
+        turns = state.crank_acceleration + 1.0, state.crank_acceleration
+        more, same = (imbalance(self.system.piston, self.system.mechanism, load, *now, *crank, turn)[4] for turn in turns)
+        inertia = more - same + self.crank.inertia
         return -self.crank.load_torque, state.crank_acceleration - (torque + self.crank.load_torque) / inertia    # Eq. (M2)
 
     def _outputs(self, now, crank):
