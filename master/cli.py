@@ -24,6 +24,7 @@ COMMANDS = {
     "compare": "Score curves of runs against one another or against measured ones.",
     "study": "Run a study of a case: cost, and distance from its reference run.",
     "sweep": "Run a case over values of its keys.",
+    "reduce": "Reduce bodies from meshes or matrices; their modes as tables and pictures.",
     "build": "Build the FMU of one participant of a case.",
     "info": "Print what an FMU offers.",
     "check": "Compare an FMU with the lubrication contract.",

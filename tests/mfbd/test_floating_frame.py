@@ -35,7 +35,7 @@ def kinetic_energy(points, M, modes, coordinates, rates):
     turn, spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]])
     local = points + modes @ q
     velocity = np.array([rates[0], rates[1], 0]) + local @ (rates[2] * spin).T + (modes @ rates[3:]) @ turn.T
-    return 0.5 * np.sum(velocity * (M @ velocity))
+    return 0.5 * velocity.ravel() @ (M @ velocity.ravel())
 
 
 def lagrange(energy, coordinates, rates, accelerations):
