@@ -44,6 +44,8 @@ def faults(p, piston, block, options):
         return [f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, "
                 f"{p['crank_radius'] + offset:g} m"]
     out = []
+    if p["crank_free"] and options["speed"]:
+        out.append("crank_free = 1: must be 0 with a table of crank speed ([speed] in the build table)")
     if p["rod_centre"] > p["rod_length"]:
         out.append(f"rod_centre = {p['rod_centre']:g} m: must lie within rod_length = {p['rod_length']:g} m")
     turn = np.linspace(0.0, 2 * np.pi, 721)
@@ -107,5 +109,5 @@ def assemble(piston, block, options, p):
                         bore_shape(block["heights"], angle, options, p))
     system = System(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
                     np.ascontiguousarray(piston["gas_force"]))
-    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"])
+    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"], options["speed"])
     return PistonInBore(system, crank, np.pi * radius**2, p["spectral_radius"], options["gas"])

@@ -7,6 +7,7 @@ import numpy as np
 from .generalised_alpha import coefficients
 from .instant import balance, linearise, response
 from .piston_motion import imbalance
+from .speed_table import crank_motion
 from .tables import gas_pressure
 
 
@@ -20,6 +21,8 @@ class State:
 
     Parameters
     ----------
+    time : float
+        Since the start [s].
     crank_angle, crank_speed, crank_acceleration : float
         [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
     place, rate, acceleration, auxiliary : ndarray, shape (n,)
@@ -27,6 +30,7 @@ class State:
         time integrator's auxiliary acceleration.
     """
 
+    time: float
     crank_angle: float
     crank_speed: float
     crank_acceleration: float
@@ -43,7 +47,7 @@ class Inputs:
     Parameters
     ----------
     crank_speed : float
-        At the end of the step, linear within it [rad/s]; a free crank heeds it at the start only.
+        At the end of the step, linear within it [rad/s]; a free crank heeds it at the start only, a tabled one never.
     gas_pressure : float
         On the crown, gauge [Pa].
     pressure_force, friction_force : ndarray, shape (c, a)
@@ -68,11 +72,26 @@ class Crank:
         Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
     load_torque : float
         That a free crank works against [N m].
+    table : dict, optional
+        Speed over time or angle (`speed_table.speed_table`), for a crank that is not free.
     """
 
     free: bool
     inertia: float
     load_torque: float
+    table: dict | None = None
+
+    def begin(self, angle, speed):
+        """Angle, speed and acceleration at time 0 [rad, rad/s, rad/s2]."""
+        return crank_motion(self.table, angle, 0.0, 0.0) if self.table else (angle, speed, 0.0)
+
+    def turn(self, state, step, speed):
+        """Angle, speed and acceleration a step [s] after a state, `speed` being the input's at its end."""
+        if self.table:
+            return crank_motion(self.table, state.crank_angle, state.time, step)
+        turn = state.crank_acceleration if self.free else (speed - state.crank_speed) / step
+        end = state.crank_speed + step * turn if self.free else speed
+        return state.crank_angle + step * (state.crank_speed + end) / 2, end, turn
 
 
 class PistonInBore:
@@ -115,14 +134,14 @@ class PistonInBore:
         place = nothing.copy()
         place[:2] = lateral, angle
         state, outputs = self._settle(coefficients(0.0, self.spectral_radius), (place, nothing, nothing, nothing),
-                                      (crank_angle, inputs.crank_speed, 0.0), inputs)
+                                      0.0, self.crank.begin(crank_angle, inputs.crank_speed), inputs)
         return replace(state, auxiliary=state.acceleration), outputs
 
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
 
-        The crank turns with constant acceleration over the step: what the input's change asks for, or, free, what its torques
-        ask for at the start of the step (order 1 in the step, for this slow motion alone).
+        The crank follows its table; without one it turns with constant acceleration over the step: what the input's change asks
+        for, or, free, what its torques ask for at the start of the step (order 1 in the step, for this slow motion alone).
 
         Parameters
         ----------
@@ -141,12 +160,10 @@ class PistonInBore:
         NotConverged
         """
         c = coefficients(step, self.spectral_radius)
-        turn = state.crank_acceleration if self.crank.free else (inputs.crank_speed - state.crank_speed) / step
-        speed = state.crank_speed + step * turn if self.crank.free else inputs.crank_speed
-        crank = state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
-        return self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), crank, inputs)
+        return self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), state.time + step,
+                            self.crank.turn(state, step, inputs.crank_speed), inputs)
 
-    def _settle(self, c, before, crank, inputs):
+    def _settle(self, c, before, time, crank, inputs):
         """State and outputs whose accelerations balance the forces, a step after the motion `before`."""
         gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank[0]) if self.gas_table else 0.0))
         now = balance(self.system, c, before, crank, gas, inputs.pressure_force, inputs.friction_force)
@@ -155,7 +172,7 @@ class PistonInBore:
                                f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
-        state = State(*crank, now.place, now.rate, now.acceleration, now.auxiliary)
+        state = State(time, *crank, now.place, now.rate, now.acceleration, now.auxiliary)
         self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)
         if self.crank.free:
