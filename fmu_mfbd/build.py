@@ -13,6 +13,7 @@ from .mesh import MeshFault
 from .options import SOURCES, Bodies, read_options
 from .reduction import cached, reduce_block, reduce_piston, save
 from .speed_table import speed_table
+from .start_state import read_start
 from .tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
 
 
@@ -49,7 +50,8 @@ def prepare(options, folder, progress):
         resolved[part]["profiles"] = shapes[part]
         with np.load(files[part]) as body:
             resolved[part]["modes"] = len(body["omega"])
-    return resolved | over_angle | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+    start = resolved["start"] and _start(resolved["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
+    return resolved | over_angle | {"start": start} | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
 
 
 def reduced_bodies(options, folder, progress):
@@ -86,6 +88,14 @@ def _reduced(resolved, progress):
     if faults:
         raise BadInput(faults)
     return files
+
+
+def _start(path, modes):
+    """Motion at the start, or what is wrong with its file."""
+    try:
+        return read_start(path, modes)
+    except ValueError as error:
+        raise BadInput([str(error)]) from None
 
 
 NEEDED = {"piston": ("mass", "S", "I0", "T", "b", "B", "g", "G", "omega", "kind", "gas_force", "radial", "axial", "radius",

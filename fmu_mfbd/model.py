@@ -130,11 +130,28 @@ class PistonInBore:
         State, dict
             And its outputs.
         """
-        nothing = np.zeros(self.coordinates)
-        place = nothing.copy()
+        place = np.zeros(self.coordinates)
         place[:2] = lateral, angle
-        state, outputs = self._settle(coefficients(0.0, self.spectral_radius), (place, nothing, nothing, nothing),
-                                      0.0, self.crank.begin(crank_angle, inputs.crank_speed), inputs)
+        return self.start_moving(crank_angle, place, np.zeros(self.coordinates), inputs)
+
+    def start_moving(self, crank_angle, place, rate, inputs):
+        """State at a given motion, with the accelerations that the forces of `inputs` ask for.
+
+        Parameters
+        ----------
+        crank_angle : float
+            [rad]
+        place, rate : ndarray, shape (n,)
+            As in `State`.
+        inputs : Inputs
+
+        Returns
+        -------
+        State, dict
+            And its outputs.
+        """
+        state, outputs = self._settle(coefficients(0.0, self.spectral_radius), (place, rate, 0 * place, 0 * place), 0.0,
+                                      self.crank.begin(crank_angle, inputs.crank_speed), inputs)
         return replace(state, auxiliary=state.acceleration), outputs
 
     def advance(self, state, inputs, step):
@@ -197,12 +214,14 @@ class PistonInBore:
         outputs = {
             "film_thickness": now.film_thickness, "sliding_velocity": now.sliding_velocity, "crank_angle": crank[0],
             "rotation_speed": crank[1], "piston_position": now.position, "piston_velocity": now.velocity,
-            "lateral_displacement": now.place[0], "rocking_angle": now.place[1], "side_force": -now.load.lateral,
+            "lateral_displacement": now.place[0], "rocking_angle": now.place[1],
+            "lateral_velocity": now.rate[0], "rocking_velocity": now.rate[1], "side_force": -now.load.lateral,
             "crank_torque": now.torque + self.crank.inertia * crank[2], "pin_force_x": now.pin_x, "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
             "interface_work_error": now.work_error,
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
-        return outputs | ({"modal_coordinate": now.place[2:].copy()} if self.coordinates > 2 else {})
+        modal = {"modal_coordinate": now.place[2:].copy(), "modal_velocity": now.rate[2:].copy()}
+        return outputs | (modal if self.coordinates > 2 else {})
 
     def directional_derivative(self, pressure_force, friction_force):
         """Change of film thickness and sliding velocity at the end of the last step with the forces at its end (Eq. (D1)).

@@ -169,7 +169,8 @@ class Block(Body):
 
 
 class Bodies(BaseModel):
-    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt."""
+    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `start`: a file of
+    `piston-cosim snapshot` (`start_state.read_start`); it takes the place of the parameters start_*."""
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
@@ -177,6 +178,7 @@ class Bodies(BaseModel):
     block: Block | None = None
     gas: Gas | None = None
     speed: Speed | None = None
+    start: str | None = None
 
     @model_validator(mode="after")
     def _any(self):
@@ -230,6 +232,8 @@ def read_options(options, folder, kind=Build):
         faults += [_found(table, "file", f"{name}.profiles: {table['file']!r}", folder) for table in part["profiles"]]
         if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m")
+    if resolved["start"]:
+        faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
     faults += [_found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder) for name in ("gas", "speed")
                if resolved[name] and resolved[name]["file"]]
     if any(faults):

@@ -17,7 +17,7 @@ class PinFriction(NamedTuple):
     speed : float
         Relative angular velocity w_0 at which dry friction has reached 76 % of its full size [rad/s], > 0.
     viscous : float
-        Moment by relative angular velocity [N m s], >= 0.
+        Moment by relative angular velocity [N m s/rad], >= 0.
     """
 
     lever: float
@@ -44,7 +44,7 @@ def friction_moment(friction, pin_x, pin_y, slip):
     Returns
     -------
     moment, by_x, by_y, by_slip : float
-        About +z [N m]; slopes against pin_x, pin_y [m] and slip [N m s].
+        About +z [N m]; slopes against pin_x, pin_y [m] and slip [N m s/rad].
     """
     size, share = np.hypot(pin_x, pin_y), np.tanh(slip / friction.speed)
     moment = -friction.lever * size * share - friction.viscous * slip                                          # Eq. (F1)

@@ -48,6 +48,8 @@ def outputs(grid, modes):
         Variable("lateral_displacement", "m", "output", "Displacement of A from its concentric place towards the thrust side",
                  nominal=1e-5),
         Variable("rocking_angle", "rad", "output", "Rotation of the piston about the pin axis +z", nominal=1e-3),
+        Variable("lateral_velocity", "m/s", "output", "Velocity of A towards the thrust side", nominal=1e-2),
+        Variable("rocking_velocity", "rad/s", "output", "Angular velocity of the piston about the pin axis +z", nominal=1.0),
         Variable("side_force", "N", "output", "Force of the piston on the bore through the film, positive on the thrust side",
                  nominal=1e3),
         Variable("crank_torque", "N.m", "output", "Torque of the drive on the crank in its direction of turning", nominal=10.0),
@@ -61,6 +63,7 @@ def outputs(grid, modes):
     if modes:
         out.append(Variable("modal_coordinate", "1", "output",
                             "Mass-normalised modal coordinates [kg^(1/2) m], piston then block", nominal=1e-6, shape=(modes,)))
+        out.append(Variable("modal_velocity", "1/s", "output", "Their rates [kg^(1/2) m/s]", nominal=1e-2, shape=(modes,)))
     return out
 
 
@@ -90,7 +93,7 @@ def parameters():
         parameter("pin_radius", "m", "Arm of the friction at the pin", 7e-3, 1e-4, 0.1),
         parameter("pin_friction_speed", "rad/s", "Relative angular velocity at which Coulomb friction has 76 % of its size", 5.0,
                   1e-3, 1e3),
-        parameter("pin_friction_damping", "N.m.s", "Viscous friction at the pin: moment by relative angular velocity", 0.0, 0.0,
+        parameter("pin_friction_damping", "N.m.s/rad", "Viscous friction at the pin: moment by relative angular velocity", 0.0, 0.0,
                   1e3),
         parameter("crank_free", "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1),
         parameter("crank_inertia", "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4),

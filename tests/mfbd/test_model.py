@@ -224,3 +224,15 @@ def test_damping_by_ratio_band_and_rayleigh():
     omega = 2 * np.pi * np.array([1e3, 3e4])
     np.testing.assert_allclose(damping(omega, 0.02, 0.5, 2e4, 0.0, 0.0), [0.04 * omega[0], omega[1]])
     np.testing.assert_allclose(damping(omega, 0.0, 0.0, 2e4, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+
+
+def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
+    """Motion taken over: the two runs differ by what the integrator's memory of the last acceleration is worth."""
+    state, _ = run(model, 30)
+    nearby = model.start_moving(state.crank_angle, state.place, state.rate, inputs(model, 29))[0]
+    at_rest = model.start(state.crank_angle, 0.0, 0.0, inputs(model, 29))[0]
+    np.testing.assert_allclose(nearby.acceleration, state.acceleration, rtol=1e-6, atol=1e-6 * np.abs(state.acceleration).max())
+    for k in range(30, 50):
+        state, nearby, at_rest = (model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest))
+    error, apart = (np.abs(s.place[:2] - state.place[:2]) for s in (nearby, at_rest))
+    assert np.all(error < 1e-2 * apart)
