@@ -74,26 +74,31 @@ class Wire(Table):
 class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
-    method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
+    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants; methods/secants.py); aitken,
+    or constant relaxation.
     order : the order in which the participants step; the wires that run against it are the unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
-    mixing : share taken of what the secants of iqn_ils leave unexplained.
-    windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
-    largest_krylov_space : products per Newton update at most.
+    mixing : share taken of what the secants leave unexplained.
+    probing : a macro step without secants, or led astray by them, is taken by Newton on differences of sweeps.
+    windows : of how many macro steps iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
+    largest_krylov_space : products per Newton update at most. differences : products by differences of sweeps, not by the
+    participants' derivatives.
     halvings : how often a macro step that fails may be halved.
     """
 
-    method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
+    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant"] = "newton"
     order: list[str]
     predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
     mixing: float = Field(1.0, gt=0, le=1)
+    probing: bool = False
     windows: int = Field(3, ge=0)
     filter: Literal["QR1", "QR2"] = "QR2"
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     largest_krylov_space: int = Field(120, ge=1)
+    differences: bool = False
     halvings: int = Field(6, ge=0)
 
 

@@ -7,7 +7,7 @@ class Interface:
     """Vector layout of all connections.
 
     The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of wires that run against
-    the stepping order: the unknowns of a sequential sweep. Norms are scaled: element / nominal of its wire.
+    the stepping order: the unknowns of a sequential sweep (`feedback_wires`: the slice of each among them). Norms are scaled: element / nominal of its wire.
 
     Parameters
     ----------
@@ -28,6 +28,8 @@ class Interface:
         position = {name: k for k, name in enumerate(participants)}
         against = [position[c.target[0]] <= position[c.source[0]] for c in connections]
         self.feedback = np.repeat(against, sizes)
+        lengths = [size for size, back in zip(sizes, against) if back]
+        self.feedback_wires = [slice(end - size, end) for end, size in zip(np.cumsum(lengths, dtype=int), lengths)]
         self.inputs = {name: self._wires(name, "target") for name in participants}
         self.outputs = {name: self._wires(name, "source") for name in participants}
 

@@ -15,7 +15,8 @@ class StepFailed(RuntimeError):
 
 @dataclass
 class Counters:
-    """What the run has cost. NRES and NJAC count sweeps and linearisations as an implicit integrator counts them."""
+    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and linearisations, as an implicit
+    integrator counts them."""
 
     steps: int = 0
     halved_steps: int = 0
@@ -27,7 +28,7 @@ class Counters:
     def accept(self, solution):
         self.steps += 1
         self.iterations.append(solution.iterations)
-        self.residual_evaluations += solution.iterations
+        self.residual_evaluations += solution.iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
 
