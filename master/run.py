@@ -4,6 +4,7 @@ import json
 import platform
 import time as clock
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -14,6 +15,7 @@ from .logs import CouplingLog
 from .methods import method_of
 from .participant import ParticipantFault
 from .recorder import CannotWrite, Recorder, writing
+from .rollback import rollback_faults
 from .step_control import step_control
 from .stepping import Stepper, StepFailed
 from .timing import Timed, split
@@ -47,7 +49,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Raises
     ------
     BadInput
-        If a participant refuses its parameters; nothing has been written then.
+        If a participant refuses its parameters, or cannot go back to a saved state; nothing has been written then.
     StepFailed, ParticipantFault, CannotWrite
         If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
         in `<output>.partial`, and a note on the exception names the last checkpoint.
@@ -55,7 +57,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
-        start(system)
+        start(system, (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step))
         march = March(system, case, tree, output, watch, begin_at)
         try:
             return march.go()

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .fmi.errors import BadInput
+
 
 @dataclass(frozen=True)
 class Connection:
@@ -55,13 +57,24 @@ class System:
     folder: str = ""
 
 
-def start(system):
-    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs."""
-    started = {}
+def start(system, trial=lambda participant: []):
+    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs.
+
+    `trial` is called with each participant that has started, and returns what is wrong with it. Raises BadInput with all
+    that is refused and found.
+    """
+    faults, started = [], {}
     for name, participant in system.participants.items():
         fed = {c.target[1]: started[c.source[0]].get(c.source[1]) for c in system.connections
                if c.target[0] == name and c.source[0] in started}
-        participant.start(system.parameters[name] | fed, 0.0, system.stop)
-        started[name] = participant
+        try:
+            participant.start(system.parameters[name] | fed, 0.0, system.stop)
+            started[name] = participant
+        except BadInput as error:
+            faults += error.faults
     for c in system.connections:        # where inputs are interpolated the first step begins with what its sources say
-        started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
+        if c.source[0] in started and c.target[0] in started:
+            started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
+    faults += [fault for participant in started.values() for fault in trial(participant)]
+    if faults:
+        raise BadInput(faults)
