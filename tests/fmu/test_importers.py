@@ -12,8 +12,8 @@ def test_importers_see_the_same(bodies_fmu):
 
 
 def test_what_differs_or_fails_is_no_success():
-    seen = {"fmpy in process": "1.5", REFERENCE: "1.0", "fmpy validate": "['x']", "Ecos": "failed (1): no", "PyFMI": NOT_INSTALLED,
-            "libcosim": "1.00000000000001", "fmpy simulate": "refused: numpy missing; run: python -m pip install numpy"}
+    seen = {"fmpy in process": "1.5", REFERENCE: "1.0", "fmpy validate": "['x']", "Ecos": "failed (1): no",
+            "PyFMI": NOT_INSTALLED, "libcosim": "1.00000000000001", "fmpy simulate": "refused: run: python -m pip install numpy"}
     verdicts = {importer: verdict for verdict, importer, *_ in judged((name, "1", "3", what) for name, what in seen.items())}
     assert {name for name, verdict in verdicts.items() if verdict == "FAIL"} == {"fmpy in process", "fmpy validate", "Ecos"}
     assert {name for name, verdict in verdicts.items() if verdict == "-"} == {"PyFMI", "fmpy simulate"}
