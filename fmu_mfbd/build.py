@@ -13,7 +13,9 @@ from master.fmi.errors import BadInput
 from .mesh import MeshFault
 from .options import SOURCES, Bodies, read_options
 from .reduction import cached, reduce_block, reduce_piston, save
-from .tables import TableFault, gas_table, profile_table
+from .speed_table import speed_table
+from .start_state import read_start
+from .tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
 
 
 def prepare(options, folder, progress):
@@ -41,7 +43,7 @@ def prepare(options, folder, progress):
         Every fault of the table; then every fault of the meshes.
     """
     resolved = read_options(options, folder)
-    shapes, gas = _tables(resolved)
+    shapes, over_angle = _tables(resolved)
     files = {name: _carried(name, path) for name, path in _reduced(resolved, progress).items()}
     for part in ("piston", "block"):
         for source in SOURCES:          # where it lay is no property of the FMU
@@ -49,8 +51,8 @@ def prepare(options, folder, progress):
         resolved[part]["profiles"] = shapes[part]
         with np.load(files[part]) as body:
             resolved[part]["modes"] = len(body["omega"])
-    resolved["gas"] = gas
-    return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+    start = resolved["start"] and _start(resolved["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
+    return resolved | over_angle | {"start": start} | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
 
 
 def reduced_bodies(options, folder, progress):
@@ -87,6 +89,14 @@ def _reduced(resolved, progress):
     if faults:
         raise BadInput(faults)
     return files
+
+
+def _start(path, modes):
+    """Motion at the start, or what is wrong with its file."""
+    try:
+        return read_start(path, modes)
+    except ValueError as error:
+        raise BadInput([str(error)]) from None
 
 
 NEEDED = {"piston": ("mass", "S", "I0", "T", "b", "B", "g", "G", "omega", "kind", "gas_force", "radial", "axial", "radius",
@@ -131,20 +141,33 @@ def _carried(name, path):
 
 
 def _tables(resolved):
-    """Measured shapes of both bodies and the gas table, read before any long computation."""
-    faults, shapes, gas = [], {"piston": [], "block": []}, None
+    """Measured shapes of both bodies; tables of gas and speed, by name: read before any long computation."""
+    faults, shapes, over_angle = [], {"piston": [], "block": []}, {}
     for part, found in shapes.items():
         for table in resolved[part]["profiles"]:
             try:
                 found.append(profile_table(table["file"], table["angle_unit"], table["height_unit"], table["value_unit"]))
             except TableFault as error:
                 faults.append(str(error))
-    if resolved["gas"]:
+    for name, read in (("gas", _gas), ("speed", _speed)):
         try:
-            gas = gas_table(resolved["gas"]["file"], pi * resolved["gas"]["strokes"], resolved["gas"]["angle_unit"],
-                            resolved["gas"]["pressure_unit"])
+            over_angle[name] = resolved[name] and read(resolved[name])
         except TableFault as error:
             faults.append(str(error))
     if faults:
         raise BadInput(faults)
-    return shapes, gas
+    return shapes, over_angle
+
+
+def _rows(name, part):
+    """Numbers of a table in a file or in the case."""
+    return read_numbers(part["file"]) if part["file"] else inline_numbers(f"{name}.points", part["points"])
+
+
+def _gas(part):
+    return gas_table(_rows("gas", part), pi * part["strokes"], part["angle_unit"], part["pressure_unit"])
+
+
+def _speed(part):
+    over = "time" if part["time_unit"] else "angle"
+    return speed_table(_rows("speed", part), over, pi * part["strokes"], part[f"{over}_unit"], part["speed_unit"])

@@ -97,14 +97,42 @@ class Order(BaseModel):
     phase: Quantity("rad") = 0.0
 
 
-class Gas(BaseModel):
-    """Gas pressure over crank angle in a file, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+class Table(BaseModel):
+    """Two columns, in a file (comma or semicolon separated) or in the case itself as `points`."""
 
     model_config = STRICT
-    file: str
+    file: str | None = None
+    points: list[tuple[float, float]] | None = None
+    strokes: Literal[2, 4] = 4
+
+    @model_validator(mode="after")
+    def _source(self):
+        if (self.file is None) == (self.points is None):
+            raise ValueError("give either file or points")
+        if self.points is not None and len(self.points) < 2:
+            raise ValueError("needs two points or more")
+        return self
+
+
+class Gas(Table):
+    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+
     angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
     pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
-    strokes: Literal[2, 4] = 4
+
+
+class Speed(Table):
+    """Crank speed over time or crank angle, see `speed_table.speed_table`; it takes the place of the input `crank_speed`."""
+
+    time_unit: Annotated[Quantity("s"), Field(gt=0)] | None = None
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)] | None = None
+    speed_unit: Annotated[Quantity("rad/s"), Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _over(self):
+        if (self.time_unit is None) == (self.angle_unit is None):
+            raise ValueError("give either time_unit or angle_unit")
+        return self
 
 
 class Piston(Body):
@@ -150,13 +178,16 @@ class Band(BaseModel):
 
 class Bodies(BaseModel):
     """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `damping_bands` take the place
-    of the parameters damping_ratio, high_frequency_damping_ratio and damping_transition_frequency."""
+    of the parameters damping_ratio, high_frequency_damping_ratio and damping_transition_frequency; `start`, a file of
+    `piston-cosim snapshot` (`start_state.read_start`), that of the parameters start_*."""
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
     piston: Piston | None = None
     block: Block | None = None
     gas: Gas | None = None
+    speed: Speed | None = None
+    start: str | None = None
     damping_bands: list[Band] = []
 
     @field_validator("damping_bands")
@@ -218,8 +249,10 @@ def read_options(options, folder, kind=Build):
         faults += [_found(table, "file", f"{name}.profiles: {table['file']!r}", folder) for table in part["profiles"]]
         if None not in (part[low], part[high]) and part[low] >= part[high]:
             faults.append(f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m")
-    if resolved["gas"]:
-        faults.append(_found(resolved["gas"], "file", f"gas: {resolved['gas']['file']!r}", folder))
+    if resolved["start"]:
+        faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
+    faults += [_found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder) for name in ("gas", "speed")
+               if resolved[name] and resolved[name]["file"]]
     resolved["damping_bands"] = [(band["above"], band["ratio"]) for band in resolved["damping_bands"]]
     if any(faults):
         raise BadInput([fault for fault in faults if fault])

@@ -11,7 +11,7 @@ from .assembly import assemble
 from .bases import Elastic, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes, rigid_motions
 from .faces import face_load
 from .finite_element import consistent_mass, quadrature, stiffness
-from .floating_frame import FlexibleBody, frame_force, frame_tangent, rigid_body
+from .floating_frame import FlexibleBody, frame_arrow, frame_force, mode_coupling, rigid_body, whole
 from .generalised_alpha import coefficients, predict
 from .mesh import read_mesh, second_order
 from .model import Inputs
@@ -56,7 +56,7 @@ def slider_crank_checks():
     speed, found = 100 * np.pi, {}
     for degrees in (30, 60, 90):
         angle = np.radians(degrees)
-        guide, _, pin, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
+        guide, _, pin, _, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
         found[degrees] = (height(mechanism, 0.0, angle)[0], motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0], -guide[0],
                           pin, torque)
     names = ("height of A [m]", "acceleration of A [m/s2]", "side force [N]", "pin force along y [N]", "crank torque [N m]")
@@ -196,7 +196,7 @@ def swing(body, angle_rate, bend, step, steps, spectral_radius=1.0):
     for _ in range(steps):
         p, r, a = predict(c, place, rate, acceleration, auxiliary)
         place, rate, acceleration = _pendulum_step(body, p, r, acceleration, c)
-        auxiliary = a + (1 - c.alpha_f) / (1 - c.alpha_m) * acceleration
+        auxiliary = a + c.weight * acceleration
         history.append((place, rate))
     return history
 
@@ -207,7 +207,8 @@ def _pendulum_step(body, place, rate, guess, c):
     for _ in range(12):
         p, r = place + c.place * a, rate + c.rate * a
         residual = frame_force(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:])[2:]
-        matrix = frame_tangent(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place)[2:, 2:]
+        matrix = whole(frame_arrow(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place),
+                       mode_coupling(body, a[0], r[0], c.rate, c.place))[2:, 2:]
         a = a - np.linalg.solve(matrix, residual)
     return place + c.place * a, rate + c.rate * a, a
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "report": "Write one self-contained HTML page about runs.",
     "scalars": "Write all scalar outputs of a run as CSV.",
     "fields": "Write recorded fields as CSV, HDF5 or VTU.",
+    "snapshot": "Write a participant's outputs at an instant, for another run to start from.",
     "compare": "Score curves of runs against one another or against measured ones.",
     "study": "Run a study of a case: cost, and distance from its reference run.",
     "sweep": "Run a case over values of its keys.",

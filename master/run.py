@@ -4,6 +4,7 @@ import json
 import platform
 import time as clock
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -14,6 +15,8 @@ from .logs import CouplingLog
 from .methods import method_of
 from .participant import ParticipantFault
 from .recorder import CannotWrite, Recorder, writing
+from .rollback import rollback_faults
+from .step_control import step_control
 from .stepping import Stepper, StepFailed
 from .timing import Timed, split
 from .wiring import start
@@ -46,7 +49,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Raises
     ------
     BadInput
-        If a participant refuses its parameters; nothing has been written then.
+        If a participant refuses its parameters, or cannot go back to a saved state; nothing has been written then.
     StepFailed, ParticipantFault, CannotWrite
         If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
         in `<output>.partial`, and a note on the exception names the last checkpoint.
@@ -54,7 +57,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
-        start(system)
+        start(system, (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step))
         march = March(system, case, tree, output, watch, begin_at)
         try:
             return march.go()
@@ -84,7 +87,7 @@ class March:
         spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
         timed = replace(system, participants={name: Timed(p, spent) for name, p in system.participants.items()})
         self.stepper = Stepper(timed, method_of(case.coupling), case.coupling.halvings, self.accepted, case.coupling.predictor,
-                               self.attempted)
+                               self.attempted, step_control(timed.connections, system.smallest_step))
         if begin_at:
             thaw(self.stepper, begin_at.frozen)
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
@@ -113,7 +116,7 @@ class March:
                     self.keep()
                 if heard.signal and k + 1 < steps:
                     raise Interrupted(self.output, after)
-        summary = summarise(self.account, clock.perf_counter() - self.begin)
+        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
@@ -175,10 +178,11 @@ def monitored(case, system, values):
     return found
 
 
-def summarise(account, wall_time):
+def summarise(account, control, wall_time):
     """The summary of a finished run: no step is ever accepted unconverged, so a run that finishes has none."""
     counters = account.counters
-    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps,
+    controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
+    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps, **controlled,
             "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
             "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
             "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),

@@ -60,13 +60,13 @@ def oscillator_checks():
     """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to 0.005 s."""
     source = "solution in closed form"
     for kind, order, reference, tolerance, reason in (
-            ("held", 1, 0.404, 0.01, "the reference holds inputs at the beginning of the step, we at its end: equal to first order"),
+            ("held", 1, 0.404, 0.01, "the reference holds inputs at the step's beginning, we at its end: equal to first order"),
             ("linear", 2, 6.6e-3, 0.01, "two digits are given"), ("hermite", 4, 3.4e-6, 0.015, "two digits are given")):
         coarse, fine = (oscillator_error(kind, step) for step in (0.01, 0.005))
         common = {"case": "Two-mass oscillator", "source": source, "reference": reference, "computed": coarse}
         yield common | {"quantity": f"largest error, inputs {kind}", "tolerance": tolerance, "kind": "relative", "reason": reason}
-        yield common | {"quantity": f"observed order, inputs {kind}", "reference": order, "computed": float(np.log2(coarse / fine)),
-                        "tolerance": 0.05, "kind": "absolute", "reason": "the next term of the error at these steps"}
+        yield common | {"quantity": f"observed order, inputs {kind}", "reference": order,
+                        "computed": float(np.log2(coarse / fine)), "tolerance": 0.05, "kind": "absolute", "reason": "the next term of the error at these steps"}
 
 
 def slow_checks():

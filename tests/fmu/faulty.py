@@ -28,6 +28,7 @@ def refuse():
     raise Discard("refused on purpose")
 
 
+calls = []
 FAULTS = {"discard": refuse, "exception": lambda: {}["bug"], "hang": lambda: clock.sleep(1e6),
           "kill": lambda: os.kill(os.getpid(), signal.SIGKILL), "crash": lambda: ctypes.string_at(0),
           "interrupt": lambda: os.kill(os.getpid(), signal.SIGINT)}
@@ -54,4 +55,5 @@ class Cell(FieldSlave):
         if values["fault"] and time + step >= values["at"] and not Path(values["marker"]).exists():
             Path(values["marker"]).touch()
             x = x * np.nan if values["fault"] == "nan" else FAULTS[values["fault"]]() or x
-        return State(x), {"x": x}
+        calls.append(time)
+        return State(x), {"x": x + len(calls) if values["fault"] == "forgetful" else x}

@@ -17,6 +17,8 @@ stop = "2 s"
 step = "0.01 s"
 [participants.good]
 file = "{home}/faulty.py:Cell"
+[participants.good.parameters]
+u = 0.0
 [participants.bad]
 file = "{home}/faulty.py:Cell"
 isolated = {isolated}
@@ -113,6 +115,16 @@ def test_full_disk(whole, tmp_path):
     assert done.returncode == 1, done.stderr
     assert "cannot be written" in done.stderr and "base.h5" in done.stderr
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
+
+
+def test_faults_of_all_participants_are_heard_at_once(tmp_path):
+    """One cannot be repeated, the other refuses a parameter; nothing runs."""
+    (tmp_path / "marker").touch()
+    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf"])
+    assert done.returncode == 2
+    assert "bad: a step taken again from its saved state gives another x" in done.stderr
+    assert "good: u = inf" in done.stderr
+    assert not (tmp_path / "base.h5.partial").exists()
 
 
 def test_fault_before_the_first_checkpoint_says_so(tmp_path):

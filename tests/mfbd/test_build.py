@@ -91,11 +91,11 @@ def test_spreading_is_the_transpose_of_reading():
 def test_folding_by_symmetry_changes_nothing():
     """Values that have the symmetry of their classes read the same folded and unfolded."""
     rng = np.random.default_rng(1)
-    kind = np.array([0, 1, 2, 3])
-    folded = modal_field(rng.standard_normal((12, 4, 4)), kind)
-    values = np.stack([read(folded, 0, 4, unit).T for unit in np.eye(4)], axis=-1)
+    kind = np.tile([0, 1, 2, 3], 4)
+    folded = modal_field(rng.standard_normal((12, 4, 16)), kind)
+    values = np.stack([read(folded, 0, 4, unit).T for unit in np.eye(16)], axis=-1)
     plain = modal_field(values)
-    q, force = rng.standard_normal(4), rng.standard_normal((4, 12))
+    q, force = rng.standard_normal(16), rng.standard_normal((4, 12))
     np.testing.assert_allclose(read(plain, 0, 4, q), read(folded, 0, 4, q), atol=1e-14)
     np.testing.assert_allclose(spread(plain, 0, force), spread(folded, 0, force), atol=1e-13)
     assert folded.table.size * 4 == plain.table.size
