@@ -43,6 +43,10 @@ class Elastic:
         """Displacement under nodal forces, both on the free degrees of freedom."""
         return self._lu.solve(load)
 
+    def forget_factors(self):
+        """Give back the memory of the factors, for large bodies several times that of all else; `solve` ends with it."""
+        self._lu = None
+
     def full(self, shapes):
         """Put zeros back at the fixed nodes: (free, k) -> (3 n, k)."""
         out = np.zeros((self.size, shapes.shape[1]))

@@ -77,15 +77,16 @@ def _whole(matrix, n, path):
 
 
 def _symmetric(matrix, path):
-    """Both triangles from one; or both, if they agree."""
-    upper, lower = sp.triu(matrix, 1), sp.tril(matrix, -1)
-    if not upper.nnz or not lower.nnz:
-        return sp.csc_matrix(matrix + (upper + lower).T)
-    difference = abs(upper - lower.T)
-    if difference.max() > 1e-8 * abs(matrix).max():
-        row, column = np.unravel_index(difference.argmax(), matrix.shape)
-        raise MeshFault([f"{path.name}: not symmetric, rows {row + 1} and {column + 1} differ by {difference.max():.3g}"])
-    return sp.csc_matrix((matrix + matrix.T) / 2)
+    """Entries that are given on one side of the diagonal only, on both; those given twice must agree."""
+    other = matrix.T.tocsc()
+    here = sp.csc_matrix((np.ones(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
+    both = other.multiply(here)
+    difference = abs(matrix.multiply(here.T) - both).tocoo()
+    if difference.nnz and difference.data.max() > 1e-8 * abs(matrix).max():
+        at = difference.data.argmax()
+        raise MeshFault([f"{path.name}: not symmetric, rows {difference.row[at] + 1} and {difference.col[at] + 1} of the body "
+                         f"differ by {difference.data[at]:.3g}"])
+    return sp.csc_matrix(matrix + (other - both))
 
 
 def _by_labels(table, labels, path):

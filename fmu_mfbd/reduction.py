@@ -210,6 +210,7 @@ def _modes(mesh, body, options, surface, radial, weight, loads, progress):
         shapes = characteristic_constraint_modes(body, mesh.nodes(surface), count)
     else:
         shapes = pressure_modes(body, radial[:, body.free], weight, count, loads[body.free])
+    body.forget_factors()
     modes, omega = orthonormal_modes(body, shapes)
     modes, omega, kind = symmetric_modes(body, body.full(modes), omega, mesh.points)
     kept = np.setdiff1d(np.arange(count), np.asarray(options["modes_off"], dtype=int) - 1)

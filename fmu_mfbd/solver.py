@@ -66,6 +66,9 @@ class Pardiso:
             if error.value != self.NOT_POSITIVE:
                 raise MemoryError(f"PARDISO cannot factorise {K.shape[0]} degrees of freedom: {error}") from None
             raise ValueError(f"the stiffness has a non-positive pivot: {LOOSE}") from None
+        push = np.random.default_rng(1).standard_normal(K.shape[0])
+        if np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT:    # a pivot that is round-off passes above
+            raise ValueError(f"the stiffness is singular: {LOOSE}")
 
     def solve(self, load):
         """K^-1 load, shape (n,) or (n, k)."""

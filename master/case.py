@@ -21,22 +21,32 @@ class Table(BaseModel):
 
 
 class Time(Table):
-    """Run time and macro step: times, or crank angles together with the input that holds the angular speed."""
+    """Run time and macro step: times, or crank angles together with the input that holds the angular speed.
+
+    smallest_step : where a wire has a `local_error`, `step` is only where the run must come by: it is divided into macro steps
+    by their local error, none of them smaller than this; default step / 64.
+    """
 
     stop: str
     step: str
+    smallest_step: str | None = None
     angular_speed: Port | None = None
 
 
 class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
-    and its parameters and input starts."""
+    and its parameters and input starts.
+
+    isolated : the FMU runs in a process of its own, which is ended if it takes longer than `timeout` for any one answer.
+    """
 
     package: str | None = None
     file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | float | int] = {}
+    isolated: bool = False
+    timeout: str = "60 s"
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -52,6 +62,11 @@ class Wire(Table):
     that multiplies its nominal value.
     relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
+    local_error : largest local error of a macro step, text with the field's unit, or a number that multiplies its nominal value;
+    with it on any wire, macro steps are as long as their local error allows.
+    interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
+    also has the slopes which the source declares (an output that is the field's `derivative`).
+    conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
     """
 
     source: Port = Field(alias="from")
@@ -59,31 +74,39 @@ class Wire(Table):
     tolerance: str | float = 1e-6
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
+    local_error: str | float | None = None
+    interpolation: Literal["held", "linear", "hermite"] = "held"
+    conjugate: Port | None = None
 
 
 class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
-    method : newton (directional derivatives and GMRES), iqn_ils (secants), aitken, or constant relaxation.
+    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants; methods/secants.py); aitken,
+    or constant relaxation.
     order : the order in which the participants step; the wires that run against it are the unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
-    mixing : share taken of what the secants of iqn_ils leave unexplained.
-    windows, filter, filter_limit : of how many macro steps iqn_ils uses the secants, how it drops dependent ones.
-    largest_krylov_space : products per Newton update at most.
+    mixing : share taken of what the secants leave unexplained.
+    probing : a macro step without secants, or led astray by them, is taken by Newton on differences of sweeps.
+    windows : of how many macro steps iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
+    largest_krylov_space : products per Newton update at most. differences : products by differences of sweeps, not by the
+    participants' derivatives.
     halvings : how often a macro step that fails may be halved.
     """
 
-    method: Literal["newton", "iqn_ils", "aitken", "constant"] = "newton"
+    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant"] = "newton"
     order: list[str]
     predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)
     mixing: float = Field(1.0, gt=0, le=1)
+    probing: bool = False
     windows: int = Field(3, ge=0)
     filter: Literal["QR1", "QR2"] = "QR2"
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     largest_krylov_space: int = Field(120, ge=1)
+    differences: bool = False
     halvings: int = Field(6, ge=0)
 
 
@@ -95,7 +118,7 @@ class Record(Table):
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
-    checkpoint_every: int = Field(0, ge=0)
+    checkpoint_every: int = Field(50, ge=0)
 
 
 class Picture(Table):
@@ -287,10 +310,12 @@ def _sentence(fault):
 
 
 def times(case, speed):
-    """Stop time and macro step [s]; `speed` [rad/s] turns angles into times."""
+    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into times."""
     faults, values = [], []
-    for key in ("stop", "step"):
+    for key in ("stop", "step", "smallest_step"):
         text = getattr(case.time, key)
+        if text is None:
+            continue
         try:
             values.append(to_si(text, "rad") / speed if speed is not None else to_si(text, "s"))
             if not values[-1] > 0:
@@ -299,4 +324,4 @@ def times(case, speed):
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
-    return values
+    return values if case.time.smallest_step else [*values, values[1] / 64]

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 from .fmi.errors import BadInput
 from .stepping import Counters
+from .work import WorkBalance
 
 
 class Interrupted(RuntimeError):
@@ -20,22 +21,34 @@ class Interrupted(RuntimeError):
         super().__init__(f"interrupted at t = {time:.6g} s; go on with: piston-cosim resume {Checkpoint.path(output)}")
 
 
+@dataclass
+class Account:
+    """What a run has brought and taken so far: all that its summary is made of.
+
+    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went into; steps_done : macro
+    steps of the case; rows : of the results file, and wall_time [s], both as of the last checkpoint.
+    """
+
+    counters: Counters
+    reductions: list
+    work: WorkBalance
+    spent: dict
+    steps_done: int = 0
+    rows: int = 0
+    wall_time: float = 0.0
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """State of a run after a macro step.
 
-    tree, folder : resolved TOML tree, where its paths begin; steps_done : macro steps of the case; rows : of the results file; wall_time [s];
-    frozen : participants, predictor, method (see `freezing`); counters; reductions : summary entries so far.
+    tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor, method (see `freezing`).
     """
 
     tree: dict
     folder: str
-    steps_done: int
-    rows: int
-    wall_time: float
     frozen: bytes
-    counters: Counters
-    reductions: dict
+    account: Account
 
     @staticmethod
     def path(output):

@@ -20,6 +20,7 @@ COMMANDS = {
     "resume": "Go on with an interrupted run, with the same bits.",
     "plot": "Draw runs side by side.",
     "report": "Write one self-contained HTML page about runs.",
+    "scalars": "Write all scalar outputs of a run as CSV.",
     "fields": "Write recorded fields as CSV, HDF5 or VTU.",
     "snapshot": "Write a participant's outputs at an instant, for another run to start from.",
     "compare": "Score curves of runs against one another or against measured ones.",
@@ -47,6 +48,7 @@ def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
     from .checkpoint import Interrupted
     from .participant import ParticipantFault
+    from .recorder import CannotWrite
     from .stepping import StepFailed
 
     try:
@@ -57,11 +59,13 @@ def main():
         say_faults(f"bad input[/], {len(error.faults)} fault{'s' * (len(error.faults) > 1)}:", [f"- {f}" for f in error.faults])
         sys.exit(2)
     except StepFailed as error:
-        say_faults("stopped:[/] a macro step did not converge, and no halving is left", [error])
+        say_faults("stopped:[/] a macro step did not converge, and no halving is left", [error, *getattr(error, "__notes__", ())])
     except Interrupted as error:
         say_faults(f"stopped:[/] {error}", [])
     except ParticipantFault as error:
-        say_faults("stopped:[/] an FMU reports a fault of its own", [error])
+        say_faults("stopped:[/] an FMU reports a fault of its own", [error, *getattr(error, "__notes__", ())])
+    except CannotWrite as error:
+        say_faults(f"stopped:[/] {error}", getattr(error, "__notes__", ()))
     else:
         return
     sys.exit(1)

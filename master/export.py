@@ -40,6 +40,8 @@ def export_fmu(case, folder, progress):
     """
     given = [f"participants.{name}: is an FMU; only a package can go into one FMU" for name, table in case.participants.items()
              if not table.package]
+    given += [f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; inside one FMU inputs are held"
+              for wire in case.wires if wire.interpolation != "held"]
     if given:
         raise BadInput(given)
     system = open_system(case, folder, progress)

@@ -7,17 +7,19 @@ class Interface:
     """Vector layout of all connections.
 
     The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of wires that run against
-    the stepping order: the unknowns of a sequential sweep. Norms are scaled: element / nominal of its wire.
+    the stepping order: the unknowns of a sequential sweep (`feedback_wires`: the slice of each among them). Norms are scaled: element / nominal of its wire.
 
     Parameters
     ----------
     participants : dict of str to Participant
         In stepping order.
     connections : sequence of Connection
+
+    `trail` holds the measures of every wire since it was last cleared, a list for each sweep that was measured.
     """
 
     def __init__(self, participants, connections):
-        self.participants, self.connections = participants, connections
+        self.participants, self.connections, self.trail = participants, connections, []
         sizes = [int(np.prod(c.shape)) for c in connections]
         ends = np.cumsum(sizes, dtype=int)
         self.parts = [slice(end - size, end) for end, size in zip(ends, sizes)]
@@ -26,6 +28,8 @@ class Interface:
         position = {name: k for k, name in enumerate(participants)}
         against = [position[c.target[0]] <= position[c.source[0]] for c in connections]
         self.feedback = np.repeat(against, sizes)
+        lengths = [size for size, back in zip(sizes, against) if back]
+        self.feedback_wires = [slice(end - size, end) for end, size in zip(np.cumsum(lengths, dtype=int), lengths)]
         self.inputs = {name: self._wires(name, "target") for name in participants}
         self.outputs = {name: self._wires(name, "source") for name in participants}
 
@@ -102,7 +106,8 @@ class Interface:
 
     def measure(self, residual, values):
         """Largest measure of a wire, Eq. (C0): converged at 1 and below, NaN if any element is not finite."""
-        return float(np.max([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]))
+        self.trail.append([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)])
+        return float(np.max(self.trail[-1]))
 
     def worst(self, residual, values):
         """Sentence naming the worst wire and its largest residual."""

@@ -52,6 +52,7 @@ class Participant(Protocol):
     def serialise(self, saved): ...
     def deserialise(self, data): ...
     def derivative(self, seeds, products): ...
+    def set_course(self, name, course): ...     # only where can_interpolate
     def close(self): ...
 
 
@@ -98,6 +99,11 @@ class FmuParticipant:
     def can_redo(self):
         """Whether the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    @property
+    def can_interpolate(self):
+        """Whether the FMU follows inputs over a step whose derivatives it is told."""
+        return bool(self.description.coSimulation.canInterpolateInputs)
 
     @property
     def declares_units(self):
@@ -164,6 +170,18 @@ class FmuParticipant:
         else:
             setter = self._fmu.setString if field.type == "String" else self._set_integers
             setter(list(field.references), [value] * field.size)
+
+    def set_course(self, name, course):
+        """Set an input and its time derivatives at the beginning of the next step.
+
+        course : ndarray, shape (order + 1, *shape of the field), value first.
+        """
+        self.set(name, course[0])
+        count = self.fields[name].size * (len(course) - 1)
+        references = (ctypes.c_uint * count)(*self.fields[name].references * (len(course) - 1))
+        orders = (ctypes.c_int * count)(*np.repeat(np.arange(1, len(course)), self.fields[name].size))
+        values = np.ascontiguousarray(course[1:], dtype=float)
+        self._fmu.fmi2SetRealInputDerivatives(self._fmu.component, references, count, orders, values.ctypes.data_as(REAL))
 
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar."""
@@ -283,25 +301,12 @@ class FmuParticipant:
         return self._cut(read)
 
     def _difference(self, seeds, products):
-        """The same from the last step taken once more with changed inputs; the FMU is left as it was.
-
-        Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
-        """
-        before = {name: self.get(name) for name in (*seeds, *products)}
-        scale = {name: self.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0 for name in seeds}
-        largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
-        if largest == 0.0:
-            return {name: np.zeros_like(before[name]) for name in products}
-        end, size = self.save(), DIFFERENCE / largest
+        """The same from the last step taken once more."""
+        begin = self._begin
         try:
-            self.restore(self._begin)
-            for name, value in seeds.items():
-                self.set(name, before[name] + size * value)
-            self.step(*self._last_step)
-            return {name: (self.get(name) - before[name]) / size for name in products}      # Eq. (P1)
+            return difference(self, begin, self._last_step, seeds, products)
         finally:
-            self._set_state(end)
-            self.free(end)
+            self._begin = begin
 
     def _model_description(self):
         """Root of the XML, for what FMPy does not read."""
@@ -345,6 +350,42 @@ def _block(fields):
     values = np.zeros(int(ends[-1]) if fields else 0)
     parts = {name: slice(int(end) - field.size, int(end)) for (name, field), end in zip(fields.items(), ends)}
     return Block((ctypes.c_uint * len(references))(*references), len(references), values, values.ctypes.data_as(REAL), parts)
+
+
+def difference(participant, begin, last_step, seeds, products):
+    """Directional derivative from the last step taken once more with changed inputs; the participant is left as it was.
+
+    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
+
+    Parameters
+    ----------
+    participant : Participant
+    begin : saved state
+        Where the last step began.
+    last_step : (float, float)
+        Its time and size [s].
+    seeds : dict of str to ndarray
+    products : iterable of str
+
+    Returns
+    -------
+    dict of str to ndarray
+    """
+    before = {name: participant.get(name) for name in (*seeds, *products)}
+    scale = {name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0 for name in seeds}
+    largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
+    if largest == 0.0:
+        return {name: np.zeros_like(before[name]) for name in products}
+    end, size = participant.save(), DIFFERENCE / largest
+    try:
+        participant.restore(begin)
+        for name, value in seeds.items():
+            participant.set(name, before[name] + size * value)
+        participant.step(*last_step)
+        return {name: (participant.get(name) - before[name]) / size for name in products}      # Eq. (P1)
+    finally:
+        participant.restore(end)
+        participant.free(end)
 
 
 def unpack(path):

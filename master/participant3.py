@@ -9,6 +9,7 @@ class Fmu3Participant(FmuParticipant):
     """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
+    can_interpolate = False     # FMI 3.0 has no call that tells an FMU the derivatives of its inputs
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)

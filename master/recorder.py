@@ -11,10 +11,28 @@ Layout
 
 import json
 import os
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+
+ROOM = 2**18
+"""Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
+
+
+class CannotWrite(RuntimeError):
+    """A file of the run cannot be written: the disk is full, or it is not ours."""
+
+
+@contextmanager
+def writing(path):
+    """What the system says while writing `path` becomes CannotWrite."""
+    try:
+        yield
+    except OSError as error:
+        raise CannotWrite(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 class Recorder:
@@ -46,6 +64,7 @@ class Recorder:
             self._take_over()
         os.replace(fresh, self.partial)
         self.file.swmr_mode = True
+        self._reserved, self._need = 0, ROOM + self._largest_growth()
 
     def _make_datasets(self):
         self._series("time", "s", "end of the macro step")
@@ -80,6 +99,21 @@ class Recorder:
 
             self.file.visititems(copy)
 
+    def _largest_growth(self):
+        """Bytes of data that may be waiting for the disk at any one time: rows of fields and a chunk of each series."""
+        datasets = []
+        self.file.visititems(lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None)
+        waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
+        return sum(count * item.dtype.itemsize * int(np.prod(item.chunks)) for count, item in zip(waiting, datasets))
+
+    def _reserve(self):
+        """Take the room for what comes next on the disk before HDF5 needs it: after a write that fails HDF5 cannot even close."""
+        end = self.file.id.get_filesize() + self._need
+        if end > self._reserved:
+            self._reserved = end + self._need
+            with writing(self.partial), open(self.partial, "r+b", buffering=0) as file:
+                os.posix_fallocate(file.fileno(), 0, self._reserved)
+
     def flush(self):
         """Bring everything written so far to the disk."""
         self.file.flush()
@@ -90,7 +124,8 @@ class Recorder:
         dataset[-1] = value
 
     def write(self, time, solution=None):
-        """Add a row for `time` [s] from the participants' outputs as they are now."""
+        """Add a row for `time` [s] from the participants' outputs as they are now; CannotWrite where the disk is full."""
+        self._reserve()
         values = {name: self.participants[name].get_many([f.name for f in fields]) for name, fields in self.scalars.items()}
         self._append("time", time)
         for name, row in values.items():
@@ -149,6 +184,27 @@ class Results:
         """Values, unit and description of a scalar output "participant.name"."""
         dataset = self.file[port.replace(".", "/")]
         return dataset[:], dataset.attrs["unit"], dataset.attrs["description"]
+
+    @property
+    def ports(self):
+        """All scalar outputs, "participant.name", and "coupling.name"."""
+        found = []
+        self.file.visititems(lambda name, item: found.append(name.replace("/", ".")) if isinstance(item, h5py.Dataset) else None)
+        return [port for port in found if port != "time" and not port.startswith("fields.")]
+
+    def structured(self):
+        """All scalar outputs as FMPy hands out results.
+
+        Returns
+        -------
+        ndarray, shape (rows,)
+            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and `plot_result` take it.
+        """
+        table = np.empty(self.time.size, [("time", float), *((port, float) for port in self.ports)])
+        table["time"] = self.time
+        for port in self.ports:
+            table[port] = self.series(port)[0]
+        return table
 
     def field(self, port, time):
         """Recorded field nearest to `time` [s], its instant [s], unit and description."""

@@ -3,16 +3,24 @@
 import json
 import platform
 import time as clock
+from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
 
-from .checkpoint import Checkpoint, Interrupted, listening
+from .checkpoint import Account, Checkpoint, Interrupted, listening
 from .freezing import freeze, thaw
+from .logs import CouplingLog
 from .methods import method_of
-from .recorder import Recorder
-from .stepping import Stepper
+from .participant import ParticipantFault
+from .recorder import CannotWrite, Recorder, writing
+from .rollback import rollback_faults
+from .step_control import step_control
+from .stepping import Stepper, StepFailed
+from .timing import Timed, split
 from .wiring import start
+from .work import WorkBalance
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
@@ -41,62 +49,106 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Raises
     ------
     BadInput
-        If a participant refuses its parameters; nothing has been written then.
-    StepFailed
-        If a macro step cannot be converged; the results up to it stay in `<output>.partial`.
+        If a participant refuses its parameters, or cannot go back to a saved state; nothing has been written then.
+    StepFailed, ParticipantFault, CannotWrite
+        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
+        in `<output>.partial`, and a note on the exception names the last checkpoint.
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
-        start(system)
-        return _march(system, case, tree, output, watch, begin_at)
+        start(system, (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step))
+        march = March(system, case, tree, output, watch, begin_at)
+        try:
+            return march.go()
+        finally:
+            march.close()
+    except (StepFailed, ParticipantFault, CannotWrite) as stop:
+        stop.add_note(kept(output))
+        raise
     finally:
         for participant in system.participants.values():
             participant.close()
 
 
-def _march(system, case, tree, output, watch, begin_at):
-    reductions = [Reduction(name, text) for name, text in case.summary.items()]
+def kept(output):
+    """Sentence on the checkpoint that a stopped run has left."""
+    checkpoint = Checkpoint.path(output)
+    if not checkpoint.exists():
+        return "no checkpoint had been written yet"
+    return f"what was reached is kept; once the cause is gone, go on with: piston-cosim resume {checkpoint}"
 
-    def accepted(time, solution):
-        values = recorder.write(time, solution)
-        for reduction in reductions:
-            reduction.add(values)
-        watch(time, system.stop, solution, monitored(case, system, values))
 
-    stepper = Stepper(system, method_of(case.coupling), case.coupling.halvings, accepted, case.coupling.predictor)
-    if begin_at:
-        thaw(stepper, begin_at.frozen)
-        stepper.counters = begin_at.counters
-        for reduction in reductions:
-            reduction.values = begin_at.reductions[reduction.name]
-    recorder = Recorder(output, system.participants, case.record, {
-        "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, begin_at.rows if begin_at else 0)
-    first, spent = (begin_at.steps_done, begin_at.wall_time) if begin_at else (0, 0.0)
-    begin, steps = clock.perf_counter() - spent, round(system.stop / system.step)
+class March:
+    """A run under way; see `run` for the arguments. What it has brought and taken so far is in `account`."""
 
-    def keep(steps_done):
-        recorder.flush()
-        Checkpoint(tree, system.folder, steps_done, recorder.rows, clock.perf_counter() - begin, freeze(stepper), stepper.counters,
-                   {r.name: r.values for r in reductions}).write(output)
+    def __init__(self, system, case, tree, output, watch, begin_at):
+        self.system, self.case, self.tree, self.output, self.watch = system, case, tree, output, watch
+        spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
+        timed = replace(system, participants={name: Timed(p, spent) for name, p in system.participants.items()})
+        self.stepper = Stepper(timed, method_of(case.coupling), case.coupling.halvings, self.accepted, case.coupling.predictor,
+                               self.attempted, step_control(timed.connections, system.smallest_step))
+        if begin_at:
+            thaw(self.stepper, begin_at.frozen)
+            self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
+        else:
+            Checkpoint.path(output).unlink(missing_ok=True)     # that of an older run, whose results give way to these
+            self.account = Account(self.stepper.counters, [Reduction(name, text) for name, text in case.summary.items()],
+                                   WorkBalance(self.stepper.interface, case.wires), spent)
+        self.begin = clock.perf_counter() - self.account.wall_time
+        with writing(output):
+            self.recorder = Recorder(output, system.participants, case.record, {
+                "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, self.account.rows)
+            self.log = CouplingLog(output, timed.connections, self.account.counters)
 
-    try:
+    def go(self):
+        """March to the stop time; the summary."""
+        stop, steps = self.system.stop, round(self.system.stop / self.system.step)
+        every = self.case.record.checkpoint_every
         with listening() as heard:
-            if not begin_at:
-                recorder.write(0.0)
-            for k in range(first, steps):
-                before, after = system.stop * k / steps, system.stop * (k + 1) / steps
-                stepper.advance(before, after - before)
-                if heard.signal or (case.record.checkpoint_every and (k + 1) % case.record.checkpoint_every == 0):
-                    keep(k + 1)
+            if not self.account.rows:
+                self.recorder.write(0.0)
+            for k in range(self.account.steps_done, steps):
+                before, after = stop * k / steps, stop * (k + 1) / steps
+                self.stepper.advance(before, after - before)
+                self.account.steps_done = k + 1
+                if heard.signal or (every and (k + 1) % every == 0):
+                    self.keep()
                 if heard.signal and k + 1 < steps:
-                    raise Interrupted(output, after)
-        summary = summarise(stepper, reductions, clock.perf_counter() - begin)
-        recorder.finish(summary)
-        Checkpoint.path(output).unlink(missing_ok=True)
+                    raise Interrupted(self.output, after)
+        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        self.recorder.finish(summary)
+        Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
-    finally:
-        recorder.close()
+
+    def attempted(self, time, step, trail, failure):
+        """Log an attempt at a macro step."""
+        with writing(self.output):
+            self.log.attempt(time, step, trail, failure)
+
+    def accepted(self, time, solution):
+        """Record an accepted step, and tell of it."""
+        begin, account = clock.perf_counter(), self.account
+        values = self.recorder.write(time, solution)
+        for reduction in account.reductions:
+            reduction.add(values)
+        account.spent["recording"] += clock.perf_counter() - begin
+        account.work.add(time, solution.x, self.stepper.interface.read())
+        self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
+
+    def keep(self):
+        """Write a checkpoint."""
+        begin = clock.perf_counter()
+        self.recorder.flush()
+        self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
+        with writing(Checkpoint.path(self.output)):
+            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(self.output)
+        self.account.spent["recording"] += clock.perf_counter() - begin
+
+    def close(self):
+        """Close the files; what they hold stays."""
+        self.recorder.close()
+        self.log.close()
 
 
 class Reduction:
@@ -126,14 +178,15 @@ def monitored(case, system, values):
     return found
 
 
-def summarise(stepper, reductions, wall_time):
+def summarise(account, control, wall_time):
     """The summary of a finished run: no step is ever accepted unconverged, so a run that finishes has none."""
-    counters = stepper.counters
-    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps,
+    counters = account.counters
+    controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
+    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps, **controlled,
             "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
             "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
-            "derivative_products": counters.derivative_products, "wall_time_s": wall_time,
-            **{r.name: r.result() for r in reductions}}
+            "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),
+            **account.work.summary(), **{r.name: r.result() for r in account.reductions}}
 
 
 def versions():

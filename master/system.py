@@ -2,12 +2,17 @@
 
 from difflib import get_close_matches
 
+from dataclasses import replace
+
 from .case import times
 from .fmi.builder import build_fmu, build_fmu_of_file
 from .fmi.errors import BadInput
 from .fmi.quantities import to_si
+from .interpolated import InterpolatedParticipant, slope_of
+from .isolated import IsolatedParticipant
 from .participant import open_fmu
 from .wiring import Connection, System
+from .work import conjugates
 
 
 def open_system(case, folder, progress):
@@ -22,23 +27,42 @@ def open_system(case, folder, progress):
     faults, participants = [], {}
     for name in case.participants:
         try:
-            participants[name] = open_fmu(name, _fmu(case.participants[name], folder, progress))
+            participants[name] = _participant(name, case.participants[name], folder, progress)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
         raise BadInput(faults)
     parameters = {name: _parameters(participants[name], case.participants[name].parameters, faults) for name in participants}
-    connections = tuple(c for wire in case.wires if (c := _connection(wire, participants, faults)))
+    connections = [c for wire in case.wires if (c := _connection(wire, participants, faults))]
+    participants = _interpolating(case, participants, faults)
+    try:
+        conjugates(connections, case.wires)
+    except BadInput as error:
+        faults += error.faults
     _check_capabilities(participants, faults)
     _check_ports(case, participants, faults)
-    stop = step = None
+    clock = []
     try:
-        stop, step = times(case, _angular_speed(case, parameters))
+        clock = times(case, _angular_speed(case, parameters))
     except BadInput as error:
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    return System(participants, tuple(case.coupling.order), connections, parameters, stop, step, str(folder))
+    connections += _slopes(case, participants, connections, clock[1])
+    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, *clock, str(folder))
+
+
+def _participant(name, table, folder, progress):
+    participant = open_fmu(name, _fmu(table, folder, progress))
+    if not table.isolated:
+        return participant
+    try:
+        timeout = to_si(table.timeout, "s")
+    except ValueError as error:
+        raise BadInput(f"timeout: {error}") from None
+    if not timeout > 0:
+        raise BadInput(f"timeout = {table.timeout}: must be positive")
+    return IsolatedParticipant(participant, timeout)
 
 
 def _fmu(table, folder, progress):
@@ -113,15 +137,61 @@ def _connection(wire, participants, faults):
         faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
     unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
-    try:
-        tolerance = wire.tolerance * nominal if isinstance(wire.tolerance, float) else to_si(wire.tolerance, unit)
-    except ValueError as error:
-        faults.append(f"{where}: tolerance: {error}")
+    tolerance, local_error = (_amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error"))
+    if tolerance is None:
         return None
+    if local_error is not None and not local_error > 0:
+        faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
     if tolerance < 0 or not (tolerance or wire.relative_tolerance):
         faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive, or 0 beside a relative_tolerance")
     return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
-                      tolerance, wire.largest_decrease, wire.relative_tolerance)
+                      tolerance, wire.largest_decrease, wire.relative_tolerance, local_error)
+
+
+def _amount(wire, key, nominal, unit, where, faults):
+    """A wire's entry in SI: a number multiplies the nominal value; None if it is not given, or with a fault."""
+    given = getattr(wire, key)
+    try:
+        return given * nominal if isinstance(given, float) else None if given is None else to_si(given, unit)
+    except ValueError as error:
+        faults.append(f"{where}: {key}: {error}")
+        return None
+
+
+def _interpolating(case, participants, faults):
+    """The participants, those with interpolated inputs wrapped; faults of those that cannot are appended."""
+    kinds = {}
+    for wire in case.wires:
+        (owner, name), (target, inlet) = wire.source.split("."), wire.target.split(".")
+        if wire.interpolation == "held":
+            continue
+        kinds.setdefault(target, {})[inlet] = wire.interpolation
+        where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
+        if not participants[target].can_interpolate:
+            faults.append(f"{where}: {participants[target].path.name} cannot follow inputs over a step (canInterpolateInputs of "
+                          "FMI 2.0); write held, or take shorter macro steps")
+        if wire.interpolation == "hermite" and not _rate(participants[owner], name):
+            faults.append(f"{where}: {participants[owner].path.name} declares no output as the derivative of {name}; "
+                          "write linear")
+    return {name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p for name, p in participants.items()}
+
+
+def _rate(participant, name):
+    """Name of the output that is the time derivative of output `name`, or None."""
+    return next((f.name for f in participant.fields.values() if f.derivative_of == name and f.causality == "output"), None)
+
+
+def _slopes(case, participants, connections, step):
+    """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the value in a macro step [s]."""
+    cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
+    found = []
+    for c in connections:
+        (owner, name), (target, inlet) = c.source, c.target
+        if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
+            found.append(replace(c, source=(owner, _rate(participants[owner], name)), target=(target, slope_of(inlet)),
+                                 unit=f"{c.unit}/s", nominal=c.nominal / step, tolerance=c.tolerance / step,
+                                 largest_decrease=None, local_error=None))
+    return found
 
 
 def _check_capabilities(participants, faults):

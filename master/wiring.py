@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .fmi.errors import BadInput
+
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire ready for use: both ends, shape, and in SI its nominal and tolerance."""
+    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local error."""
 
     source: tuple
     target: tuple
@@ -17,6 +19,7 @@ class Connection:
     tolerance: float
     largest_decrease: float | None
     relative_tolerance: float = 0.0
+    local_error: float | None = None
 
     def allowed(self, values):
         """Size of an element's residual that counts as converged, for given values of the field."""
@@ -41,7 +44,7 @@ def _rms(values):
 class System:
     """Participants in the order they start, stepping order, connections, parameters in SI, times, folder of the case.
 
-    stop, step : stop time and macro step [s].
+    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro steps [s].
     """
 
     participants: dict
@@ -50,14 +53,28 @@ class System:
     parameters: dict
     stop: float
     step: float
+    smallest_step: float = 0.0
     folder: str = ""
 
 
-def start(system):
-    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs."""
-    started = {}
+def start(system, trial=lambda participant: []):
+    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs.
+
+    `trial` is called with each participant that has started, and returns what is wrong with it. Raises BadInput with all
+    that is refused and found.
+    """
+    faults, started = [], {}
     for name, participant in system.participants.items():
         fed = {c.target[1]: started[c.source[0]].get(c.source[1]) for c in system.connections
                if c.target[0] == name and c.source[0] in started}
-        participant.start(system.parameters[name] | fed, 0.0, system.stop)
-        started[name] = participant
+        try:
+            participant.start(system.parameters[name] | fed, 0.0, system.stop)
+            started[name] = participant
+        except BadInput as error:
+            faults += error.faults
+    for c in system.connections:        # where inputs are interpolated the first step begins with what its sources say
+        if c.source[0] in started and c.target[0] in started:
+            started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
+    faults += [fault for participant in started.values() for fault in trial(participant)]
+    if faults:
+        raise BadInput(faults)

@@ -40,6 +40,7 @@ def model_description(slave, any_host):
     SubElement(root, "CoSimulation", {
         "modelIdentifier": slave.name, "needsExecutionTool": str(not any_host).lower(),
         "canHandleVariableCommunicationStepSize": "true", "canNotUseMemoryManagementFunctions": "true",
+        "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
         "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": str(any_host and bool(slave.derivative_inputs)).lower()})
     common_parts(root, slave)
@@ -84,13 +85,14 @@ def _vendor_annotations(parent, slave, any_host):
 
 
 def _variables(parent, slave):
+    first = dict(zip((v.name for v in slave.table), np.cumsum([1, *(v.size for v in slave.table)]).tolist()))
     for v in slave.table:
         common = causality_attributes(v)
         typed = type_attributes(v)
         for k, name in enumerate(element_names(v)):
             node = SubElement(parent, "ScalarVariable", {
                 "name": name, "valueReference": str(slave.references[v.name] + k), **common})
-            SubElement(node, v.type, typed)
+            SubElement(node, v.type, typed | ({"derivative": str(first[v.derivative_of] + k)} if v.derivative_of else {}))
 
 
 def causality_attributes(v):

@@ -17,7 +17,7 @@ class Field:
 
     `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI 3 the array's one.
     `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first element ("1" and None where the FMU says
-    nothing).
+    nothing), `derivative_of` names the field whose time derivative this one is.
     """
 
     name: str
@@ -31,6 +31,7 @@ class Field:
     maximum: float | None
     start: str | None
     description: str
+    derivative_of: str | None = None
 
     @cached_property
     def size(self):
@@ -82,4 +83,12 @@ def _described(name, shape, variables, kind):
     number = {key: float(value) if (value := getattr(first, key)) not in (None, "") and kind != "String" else None
               for key in ("nominal", "min", "max")}
     return Field(name, shape, tuple(v.valueReference for v in variables), kind, first.causality or "local", first.unit or "1",
-                 number["nominal"], number["min"], number["max"], first.start, first.description or "")
+                 number["nominal"], number["min"], number["max"], first.start, first.description or "", _derivative_of(first))
+
+
+def _derivative_of(variable):
+    """Name of the field that a variable is the time derivative of, or None."""
+    if variable.derivative is None:
+        return None
+    match = ELEMENT.match(variable.derivative.name)
+    return match["base"] if match else variable.derivative.name

@@ -3,8 +3,9 @@
 The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`; a participant derives from it and
 writes three: `start`, `advance` and `directional_derivative`. What is stored where:
 
-- `real`: one array [variables of type Real | seeds | products]; a value reference is an index into it, and each
-  declared array is a view of it. Seeds and products are the reserved references of the directional derivative.
+- `real`: one array [variables of type Real | courses | seeds | products]; a value reference is an index into it, and each
+  declared array is a view of it. Seeds and products are the reserved references of the directional derivative. A course is
+  what fmi2SetRealInputDerivatives said of an input, its first three derivatives at the beginning of the step to come.
 - `integer`, `string`: likewise for the two other types. The front reads and writes `real` and `integer` in place: they are
   allocated once and stay where they are.
 - `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings, state); Integer outputs
@@ -36,6 +37,7 @@ class FieldSlave(Fmi2Slave):
     - `variables(options)`: its table, a list of `Variable`;
     - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every fault;
     - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it cannot;
+    - `interpolates_inputs`: True if `advance` asks `course` for its inputs instead of reading `values`;
     - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`: optional.
     """
 
@@ -43,6 +45,7 @@ class FieldSlave(Fmi2Slave):
     description = ""
     state_type = None
     usual_step = 5e-5
+    interpolates_inputs = False
     derivative_inputs = ()
     derivative_outputs = ()
 
@@ -71,6 +74,18 @@ class FieldSlave(Fmi2Slave):
         """State and outputs at time + step [s]; inputs in `values` hold end-of-step values."""
         raise NotImplementedError
 
+    def course(self, name):
+        """An input over the step being taken, as the importer described it.
+
+        Eq. (F1):  u(t + s) = u + u' s + u'' s^2/2 + u''' s^3/6,   held (all derivatives 0) if nothing was said of it
+
+        Returns
+        -------
+        ndarray, shape (4, *shape of the input)
+            u, u', u'', u''' at the beginning of the step [unit, unit/s, ..].
+        """
+        return np.concatenate([self.views[name][None], self.views[f"course:{name}"]])
+
     def directional_derivative(self, seeds):
         """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its inputs."""
         raise NotImplementedError
@@ -83,7 +98,9 @@ class FieldSlave(Fmi2Slave):
         real = [v for v in self.table if v.type == "Real"]
         shapes = {v.name: v.shape for v in real}
         self.real_count = sum(v.size for v in real)
-        reserved = [(f"seed:{n}", shapes[n]) for n in self.derivative_inputs]
+        self.courses = [v.name for v in real if v.causality == "input" and self.interpolates_inputs]
+        reserved = [(f"course:{n}", (3, *shapes[n])) for n in self.courses]
+        reserved += [(f"seed:{n}", shapes[n]) for n in self.derivative_inputs]
         reserved += [(f"product:{n}", shapes[n]) for n in self.derivative_outputs]
         self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in reserved))
         integer = [v for v in self.table if v.type == "Integer"]
@@ -122,14 +139,15 @@ class FieldSlave(Fmi2Slave):
     # ---- what the C front calls besides -------------------------------------------------------------------------
 
     def layout(self):
-        """Where the numbers lie, for the front (front.h): addresses, lengths, seed and product blocks, all variables."""
+        """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds, products, all variables."""
         real, integer = self.real.ctypes.data, self.integer.ctypes.data
-        blocks = [[(self.references[n], self.views[n].size, self.references[f"{kind}:{n}"]) for n in names]
-                  for kind, names in (("seed", self.derivative_inputs), ("product", self.derivative_outputs))]
+        blocks = [[(self.references[n], self.views[n].size, self.references[f"{kind}:{n}"]) for n in names] for kind, names
+                  in (("course", self.courses), ("seed", self.derivative_inputs), ("product", self.derivative_outputs))]
         kinds = ("Real", "Integer", "String")
         entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
         head = [real, integer, self.real_count, len(self.integer), len(self.string), *map(len, blocks), len(entries)]
-        return np.array([*head, *np.ravel(blocks[0]), *np.ravel(blocks[1]), *np.ravel(entries)], dtype=np.int64).tobytes()
+        parts = [head, *map(np.ravel, blocks), np.ravel(entries)]
+        return np.concatenate(parts).astype(np.int64).tobytes()
 
     def verdict(self):
         """Status of the call just made and what it logged, (status, category, text) each; both are forgotten here."""
@@ -206,6 +224,9 @@ class FieldSlave(Fmi2Slave):
             self._fail(str(refusal), Fmi2Status.discard)
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
+        finally:
+            for name in self.courses:       # they were those of this step alone
+                self.views[f"course:{name}"][...] = 0.0
         return False
 
     def _check_step(self, step_size):

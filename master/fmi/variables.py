@@ -30,6 +30,8 @@ class Variable:
         Allowed range [unit], both ends included.
     shape : tuple of int
         () for a scalar.
+    derivative_of : str, optional
+        Name of the variable whose time derivative this one is.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     shape: tuple = ()
+    derivative_of: str | None = None
 
     @property
     def size(self):

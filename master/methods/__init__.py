@@ -8,16 +8,19 @@ what the method carries from one macro step to the next (None if nothing); the s
 from .newton import Newton
 from .quasi_newton import QuasiNewton
 from .relaxation import Relaxation
+from .secants import Ageing, LeastSquares, MultiVector
 from .solution import MacroStep, NotConverged, Solution, step_length
 
-__all__ = ["MacroStep", "Newton", "NotConverged", "QuasiNewton", "Relaxation", "Solution", "method_of", "step_length"]
+__all__ = ["Ageing", "LeastSquares", "MacroStep", "MultiVector", "Newton", "NotConverged", "QuasiNewton", "Relaxation", "Solution",
+           "method_of", "step_length"]
 
 
 def method_of(coupling):
     """The method a case's coupling table asks for."""
     if coupling.method == "newton":
-        return Newton(coupling.max_iterations, coupling.largest_krylov_space)
-    if coupling.method == "iqn_ils":
-        return QuasiNewton(coupling.relaxation, coupling.mixing, coupling.windows, coupling.filter_limit,
-                           coupling.filter, coupling.max_iterations)
-    return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
+        return Newton(coupling.max_iterations, coupling.largest_krylov_space, differences=coupling.differences)
+    if coupling.method in ("aitken", "constant"):
+        return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
+    secants = {"iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit, coupling.filter),
+               "iqn_imvj": MultiVector(coupling.windows), "iqn_ageing": Ageing()}[coupling.method]
+    return QuasiNewton(secants, coupling.relaxation, coupling.mixing, coupling.max_iterations, coupling.probing)

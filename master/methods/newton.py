@@ -1,10 +1,11 @@
 """Interface Newton-Krylov: the fixed point of a macro step by directional derivatives."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .krylov import RecycledGmres
+from .probing import ProbedStep
 from .solution import NotConverged, Solution, step_length
 
 
@@ -27,17 +28,26 @@ class Newton:
         GMRES stops at this share of the tolerance ...
     forcing : float
         ... or at this share of the right-hand side, whichever is larger: the next nonlinear residual spoils the rest.
+    differences : bool
+        Products by differences of sweeps (rollback), also where the participants offer derivatives.
     """
 
     max_iterations: int = 20
     largest_krylov_space: int = 120
     accuracy: float = 0.1
     forcing: float = 1e-6
+    differences: bool = False
 
     def memory(self):
         return RecycledGmres(self.largest_krylov_space)
 
     def solve(self, macro_step, guess, memory):
+        if self.differences:
+            solution = self._iterate(ProbedStep(macro_step), guess, memory)
+            return replace(solution, products=0, probes=solution.products)
+        return self._iterate(macro_step, guess, memory)
+
+    def _iterate(self, macro_step, guess, memory):
         interface, x, history, products = macro_step.interface, guess, [], 0
         for jacobians in range(self.max_iterations):
             used, y, residual = macro_step.sweep(x)
@@ -48,20 +58,20 @@ class Newton:
                 raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             if len(history) > 3 and history[-1] > 1e3 * min(history):
                 raise NotConverged("the residual grows", interface, residual, y, history)
-            change, count = self._update(interface, y - used, interface.allowed(y), memory)
+            change, count = self._update(macro_step, y - used, interface.allowed(y), memory)
             products += count
             x = used + step_length(interface, used, change) * change
         raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
-    def _update(self, interface, residual, allowed, memory):
+    def _update(self, macro_step, residual, allowed, memory):
         """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
-        feedback = interface.feedback
+        interface, feedback = macro_step.interface, macro_step.interface.feedback
         scale = interface.nominal[feedback]
 
         def sweep(reduced):
             change = np.zeros(interface.size)
             change[feedback] = reduced * scale
-            return interface.linear_sweep(change)
+            return macro_step.linear_sweep(change)
 
         right = residual[feedback] / scale
         tolerance = max(self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right))

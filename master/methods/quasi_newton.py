@@ -1,111 +1,111 @@
-"""Interface quasi-Newton with an inverse Jacobian from least squares (IQN-ILS, Anderson acceleration)."""
+"""Interface quasi-Newton: updates from secant pairs, for participants without directional derivatives."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from .filtering import filtered
+from .krylov import RecycledGmres
+from .newton import Newton
+from .probing import ProbedStep
+from .secants import Ageing, LeastSquares, MultiVector
 from .solution import NotConverged, Solution, step_length
-
-
-@dataclass
-class Secants:
-    """Secant pairs, newest first: differences of residuals (columns of V) and of sweep results (columns of W).
-
-    `past` holds those of the last accepted macro steps, `now` those of the running one.
-    """
-
-    now: list = field(default_factory=list)
-    past: list = field(default_factory=list)
-
-    def columns(self):
-        return self.now + [pair for window in self.past for pair in window]
-
-    def close(self, windows):
-        """The macro step is accepted: keep its pairs among those of the last `windows` steps."""
-        self.past, self.now = ([self.now, *self.past] if self.now else self.past)[:windows], []
 
 
 @dataclass(frozen=True)
 class QuasiNewton:
-    """IQN-ILS, participants one after the other.
+    """Quasi-Newton iteration on the feedback wires, participants one after the other.
 
-    Eq. (C4):  x_{k+1} = x_k + (W - V) c + m (r_k + V c),   c = argmin |V c + r_k|,   r_k = G(x_k) - x_k on the feedback wires
-               V = [.., r_k - r_{k-1}, ..],  W = [.., G(x_k) - G(x_{k-1}), ..], this macro step's and some earlier ones'
+    x_{k+1} = x_k + X c + m (r_k + V c),   r_k = G(x_k) - x_k,   c from the secants (Eq. (C4) to (C6))
 
-    With the mixing factor m = 1 this is IQN-ILS, with m < 1 Anderson's mixing: what the secants do not explain, r_k + V c,
-    is relaxed instead of taken whole, which matters where many directions amplify.
+    With the mixing factor m = 1 this is IQN, with m < 1 Anderson's mixing: what the secants do not explain is relaxed
+    instead of taken whole, which matters where many directions amplify.
 
-    The least squares run in scaled values: nominals first, then each wire divided by its share of the residuals seen in
-    this macro step, so that no field drowns another.
+    Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro step that finds no
+    secants, or that they lead astray, is taken by Newton on differences: sweeps from slightly changed iterates, each of
+    them a secant too, and a clean one.
 
     Parameters
     ----------
+    secants : LeastSquares, MultiVector or Ageing
     relaxation : float
         Factor of the first update, while there are no secants.
     mixing : float
         m.
-    windows : int
-        Accepted macro steps whose secants are used again.
-    limit : float
-        Filter: a column is dropped if less than this share of it is new (QR2), or its share of the whole of R (QR1).
-    rule : {"QR1", "QR2"}
     max_iterations : int
         Sweeps a macro step.
-
-    References
-    ----------
-    Degroote, Bathe, Vierendeels (2009), Computers and Structures 87, 793-801. Filters: Haelterman et al. (2016),
-    Computers and Structures 171, 9-17.
+    probing : bool
+    astray : float
+        With probing, the secants have failed once the residual is this many times the smallest one seen, or after half of
+        max_iterations.
     """
 
+    secants: LeastSquares | MultiVector | Ageing = LeastSquares()
     relaxation: float = 0.1
     mixing: float = 1.0
-    windows: int = 3
-    limit: float = 1e-2
-    rule: str = "QR2"
     max_iterations: int = 50
+    probing: bool = False
+    astray: float = 5.0
 
     def memory(self):
-        return Secants()
+        return Memory(self.secants.memory())
 
     def solve(self, macro_step, guess, memory):
-        interface, x, history = macro_step.interface, guess, []
+        try:
+            if self.probing and memory.secants.empty:
+                return self._probe(macro_step, guess, memory, ())
+            return self._iterate(macro_step, guess, memory.secants)
+        except Astray as lost:
+            return self._probe(macro_step, guess, memory, lost.history)
+
+    def _iterate(self, macro_step, x, secants):
+        interface, history, last, least = macro_step.interface, [], None, np.inf
         feedback, scale = interface.feedback, interface.nominal[interface.feedback]
-        memory.now, last, shares = [], None, 0.0
-        for _ in range(self.max_iterations):
+        secants.begin()
+        for iteration in range(self.max_iterations):
             used, y, residual = macro_step.sweep(x)
             history.append(interface.measure(residual, y))
             if history[-1] <= 1.0:
-                memory.close(self.windows)
+                secants.close()
                 return Solution(used, tuple(history))
             if not np.isfinite(y).all():
                 raise NotConverged("a participant's output is not finite", interface, residual, y, history)
-            r, result = (y - used)[feedback] / scale, y[feedback] / scale
+            point, r = used[feedback] / scale, (y - used)[feedback] / scale
             if last is not None:
-                memory.now.insert(0, (r - last[0], result - last[1]))
-            last, shares = (r, result), shares + self._shares(interface, r)
-            change = np.zeros(interface.size)
-            change[feedback] = self._update(memory.columns(), r, 1.0 / np.sqrt(shares)) * scale
-            x = used + step_length(interface, used, change) * change
+                secants.learn(point - last[0], r - last[1])
+            last, least = (point, r), min(least, np.linalg.norm(r))
+            if self.probing and (np.linalg.norm(r) > self.astray * least or 2 * iteration > self.max_iterations):
+                raise Astray(history)
+            x = used + self._step(interface, used, secants, r)
         raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
 
-    def _update(self, columns, r, weight):
-        """x_{k+1} - x_k in nominals, Eq. (C4)."""
-        chosen, q, triangle = filtered([weight * v for v, _ in columns], self.limit, self.rule)
-        if not chosen:
-            return self.relaxation * r
-        factors = np.linalg.solve(triangle, -(q.T @ (weight * r)))
-        explained = sum(factor * columns[k][0] for factor, k in zip(factors, chosen))
-        moved = sum(factor * columns[k][1] for factor, k in zip(factors, chosen))
-        return moved - explained + self.mixing * (r + explained)
+    def _step(self, interface, used, secants, r):
+        """x_{k+1} - x_k."""
+        change, factor = np.zeros(interface.size), self.relaxation if secants.empty else self.mixing
+        known, rest = secants.update(r, interface.feedback_wires)
+        change[interface.feedback] = known + factor * rest
+        change *= interface.nominal
+        return step_length(interface, used, change) * change
 
-    @staticmethod
-    def _shares(interface, r):
-        """Share of each wire in the squared residual, spread over its elements."""
-        full = np.zeros(interface.size)
-        full[interface.feedback] = r
-        total = max(r @ r, np.finfo(float).tiny)
-        for part in interface.parts:
-            full[part] = max(full[part] @ full[part] / total, 1e-16)
-        return full[interface.feedback]
+    def _probe(self, macro_step, guess, memory, history):
+        """The macro step by Newton on differences, every probe learnt; `history` is what led astray before."""
+        memory.secants.begin()
+        newton = Newton(self.max_iterations, forcing=1e-2)
+        solution = newton.solve(ProbedStep(macro_step, memory.secants.learn), guess, memory.krylov)
+        memory.secants.close()
+        return Solution(solution.x, (*history, *solution.history), solution.jacobians, probes=solution.products)
+
+
+@dataclass
+class Memory:
+    """Secants, and the Krylov pairs of the macro steps that were probed."""
+
+    secants: object
+    krylov: RecycledGmres = field(default_factory=lambda: RecycledGmres(120))
+
+
+class Astray(RuntimeError):
+    """The secants do not lead to the fixed point; `history` is how the residual went."""
+
+    def __init__(self, history):
+        super().__init__()
+        self.history = tuple(history)

@@ -20,19 +20,24 @@ class MacroStep:
         """`Interface.sweep` of this step."""
         return self.interface.sweep(x, self.time, self.step, self.saved)
 
+    def linear_sweep(self, change):
+        """`Interface.linear_sweep` at the last sweep."""
+        return self.interface.linear_sweep(change)
+
 
 @dataclass(frozen=True)
 class Solution:
     """A converged macro step.
 
     x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians : linearisations;
-    products : directional derivatives of the whole sweep.
+    products : directional derivatives of the whole sweep; probes : sweeps that took their place.
     """
 
     x: np.ndarray
     history: tuple
     jacobians: int = 0
     products: int = 0
+    probes: int = 0
 
     @property
     def iterations(self):

@@ -5,7 +5,8 @@ import pytest
 from scipy.optimize import brentq
 
 from master.interface import Interface
-from master.methods import MacroStep, Newton, NotConverged, QuasiNewton, Relaxation, step_length
+from master.methods import (Ageing, LeastSquares, MacroStep, MultiVector, Newton, NotConverged, QuasiNewton, Relaxation,
+                            step_length)
 from master.methods.filtering import filtered
 from master.stepping import Predictor, Stepper, StepFailed
 
@@ -52,8 +53,10 @@ def test_constant_relaxation_fails_and_says_where(pair):
         solve(pair, Relaxation(0.5, False, 30))
 
 
-@pytest.mark.parametrize("method", [Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000), QuasiNewton(0.001, 0.001),
-                                    QuasiNewton(0.001, 0.001, rule="QR1", limit=1e-6)])
+@pytest.mark.parametrize("method", [
+    Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000), QuasiNewton(LeastSquares(), 0.001, 0.001),
+    QuasiNewton(LeastSquares(rule="QR1", limit=1e-6), 0.001, 0.001), QuasiNewton(MultiVector(), 0.001, 0.001),
+    QuasiNewton(Ageing(), 0.001, 0.001), QuasiNewton(Ageing(), probing=True), QuasiNewton(LeastSquares(), probing=True)])
 def test_fixed_point_methods_agree_with_newton(pair, method):
     saved = {name: p.save() for name, p in pair.participants.items()}
     newton = solve(pair, Newton()).x
@@ -111,10 +114,10 @@ def test_predictor_is_exact_for_a_parabola():
 
 
 def test_quasi_newton_reuses_secants(pair):
-    stepper = Stepper(pair, QuasiNewton(0.001, 0.001), 0)
+    stepper = Stepper(pair, QuasiNewton(LeastSquares(), 0.001, 0.001), 0)
     for k in range(5):
         stepper.advance(k * STEP, STEP)
-    assert len(stepper.memory.past) == 3
+    assert len(stepper.memory.secants.past) == 3
     assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
 
 

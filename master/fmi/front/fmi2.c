@@ -124,6 +124,23 @@ EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const c
     return front_get_texts(I, vr, count, value);
 }
 
+/* Derivatives of inputs at the beginning of the step to come, which the slave then does not hold but follows. */
+EXPORT int fmi2SetRealInputDerivatives(Instance *I, const Reference *vr, size_t count, const int *order, const double *value)
+{
+    enum { HIGHEST = 3 };
+    for (size_t k = 0; k < count; k++) {
+        const Block *b = I->course, *end = b + I->courses;
+        while (b < end && (vr[k] < b->first || vr[k] >= b->first + b->size))
+            b++;
+        if (b == end || order[k] < 1 || order[k] > HIGHEST) {
+            front_log(I, ERROR, "%s: no derivative of order %d for value reference %u", __func__, order[k], vr[k]);
+            return ERROR;
+        }
+        I->real[b->reserved + (order[k] - 1) * b->size + vr[k] - b->first] = value[k];
+    }
+    return OK;
+}
+
 /* Seeds in, products out, in the slave's own storage: the step-map derivative of the interface contract. */
 EXPORT int fmi2GetDirectionalDerivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known,
                                         size_t knowns, const double *seed, double *product)
@@ -160,7 +177,6 @@ static int not_offered(Instance *I, const char *name)
     return ERROR;
 }
 
-EXPORT int fmi2SetRealInputDerivatives(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetRealOutputDerivatives(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2CancelStep(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetStatus(Instance *I) { return not_offered(I, __func__); }

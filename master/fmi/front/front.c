@@ -249,10 +249,11 @@ static void *take(const int64_t **cursor, int64_t count, int64_t width)
 
 static void forget_layout(Instance *I)
 {
+    free(I->course);
     free(I->seed);
     free(I->product);
     free(I->variable);
-    I->seed = I->product = NULL;
+    I->course = I->seed = I->product = NULL;
     I->variable = NULL;
 }
 
@@ -269,9 +270,10 @@ static int read_layout(Instance *I)
     I->real = (double *)(intptr_t)cursor[0];
     I->integer = (int64_t *)(intptr_t)cursor[1];
     I->reals = cursor[2], I->integers = cursor[3], I->strings = cursor[4];
-    I->seeds = cursor[5], I->products = cursor[6], I->variables = cursor[7];
-    cursor += 8;
+    I->courses = cursor[5], I->seeds = cursor[6], I->products = cursor[7], I->variables = cursor[8];
+    cursor += 9;
     forget_layout(I);
+    I->course = take(&cursor, I->courses, 3);
     I->seed = take(&cursor, I->seeds, 3);
     I->product = take(&cursor, I->products, 3);
     I->variable = take(&cursor, I->variables, 3);

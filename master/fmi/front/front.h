@@ -26,8 +26,8 @@ typedef struct Instance {
     double *real;
     int64_t *integer;
     int64_t reals, integers, strings;
-    int64_t seeds, products, variables;     /* lengths of the arrays below */
-    Block *seed, *product;
+    int64_t courses, seeds, products, variables;    /* lengths of the arrays below */
+    Block *course, *seed, *product;         /* a course: three derivatives of an input, one after the other */
     Entry *variable;
 } Instance;
 

@@ -1,0 +1,66 @@
+"""Two text tables beside the results, in the manner of preCICE: what every macro step took, and how every iteration fared.
+
+<label>-iterations.log    a line for each attempt at a macro step, failed ones with Converged = 0 and why
+<label>-convergence.log   a line for each sweep: residual / tolerance of every wire, converged where all are 1 or less
+"""
+
+from pathlib import Path
+
+ATTEMPT = "{:>6} {:>22} {:>22} {:>10} {:>15} {:>9}"
+HEADER = ("Window", "Time[s]", "Step[s]", "Iterations", "TotalIterations", "Converged")
+
+
+class CouplingLog:
+    """Writes both tables line by line; a window is an accepted step, halves included.
+
+    Parameters
+    ----------
+    output : Path
+        Results file.
+    connections : sequence of Connection
+    counters : Counters
+        Of the run so far: what its tables hold beyond that was written by an interrupted run after its checkpoint, and goes.
+    """
+
+    def __init__(self, output, connections, counters):
+        self.windows = windows = counters.steps
+        self.total = counters.residual_evaluations
+        wires = [f"{c.target[0]}.{c.target[1]}" for c in connections]
+        self.widths = [max(12, len(wire)) for wire in wires]
+        self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
+        self.convergence = _table(log_path(output, "convergence"), self._line("Window", "Iteration", wires), windows)
+
+    def _line(self, window, iteration, cells):
+        return f"{window:>6} {iteration:>9} " + " ".join(f"{cell:>{width}}" for cell, width in zip(cells, self.widths))
+
+    def attempt(self, time, step, trail, failure):
+        """Note an attempt at the macro step from `time` over `step` [s].
+
+        trail : residual / tolerance of every wire, by sweep; failure : why it failed, None if it converged.
+        """
+        self.total += len(trail)
+        window = self.windows + 1
+        for k, shares in enumerate(trail):
+            print(self._line(window, k + 1, [f"{share:.4e}" for share in shares]), file=self.convergence)
+        line = ATTEMPT.format(window, repr(time), repr(step), len(trail), self.total, int(failure is None))
+        print(f"{line}  {failure}" if failure else line, file=self.iterations)
+        self.windows += failure is None
+
+    def close(self):
+        self.iterations.close()
+        self.convergence.close()
+
+
+def log_path(output, kind):
+    """Path of a table beside a results file."""
+    return Path(output).with_name(f"{Path(output).stem}-{kind}.log")
+
+
+def _table(path, header, windows):
+    """The table, open for appending: its first `windows` windows if there are any, else a new header."""
+    lines = [header]
+    if windows and path.exists():
+        old = path.read_text().splitlines()
+        lines = old[:1] + [line for line in old[1:] if int(line.split()[0]) <= windows]
+    path.write_text("\n".join(lines) + "\n")
+    return open(path, "a", buffering=1)

@@ -1,0 +1,112 @@
+"""What a run says of itself afterwards: logs, where the time went, the work that crossed the interface, tables."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.util import read_csv
+
+from master.case import check_case, find_case, read_tree
+from master.cli import app
+from master.fmi.errors import BadInput
+from master.recorder import Results
+from master.run import run
+from master.system import open_system
+
+PATH = find_case("two_mass_oscillator")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    tree = read_tree(PATH, [("time.stop", "0.1 s"), ("coupling.predictor", 0)])
+    case = check_case(tree, PATH)
+    return folder, run(open_system(case, PATH.parent, print), case, tree, folder / "base.h5")
+
+
+def table(path):
+    head, *lines = path.read_text().splitlines()
+    return [dict(zip(head.split(), line.split())) for line in lines]
+
+
+def test_logs_account_for_every_iteration(finished):
+    folder, summary = finished
+    windows, sweeps = table(folder / "base-iterations.log"), table(folder / "base-convergence.log")
+    assert [int(w["Window"]) for w in windows] == list(range(1, 11))
+    assert int(windows[-1]["TotalIterations"]) == len(sweeps) == summary["residual_evaluations"]
+    wires = list(sweeps[0])[2:]
+    assert wires == ["right.other_displacement", "left.other_displacement", "right.der(other_displacement)",
+                     "left.der(other_displacement)"]
+    last = {s["Window"]: max(float(s[w]) for w in wires) for s in sweeps}
+    assert max(last.values()) <= 1.0                                       # the last sweep of each window has converged
+    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in sweeps) == len(windows)     # and no sweep before it
+
+
+def test_wall_time_is_split_without_a_rest(finished):
+    _, summary = finished
+    parts = {key: value for key, value in summary.items() if key.startswith("wall_time_") and key != "wall_time_s"}
+    assert set(parts) == {f"wall_time_{name}_s" for name in ("left", "right", "transport", "recording", "acceleration")}
+    assert all(value > 0 for value in parts.values())
+    assert sum(parts.values()) == pytest.approx(summary["wall_time_s"], rel=1e-12)
+
+
+def test_scalars_as_structured_array_and_csv(finished, tmp_path):
+    folder, _ = finished
+    results = Results(folder / "base.h5")
+    found = results.structured()
+    assert found.dtype.names[0] == "time" and found.size == 11
+    np.testing.assert_array_equal(found["left.displacement"], results.series("left.displacement")[0])
+    with pytest.raises(SystemExit) as done:
+        app(["scalars", str(folder / "base.h5"), "--output", str(tmp_path / "run.csv")])
+    assert not done.value.code
+    read = read_csv(tmp_path / "run.csv")
+    assert read.dtype.names == found.dtype.names
+    np.testing.assert_array_equal(read["right.velocity"], found["right.velocity"])
+
+
+CELLS = """
+title = "A mass on a spring, in two FMUs"
+[time]
+stop = "0.5 s"
+step = "0.005 s"
+[participants.mass]
+file = "{home}/mass_and_spring.py:Mass"
+[participants.spring]
+file = "{home}/mass_and_spring.py:Spring"
+[[wires]]
+from = "mass.displacement"
+to = "spring.displacement"
+tolerance = {tolerance}
+conjugate = "spring.force"
+[[wires]]
+from = "spring.force"
+to = "mass.force"
+tolerance = {tolerance}
+[coupling]
+method = "constant"
+order = ["mass", "spring"]
+max_iterations = 100
+[record]
+"""
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_work_balance_is_as_good_as_the_tolerance(tolerance, tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(CELLS.format(home=Path(__file__).parent, tolerance=tolerance))
+    tree = read_tree(path)
+    case = check_case(tree, path)
+    summary = run(open_system(case, tmp_path, print), case, tree, tmp_path / "base.h5")
+    results = Results(tmp_path / "base.h5")
+    displacement, force = (results.series(port)[0] for port in ("mass.displacement", "spring.force"))
+    # the right-hand sum of what was recorded; its parts agree to the tolerance of force (nominal 1 N) and displacement
+    assert summary["interface_work_j"] == pytest.approx(np.sum(force[1:] * np.diff(displacement)), abs=100 * tolerance)
+    assert 0 < abs(summary["interface_work_imbalance"]) <= tolerance
+
+
+def test_a_conjugate_that_is_none_is_named():
+    tree = read_tree(PATH, [("wires.0.conjugate", "left.velocity"), ("wires.1.conjugate", "left.displacement")])
+    with pytest.raises(BadInput) as refusal:
+        open_system(check_case(tree, PATH), PATH.parent, print)
+    assert "no field of this shape is wired from there to left" in refusal.value.faults[0]
+    assert "neither work nor power" in refusal.value.faults[1]

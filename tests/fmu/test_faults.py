@@ -1,0 +1,134 @@
+"""Faults injected into a run of 200 steps: it recovers and ends converged, or stops with exit code 1, a sentence, and a
+checkpoint that goes on to the same bits as a run without the fault."""
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+CASE = """
+title = "Two cells"
+[time]
+stop = "2 s"
+step = "0.01 s"
+[participants.good]
+file = "{home}/faulty.py:Cell"
+[participants.good.parameters]
+u = 0.0
+[participants.bad]
+file = "{home}/faulty.py:Cell"
+isolated = {isolated}
+timeout = "3 s"
+[participants.bad.parameters]
+fault = "{fault}"
+at = "1.233 s"
+marker = "{folder}/marker"
+[[wires]]
+from = "good.x"
+to = "bad.u"
+tolerance = 1e-9
+[[wires]]
+from = "bad.x"
+to = "good.u"
+tolerance = 1e-9
+[coupling]
+method = "aitken"
+order = ["good", "bad"]
+[record]
+fields = ["good.x", "bad.x"]
+checkpoint_every = 30
+"""
+MASTER = [sys.executable, "-m", "master"]
+
+
+def call(*arguments, **settings):
+    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, **settings)
+
+
+def run(folder, fault, isolated=False, changes=(), **settings):
+    case = folder / "case.toml"
+    case.write_text(CASE.format(home=Path(__file__).parent, folder=folder, fault=fault, isolated=str(isolated).lower()))
+    return call("run", case, "--output", folder, "--no-plots", *(f"--set={change}" for change in changes), **settings)
+
+
+def datasets(file):
+    found = {}
+    with h5py.File(file) as content:
+        content.visititems(lambda name, item: found.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def logs(folder):
+    return {kind: (folder / f"base-{kind}.log").read_text() for kind in ("iterations", "convergence")}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Results of the run in which nothing goes wrong."""
+    folder = tmp_path_factory.mktemp("whole")
+    done = run(folder, "")
+    assert done.returncode == 0, done.stderr
+    return datasets(folder / "base.h5") | logs(folder)
+
+
+@pytest.mark.parametrize("fault, isolated", [("discard", False), ("nan", False), ("discard", True), ("nan", True)])
+def test_recovers(whole, tmp_path, fault, isolated):
+    done = run(tmp_path, fault, isolated)
+    assert done.returncode == 0, done.stderr
+    results = datasets(tmp_path / "base.h5")
+    assert results["time"].size == whole["time"].size + 1      # one step was taken as two halves
+    # backward Euler with one step of 200 halved: its error there, H^2 |x''|/4 < 1e-4 * 40 / 4, is all that differs
+    np.testing.assert_allclose(results["fields/bad/x"][-1], whole["fields/bad/x"][-1], atol=1e-3)
+    assert results["coupling/residual"].max() <= 1
+    failed = [line for line in logs(tmp_path)["iterations"].splitlines()[1:] if line.split()[5] == "0"]
+    assert len(failed) == 1 and ("refused on purpose" in failed[0] or "not finite" in failed[0])
+
+
+@pytest.mark.parametrize("fault, isolated, words", [
+    ("exception", False, "KeyError: 'bug'"), ("exception", True, "KeyError: 'bug'"),
+    ("hang", True, "no answer to step within 3 s"), ("kill", True, "its process has ended (by SIGKILL)"),
+    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s")])
+def test_stops_and_goes_on_with_the_same_bits(whole, tmp_path, fault, isolated, words):
+    done = run(tmp_path, fault, isolated)
+    assert done.returncode == 1, done.stderr
+    assert words in done.stderr and ("bad" in done.stderr or fault == "interrupt")
+    goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
+
+
+def goes_on_as_if_nothing_had_happened(done, folder, whole):
+    checkpoint = folder / "base.h5.checkpoint"
+    assert f"piston-cosim resume {checkpoint}" in done.stderr
+    resumed = call("resume", checkpoint)
+    assert resumed.returncode == 0, resumed.stderr
+    results = datasets(folder / "base.h5") | logs(folder)
+    assert [name for name in whole if not np.array_equal(whole[name], results[name])] == []
+    assert not checkpoint.exists()
+
+
+def test_full_disk(whole, tmp_path):
+    """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit fails as on a full disk."""
+    done = run(tmp_path, "", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY)))
+    assert done.returncode == 1, done.stderr
+    assert "cannot be written" in done.stderr and "base.h5" in done.stderr
+    goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
+
+
+def test_faults_of_all_participants_are_heard_at_once(tmp_path):
+    """One cannot be repeated, the other refuses a parameter; nothing runs."""
+    (tmp_path / "marker").touch()
+    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf"])
+    assert done.returncode == 2
+    assert "bad: a step taken again from its saved state gives another x" in done.stderr
+    assert "good: u = inf" in done.stderr
+    assert not (tmp_path / "base.h5.partial").exists()
+
+
+def test_fault_before_the_first_checkpoint_says_so(tmp_path):
+    (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
+    done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
+    assert done.returncode == 1
+    assert "no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()

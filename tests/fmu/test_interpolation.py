@@ -1,0 +1,93 @@
+"""Inputs that move inside a macro step: exact polynomials, the standard's call, and clear words where it is not to be had."""
+
+import numpy as np
+import pytest
+from fmpy import fmi2
+from fmpy.validation import validate_fmu
+from numpy.polynomial import Polynomial
+
+from master.case import check_case, find_case, read_tree
+from master.fmi.builder import build_fmu_of_file
+from master.fmi.errors import BadInput
+from master.interpolated import hermite, linear
+from master.participant import FmuParticipant
+from master.recorder import Results
+from master.run import run
+from master.system import open_system
+
+PATH = find_case("two_mass_oscillator")
+
+
+@pytest.fixture(scope="module")
+def oscillator():
+    return build_fmu_of_file(f"{PATH.parent}/oscillator.py:Oscillator", {})
+
+
+def test_courses_are_exact_for_their_polynomials():
+    cubic, step = Polynomial([1.0, -2.0, 3.0, 5.0]), 0.3
+    slope = cubic.deriv()
+    found = hermite(cubic(0.0), cubic(step), slope(0.0), slope(step), step)
+    np.testing.assert_allclose(found, [cubic.deriv(k)(0.0) for k in range(4)], rtol=1e-13)      # round-off / step^2
+    np.testing.assert_allclose(linear(np.float64(2.0), np.float64(5.0), step), [2.0, 10.0], rtol=1e-15)
+
+
+def test_description_declares_what_it_can(oscillator):
+    assert validate_fmu(str(oscillator)) == []
+    participant = FmuParticipant("one", oscillator)
+    assert participant.can_interpolate
+    assert participant.fields["velocity"].derivative_of == "displacement"
+    assert participant.fields["displacement"].derivative_of is None
+
+
+def motion(participant, course, step):
+    participant.set_course("other_displacement", np.array(course))
+    participant.step(0.0, step)
+    return participant.get("displacement")
+
+
+def test_a_step_follows_the_course_and_forgets_it(oscillator):
+    """A cubic whose exact motion is a cubic too: k_m v = m u'' + (k_o + k_m) u for u = s^3; with held inputs it is another."""
+    participant, step = FmuParticipant("one", oscillator), 0.02
+    participant.start({}, 0.0, 1.0)
+    saved = participant.save()
+    # v = (6 s + 20 pi^2 s^3) / (16 pi^2): v' = 6/(16 pi^2), v''' = 6 * 20/16
+    assert motion(participant, [0.0, 6 / (16 * np.pi**2), 0.0, 7.5], step) == pytest.approx(step**3, rel=1e-12)
+    participant.restore(saved)
+    participant.step(0.0, step)
+    assert participant.get("displacement") == 0.0       # nothing was said of this step's input
+    participant.close()
+
+
+def test_an_order_that_does_not_exist_is_an_error(oscillator):
+    participant = FmuParticipant("one", oscillator)
+    participant.start({}, 0.0, 1.0)
+    with pytest.raises(Exception) as failure:
+        participant.set_course("other_displacement", np.zeros(5))
+    assert failure.value.status == fmi2.fmi2Error
+    assert "no derivative of order 4" in participant.log[-1][1]
+    participant.close()
+
+
+def result_of(folder, *changes):
+    tree = read_tree(PATH, [("time.stop", "0.2 s"), *changes])
+    case = check_case(tree, PATH)
+    run(open_system(case, PATH.parent, print), case, tree, folder / "run.h5")
+    return Results(folder / "run.h5").series("left.displacement")[0]
+
+
+def test_isolated_gives_the_same_bits_and_newton_the_same_motion(tmp_path):
+    here = result_of(tmp_path)
+    np.testing.assert_array_equal(result_of(tmp_path, ("participants.left.isolated", True)), here)
+    # twenty steps, each converged to 1e-12 m
+    np.testing.assert_allclose(result_of(tmp_path, ("coupling.method", "newton")), here, atol=1e-10)
+
+
+def test_what_cannot_interpolate_is_named_before_the_run():
+    path = find_case("elastic_tube")
+    changes = [("wires.0.interpolation", "hermite"), ("wires.1.interpolation", "linear")]
+    with pytest.raises(BadInput) as refusal:
+        open_system(check_case(read_tree(path, changes), path), path.parent, print)
+    assert len(refusal.value.faults) == 3
+    text = "\n".join(refusal.value.faults)
+    assert "declares no output as the derivative of pressure" in text
+    assert text.count("cannot follow inputs over a step") == 2
