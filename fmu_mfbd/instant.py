@@ -266,8 +266,8 @@ def response(system, window, c, linear, pressure_force, friction_force):
     change = solve_coupled(linear.arrow, linear.coupling, right)                                                # Eq. (D1)
     climb = (c.rate * linear.slope + c.place * linear.climb_place) * change[0]
     own, own_rate = _changes(c, change, 2 + len(forces.piston))
-    ride = linear.ride[0] * change[0] + linear.ride[1] * change[1]
-    q = static_coordinates(system.piston_static, forces.piston[n - 2:], ride[0], ride[1], change[1], ride[2])
+    x, y, spin = ridden(linear.ride, change[0], change[1])
+    q = static_coordinates(system.piston_static, forces.piston[n - 2:], x, y, change[1], spin)
     _follow(own, own_rate, np.zeros(len(own)), q, n, c.step)
     moving = len(system.block.stiffness)
     sway = np.empty(moving)
@@ -278,6 +278,13 @@ def response(system, window, c, linear, pressure_force, friction_force):
     _follow(other, other_rate, np.zeros(len(other)), q, moving, c.step)
     return (opening(skirt, bore, window, own[0], own[1], own[2:], other),
             sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate))
+
+
+@compiled()
+def ridden(ride, lateral, turn):
+    """Changes of A's acceleration in the body frame and of w^2, see `Linear`."""
+    return (ride[0, 0] * lateral + ride[1, 0] * turn, ride[0, 1] * lateral + ride[1, 1] * turn,
+            ride[0, 2] * lateral + ride[1, 2] * turn)
 
 
 @compiled()
