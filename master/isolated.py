@@ -40,6 +40,7 @@ class IsolatedParticipant:
         self.name, self.fields, self.path = participant.name, participant.fields, participant.path
         self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
         self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate
+        self.can_serialise = participant.can_serialise
         self._process, self._queue, self._fresh, self._read_ahead = None, [], set(), set()
 
     def start(self, parameters, start_time, stop_time):

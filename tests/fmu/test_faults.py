@@ -131,4 +131,4 @@ def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
     assert done.returncode == 1
-    assert "no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+    assert "there is no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
