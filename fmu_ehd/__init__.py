@@ -8,7 +8,7 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     asperity     Greenwood-Tripp contact (A)              sparse     sparse solvers, and the choice among all
     oil          viscosity laws (O)                       friction   shear forces and power (F)
     coating      soft layer (L)                           summary    scalars of a film in one pass
-    hermite      tables
+    hermite      tables                                   compiled   how kernels are compiled
 
 What composes them: film_step (one step of the balance and its tangent), parameters, surroundings, model (everything, with
 `advance` and `tangent`). The FMU: variables, slave, build. Proof: verification (V), on films of its own and of motored.

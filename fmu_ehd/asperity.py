@@ -20,9 +20,9 @@ Engrs 185 (1970) 625-633.
 from functools import cache
 
 import numpy as np
-from numba import njit
 from scipy.special import gamma, pbdv
 
+from .compiled import compiled
 from .hermite import interpolate
 
 CONTACT_LAWS = ("greenwood_tripp_1970", "power_fit")
@@ -80,7 +80,7 @@ def contact_table(law="greenwood_tripp_1970"):
     return np.ascontiguousarray(np.stack([*pressure, *area], axis=1))
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _integral(table, column, separation):
     """Tabulated integral and its slope at H; straight below 0, zero above the table."""
     if separation >= TABLE_END:
@@ -110,7 +110,7 @@ def pressure_scale(roughness_product, slope_ratio, contact_modulus):
     return 16.0 * np.sqrt(2.0) * np.pi / 15.0 * roughness_product**2 * np.sqrt(slope_ratio) * contact_modulus  # Eq. (A3)
 
 
-@njit(cache=True)
+@compiled
 def contact(film_thickness, roughness_rms, scale, area_scale, friction_coefficient, shear_strength, table):
     """Asperity pressure, contact area fraction and boundary shear stress with their slopes, Eqs. (A3), (A4), (A6).
 

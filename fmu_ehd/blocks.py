@@ -9,7 +9,9 @@ The matrix of the film balance is a column-dominant M-matrix, for which eliminat
 [Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an open grid has zeros there.
 
 Stations are eliminated downstream (back = south, ahead = north, or the other way round): there the column of a cavitated cell
-has nothing but its diagonal, Eq. (B4), and only the m full cells of a station cost m^2 n operations instead of n^3.
+has nothing but its diagonal, Eq. (B4), and only the m full cells of a station cost m^2 n operations instead of n^3. Of S_j^-1
+are kept the columns of full cells, as rows of length n, and 1/E. Loops go by elements: a view of a row is counted, as every
+reference is, which costs more than the row.
 
 References
 ----------
@@ -17,31 +19,28 @@ References
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
-CONTRACT = {"contract"}  # fused multiply-add alone: no reordering, so a repeated step gives the same bits
 
 
-@njit(cache=True, fastmath=CONTRACT, inline="always")
-def _single_pivot(a, k):
-    """One Gauss-Jordan step of the whole matrix with pivot k."""
-    n = a.shape[0]
-    x = a[k]
-    d = 1.0 / x[k]
-    x[k] = 1.0
-    for c in range(n):
-        x[c] *= d
-    for r in range(n):
+@compiled(inline="always")
+def _single_pivot(a, k, place):
+    """One Gauss-Jordan step of the whole matrix with the pivot of row k in column `place`."""
+    d = 1.0 / a[k, place]
+    a[k, place] = 1.0
+    for c in range(a.shape[1]):
+        a[k, c] *= d
+    for r in range(a.shape[0]):
         if r != k:
-            u = a[r]
-            f = u[k]
-            u[k] = 0.0
-            for c in range(n):
-                u[c] -= f * x[c]
+            f = a[r, place]
+            a[r, place] = 0.0
+            for c in range(a.shape[1]):
+                a[r, c] -= f * a[k, c]
 
 
-@njit(cache=True, fastmath=CONTRACT, inline="always")
+@compiled(inline="always")
 def _invert_four(pivot):
     """Invert a 4 x 4 matrix in place; loops of constant length, which the compiler unrolls."""
     for q in range(4):
@@ -57,128 +56,106 @@ def _invert_four(pivot):
                     pivot[r, c] -= f * pivot[q, c]
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def invert_in_place(a):
-    """Invert a matrix by Gauss-Jordan elimination without pivoting.
+@compiled
+def invert_in_place(a, places):
+    """Invert the square part of [F X] and multiply the rest by it: [F^-1 F^-1 X], by Gauss-Jordan elimination without pivoting.
 
     Four pivots and two rows at a time: each element then costs a load and a store for four operations. Written out in one
     function, because a call a row costs a third of the time.
 
     Parameters
     ----------
-    a : ndarray, shape (n, n)
-        Column- or row-dominant M-matrix; overwritten by its inverse.
+    a : ndarray, shape (m, n), n >= m
+        Overwritten; F is a column- or row-dominant M-matrix.
+    places : ndarray of int, shape (m,)
+        Columns of `a` that are F.
     """
-    n = a.shape[0]
-    whole = n - n % 4
+    m, n = a.shape
+    whole = m - m % 4
     pivot = np.empty((4, 4))
     for k in range(0, whole, 4):
-        x0, x1, x2, x3 = a[k], a[k + 1], a[k + 2], a[k + 3]
         for i in range(4):
             for j in range(4):
-                pivot[i, j] = a[k + i, k + j]
-                a[k + i, k + j] = 1.0 if i == j else 0.0
+                pivot[i, j] = a[k + i, places[k + j]]
+                a[k + i, places[k + j]] = 1.0 if i == j else 0.0
         _invert_four(pivot)
         p00, p01, p02, p03 = pivot[0, 0], pivot[0, 1], pivot[0, 2], pivot[0, 3]
         p10, p11, p12, p13 = pivot[1, 0], pivot[1, 1], pivot[1, 2], pivot[1, 3]
         p20, p21, p22, p23 = pivot[2, 0], pivot[2, 1], pivot[2, 2], pivot[2, 3]
         p30, p31, p32, p33 = pivot[3, 0], pivot[3, 1], pivot[3, 2], pivot[3, 3]
         for c in range(n):
-            y0, y1, y2, y3 = x0[c], x1[c], x2[c], x3[c]
-            x0[c] = p00 * y0 + p01 * y1 + p02 * y2 + p03 * y3
-            x1[c] = p10 * y0 + p11 * y1 + p12 * y2 + p13 * y3
-            x2[c] = p20 * y0 + p21 * y1 + p22 * y2 + p23 * y3
-            x3[c] = p30 * y0 + p31 * y1 + p32 * y2 + p33 * y3
-        for r in range(0, n - 1, 2):
+            y0, y1, y2, y3 = a[k, c], a[k + 1, c], a[k + 2, c], a[k + 3, c]
+            a[k, c] = p00 * y0 + p01 * y1 + p02 * y2 + p03 * y3
+            a[k + 1, c] = p10 * y0 + p11 * y1 + p12 * y2 + p13 * y3
+            a[k + 2, c] = p20 * y0 + p21 * y1 + p22 * y2 + p23 * y3
+            a[k + 3, c] = p30 * y0 + p31 * y1 + p32 * y2 + p33 * y3
+        q0, q1, q2, q3 = places[k], places[k + 1], places[k + 2], places[k + 3]
+        for r in range(0, m - 1, 2):
             if r < k or r > k + 3:
-                u, v = a[r], a[r + 1]
-                f0, f1, f2, f3 = u[k], u[k + 1], u[k + 2], u[k + 3]
-                g0, g1, g2, g3 = v[k], v[k + 1], v[k + 2], v[k + 3]
-                for i in range(4):
-                    u[k + i] = v[k + i] = 0.0
+                f0, f1, f2, f3 = a[r, q0], a[r, q1], a[r, q2], a[r, q3]
+                g0, g1, g2, g3 = a[r + 1, q0], a[r + 1, q1], a[r + 1, q2], a[r + 1, q3]
+                a[r, q0] = a[r, q1] = a[r, q2] = a[r, q3] = 0.0
+                a[r + 1, q0] = a[r + 1, q1] = a[r + 1, q2] = a[r + 1, q3] = 0.0
                 for c in range(n):
-                    u[c] -= f0 * x0[c] + f1 * x1[c] + f2 * x2[c] + f3 * x3[c]
-                    v[c] -= g0 * x0[c] + g1 * x1[c] + g2 * x2[c] + g3 * x3[c]
-        if n % 2:
-            u = a[n - 1]
-            f0, f1, f2, f3 = u[k], u[k + 1], u[k + 2], u[k + 3]
-            for i in range(4):
-                u[k + i] = 0.0
+                    y0, y1, y2, y3 = a[k, c], a[k + 1, c], a[k + 2, c], a[k + 3, c]
+                    a[r, c] -= f0 * y0 + f1 * y1 + f2 * y2 + f3 * y3
+                    a[r + 1, c] -= g0 * y0 + g1 * y1 + g2 * y2 + g3 * y3
+        for r in range(m - m % 2, m):
+            f0, f1, f2, f3 = a[r, q0], a[r, q1], a[r, q2], a[r, q3]
+            a[r, q0] = a[r, q1] = a[r, q2] = a[r, q3] = 0.0
             for c in range(n):
-                u[c] -= f0 * x0[c] + f1 * x1[c] + f2 * x2[c] + f3 * x3[c]
-    for k in range(whole, n):
-        _single_pivot(a, k)
+                a[r, c] -= f0 * a[k, c] + f1 * a[k + 1, c] + f2 * a[k + 2, c] + f3 * a[k + 3, c]
+    for k in range(whole, m):
+        _single_pivot(a, k, places[k])
 
 
-@njit(cache=True)
-def _coupled(ahead, west, east, station, before, columns, alone):
-    """Sort the cells of a station: `columns` gets those whose column has more than a diagonal, `alone` the others."""
+@compiled
+def _sort_cells(ahead, west, east, station, before, order):
+    """Cells of a station into `order`: those whose column has more than a diagonal, then the others; how many of the first."""
     n = west.shape[0]
-    m = 0
+    m, last = 0, n
     for c in range(n):
         up = before >= 0 and ahead[c, before] != 0.0
         if up or west[(c + 1) % n, station] != 0.0 or east[(c - 1) % n, station] != 0.0:
-            columns[m] = c
+            order[m] = c
             m += 1
         else:
-            alone[c - m] = c
+            last -= 1
+            order[last] = c
     return m
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def _schur(columns, m, centre, west, east, station, ahead, before, back, previous, s):
-    """Columns of the coupled cells of S_j, Eq. (B2): row a of `s` is column columns[a], all n cells along it."""
+@compiled
+def _schur(order, m, centre, back, ahead, west, east, station, before, previous, place, diagonal, own, s):
+    """Columns of the coupled cells of S_j, Eq. (B2): row a of `s` is column order[a], along it [F' -(E^-1 G)'] of Eq. (B4).
+
+    `previous`, `diagonal`: of S_{j-1}^-1; `place` says which row of `previous` is the column of a cell, -1 where that has
+    nothing but its diagonal. `own`: 1/E of this station, 0 for coupled cells.
+    """
     n = west.shape[0]
+    scale, weight = np.empty(n), np.empty(n)
+    for r in range(n):
+        scale[r] = 1.0 if own[r] == 0.0 else -own[r]
+        weight[r] = scale[r] * back[r, station]
     for a in range(m):
-        c = columns[a]
-        row = s[a]
-        if before >= 0 and ahead[c, before] != 0.0:
-            u, full = -ahead[c, before], previous[c]
+        c = order[a]
+        u, p = (-ahead[c, before], place[c]) if before >= 0 else (0.0, -1)
+        if p >= 0:
             for r in range(n):
-                row[r] = u * full[r] * back[r]
+                s[a, r] = u * previous[p, r] * weight[r]
         else:
-            row[:] = 0.0
-        row[c] += centre[c, station]
-        row[(c + 1) % n] += west[(c + 1) % n, station]
-        row[(c - 1) % n] += east[(c - 1) % n, station]
+            for r in range(n):
+                s[a, r] = 0.0
+            s[a, c] = u * diagonal[c] * weight[c] if before >= 0 else 0.0
+        lower, upper = (c - 1) % n, (c + 1) % n
+        s[a, c] += centre[c, station]
+        s[a, upper] += west[upper, station] * scale[upper]
+        s[a, lower] += east[lower, station] * scale[lower]
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def _inverse_of_parts(s, columns, m, alone, lone, centre, station, out):
-    """Eq. (B4): S_j^-1, transposed, into `out` from the columns of its coupled cells."""
-    compact = np.empty((m, m))
-    for a in range(m):
-        for b in range(m):
-            compact[a, b] = s[a, columns[b]]
-    invert_in_place(compact)
-    above = np.empty((m, lone))  # -(E^-1 G)'
-    for a in range(m):
-        for k in range(lone):
-            above[a, k] = -s[a, alone[k]] / centre[alone[k], station]
-    part = np.empty(lone)
-    for a in range(m):
-        row, weights = out[columns[a]], compact[a]
-        for b in range(m):
-            row[columns[b]] = weights[b]
-        part[:] = 0.0
-        for b in range(0, m - m % 2, 2):
-            f, g, u, v = weights[b], weights[b + 1], above[b], above[b + 1]
-            for k in range(lone):
-                part[k] += f * u[k] + g * v[k]
-        if m % 2:
-            f, u = weights[m - 1], above[m - 1]
-            for k in range(lone):
-                part[k] += f * u[k]
-        for k in range(lone):
-            row[alone[k]] = part[k]
-    for k in range(lone):
-        out[alone[k]] = 0.0
-        out[alone[k], alone[k]] = 1.0 / centre[alone[k], station]
-
-
-@njit(cache=True, fastmath=CONTRACT)
-def factorise(centre, back, ahead, west, east, ascending, first, inverses):
-    """Inverses of the Schur complements S_j, Eqs. (B2), (B4).
+@compiled
+def factorise(centre, back, ahead, west, east, ascending, first, columns, diagonals, orders, counts):
+    """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
 
     Parameters
     ----------
@@ -187,64 +164,66 @@ def factorise(centre, back, ahead, west, east, ascending, first, inverses):
     ascending : bool
     first : int
         Number of stations, in the order of elimination, that are taken as factorised already (their columns unchanged).
-    inverses : ndarray, shape (n_a, n_c, n_c)
-        Overwritten, in the order of elimination: transpose of S_j^-1 (so that products run along rows).
+    columns : ndarray, shape (n_a, n_c, n_c)
+        Overwritten: the first m rows of a station are the columns of S_j^-1 of its m coupled cells.
+    diagonals : ndarray, shape (n_a, n_c)
+        Overwritten: 1/E of the other cells, 0 for the coupled ones.
+    orders : ndarray of int, shape (n_a, n_c)
+        Overwritten: coupled cells, then the others.
+    counts : ndarray of int, shape (n_a,)
+        Overwritten: m.
     """
     n, stations = centre.shape
-    s = np.empty((n, n))
-    columns, alone = np.empty(n, np.int64), np.empty(n, np.int64)
+    place = np.empty(n, np.int64)
     for k in range(first, stations):
         j = k if ascending else stations - 1 - k
         before = (j - 1 if ascending else j + 1) if k > 0 else -1
-        m = _coupled(ahead, west, east, j, before, columns, alone)
-        if m == n:
-            s = inverses[k]
-        _schur(columns, m, centre, west, east, j, ahead, before, back[:, j], inverses[k - 1], s)
-        if m == n:
-            invert_in_place(s)
-            s = np.empty((n, n))
-        else:
-            _inverse_of_parts(s, columns, m, alone, n - m, centre, j, inverses[k])
+        for a in range(n):
+            place[orders[k - 1, a]] = a if a < counts[k - 1] else -1
+        counts[k] = m = _sort_cells(ahead, west, east, j, before, orders[k])
+        for a in range(n):
+            c = orders[k, a]
+            diagonals[k, c] = 0.0 if a < m else 1.0 / centre[c, j]
+        _schur(orders[k], m, centre, back, ahead, west, east, j, before, columns[k - 1], place, diagonals[k - 1], diagonals[k],
+               columns[k])
+        invert_in_place(columns[k, :m], orders[k])  # Eq. (B4)
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def _multiply(transposed, x, out):
-    """out = transposed' x, running along the rows of `transposed`."""
-    n = x.size
-    out[:] = 0.0
-    for c in range(0, n - n % 2, 2):
-        u, v, f, g = transposed[c], transposed[c + 1], x[c], x[c + 1]
+@compiled
+def _multiply(columns, diagonal, order, m, b, out):
+    """out = S_j^-1 b."""
+    n = b.size
+    for r in range(n):
+        out[r] = diagonal[r] * b[r]
+    whole = m - m % 4
+    for a in range(0, whole, 4):
+        f0, f1, f2, f3 = b[order[a]], b[order[a + 1]], b[order[a + 2]], b[order[a + 3]]
         for r in range(n):
-            out[r] += f * u[r] + g * v[r]
-    if n % 2:
-        u, f = transposed[n - 1], x[n - 1]
+            out[r] += f0 * columns[a, r] + f1 * columns[a + 1, r] + f2 * columns[a + 2, r] + f3 * columns[a + 3, r]
+    for a in range(whole, m):
+        f = b[order[a]]
         for r in range(n):
-            out[r] += f * u[r]
+            out[r] += f * columns[a, r]
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def substitute(inverses, back, ahead, ascending, right):
+@compiled
+def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right):
     """Solve Eq. (B1) with the factorisation at hand, Eq. (B3).
 
     Parameters
     ----------
-    inverses : ndarray, shape (n_a, n_c, n_c)
+    columns, diagonals, orders, counts : ndarray
         From `factorise`.
     back, ahead : ndarray, shape (n_c, n_a)
     ascending : bool
         As in `factorise`.
     right : ndarray, shape (m, n_c, n_a)
-        Right-hand sides b.
-
-    Returns
-    -------
-    ndarray, shape (m, n_c, n_a)
+        Right-hand sides b, overwritten by the solutions.
     """
     m, n, stations = right.shape
     x = np.empty((stations, n))
     b = np.empty(n)
     y = np.empty(n)
-    out = np.empty((m, n, stations))
     for q in range(m):
         for k in range(stations):
             j = k if ascending else stations - 1 - k
@@ -252,53 +231,62 @@ def substitute(inverses, back, ahead, ascending, right):
                 b[i] = right[q, i, j]
                 if k > 0:
                     b[i] -= back[i, j] * x[k - 1, i]
-            _multiply(inverses[k], b, x[k])
+            _multiply(columns[k], diagonals[k], orders[k], counts[k], b, x[k])
         for k in range(stations - 2, -1, -1):
             j = k if ascending else stations - 1 - k
             for i in range(n):
                 b[i] = ahead[i, j] * x[k + 1, i]
-            _multiply(inverses[k], b, y)
+            _multiply(columns[k], diagonals[k], orders[k], counts[k], b, y)
             for i in range(n):
                 x[k, i] -= y[i]
         for k in range(stations):
             j = k if ascending else stations - 1 - k
             for i in range(n):
-                out[q, i, j] = x[k, i]
-    return out
+                right[q, i, j] = x[k, i]
 
 
-@njit(cache=True, fastmath=CONTRACT)
-def substitute_together(inverses, back, ahead, ascending, right):
-    """As `substitute`, all right-hand sides through a station at once, by matrix products."""
+@compiled
+def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right, work):
+    """As `substitute`, all right-hand sides through a station at once, by matrix products; `work` as large as `right`."""
     m, n, stations = right.shape
-    x = np.empty((stations, n, m))
-    b = np.empty((n, m))
+    x = work.reshape((stations, n, m))
+    b, y = np.empty((n, m)), np.empty((n, m))
+    for i in range(n):
+        for q in range(m):
+            for k in range(stations):
+                x[k, i, q] = right[q, i, k if ascending else stations - 1 - k]
     for k in range(stations):
         j = k if ascending else stations - 1 - k
-        for i in range(n):
+        for a in range(n):
+            c = orders[k, a]
             for q in range(m):
-                b[i, q] = right[q, i, j]
+                b[a, q] = x[k, c, q]
             if k > 0:
-                coupling = back[i, j]
                 for q in range(m):
-                    b[i, q] -= coupling * x[k - 1, i, q]
-        np.dot(inverses[k].T, b, x[k])
-    y = np.empty((n, m))
+                    b[a, q] -= back[c, j] * x[k - 1, c, q]
+        np.dot(columns[k, :counts[k]].T, b[:counts[k]], x[k])
+        for a in range(counts[k], n):
+            c = orders[k, a]
+            for q in range(m):
+                x[k, c, q] += diagonals[k, c] * b[a, q]
     for k in range(stations - 2, -1, -1):
         j = k if ascending else stations - 1 - k
-        for i in range(n):
-            coupling = ahead[i, j]
+        for a in range(n):
+            c = orders[k, a]
             for q in range(m):
-                b[i, q] = coupling * x[k + 1, i, q]
-        np.dot(inverses[k].T, b, y)
-        x[k] -= y
-    out = np.empty((m, n, stations))
-    for k in range(stations):
-        j = k if ascending else stations - 1 - k
+                b[a, q] = ahead[c, j] * x[k + 1, c, q]
+        np.dot(columns[k, :counts[k]].T, b[:counts[k]], y)
         for i in range(n):
             for q in range(m):
-                out[q, i, j] = x[k, i, q]
-    return out
+                x[k, i, q] -= y[i, q]
+        for a in range(counts[k], n):
+            c = orders[k, a]
+            for q in range(m):
+                x[k, c, q] -= diagonals[k, c] * b[a, q]
+    for i in range(n):
+        for q in range(m):
+            for k in range(stations):
+                right[q, i, k if ascending else stations - 1 - k] = x[k, i, q]
 
 
 class BlockTridiagonal:
@@ -311,9 +299,12 @@ class BlockTridiagonal:
     """
 
     def __init__(self, shape):
-        self._inverses = np.empty((shape[1], shape[0], shape[0]))
+        across, stations = shape
+        self._factors = (np.empty((stations, across, across)), np.empty((stations, across)),
+                         np.zeros((stations, across), np.int64), np.zeros(stations, np.int64))
         self._couplings = None
         self._ascending = None
+        self._work = np.empty(0)
 
     def factorise(self, stencil, stations=None):
         """Factorise, as far as needed.
@@ -331,10 +322,15 @@ class BlockTridiagonal:
         if stations is not None and ascending == self._ascending:
             first = stations[0] if ascending else centre.shape[1] - 1 - stations[1]
         back, ahead = (south, north) if ascending else (north, south)
-        factorise(centre, back, ahead, west, east, ascending, first, self._inverses)
+        factorise(centre, back, ahead, west, east, ascending, first, *self._factors)
         self._couplings, self._ascending = (back, ahead), ascending
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
-        method = substitute if right.shape[0] < TOGETHER else substitute_together
-        return method(self._inverses, *self._couplings, self._ascending, right)
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
+        if right.shape[0] < TOGETHER:
+            substitute(*self._factors, *self._couplings, self._ascending, right)
+        else:
+            if self._work.size < right.size:  # kept: memory that is returned and asked for again costs more than the solution
+                self._work = np.empty(right.size)
+            substitute_together(*self._factors, *self._couplings, self._ascending, right, self._work[:right.size])
+        return right

@@ -20,7 +20,8 @@ K.-O. Olsson, Cavitation in dynamically loaded bearings, Chalmers 1965 (C2).
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 FRACTION_ROUNDOFF = 1e-13  # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 PRESSURE_ROUNDOFF = 1e-12  # a full cell with this share of the largest pressure below zero stays full
@@ -33,7 +34,7 @@ class NotConverged(RuntimeError):
     """A step that has no solution, or none was found; the message says what, where and by how much."""
 
 
-@njit(cache=True)
+@compiled
 def split(unknown, full):
     """The unknown where the film is full and zero elsewhere, and the other way round."""
     inside, outside = np.zeros_like(unknown), np.zeros_like(unknown)
@@ -88,7 +89,7 @@ CAVITATION = {model.name: model for model in (
     Cavitation("gumbel", False, False, True), Cavitation("full_film", False, False, False))}
 
 
-@njit(cache=True)
+@compiled
 def without_pressure(full, centre, south, north, west, east):
     """Take the pressure of cells outside the pattern out of their neighbours' balance, Eq. (C3); in place.
 
@@ -108,7 +109,7 @@ def without_pressure(full, centre, south, north, west, east):
                 west[(i + 1) % n_c, j] = 0.0
 
 
-@njit(cache=True)
+@compiled
 def _switch(full, unknown, fixed, conserving, singly):
     """New pattern, number of switched cells (-1: not finite), their first and last axial station, and their first cell."""
     highest = 0.0

@@ -17,7 +17,8 @@ References
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 LIMIT = 40  # Newton iterations
 TOLERANCE = 1e-11  # last change of the deflection over the deflection: what is left is second order in it
@@ -60,7 +61,7 @@ def linear_deflection(c, deflection, asperity_pressure, asperity_slope, pressure
     return k * c * ratio, k * (c * (pressure - ratio * reduced + asperity_pressure) - deflection)  # Eq. (L3)
 
 
-@njit(cache=True)
+@compiled
 def soften(full, slopes, weight, offset, centre, south, north, west, east, right):
     """Add a deflection that follows the pressure, Eq. (L3), to the film balance; in place.
 

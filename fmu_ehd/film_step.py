@@ -73,8 +73,8 @@ class FilmStep:
         self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
         self.solver = solver or linear_solver(grid.shape)
         self._everywhere = np.ones(grid.shape, dtype=bool)
-        self._nothing = np.zeros(grid.shape)
         self._has_openings = bool(self.open_cells.any())
+        self._right = np.empty(0)
 
     def solve(self, film, velocity_c, velocity_a, edges, content, full, step, softness=None):
         """Solve Eqs. (E1)-(E5) for one step.
@@ -146,8 +146,9 @@ class FilmStep:
 
         Parameters
         ----------
-        film, by_film, by_velocity : films.FlowFilm
-            The film, and its derivatives to film thickness and to sliding velocity.
+        film : films.FlowFilm
+        by_film, by_velocity : ndarray, shape (7, n_c, n_a)
+            Derivatives of the film's quantities to film thickness and to sliding velocity; shape (0, n_c, n_a) if all zero.
         velocities, dvelocities : pair of ndarray, shape (n_c, n_a)
             Entrainment velocities along i and j [m/s], and their derivatives to the sliding velocity [-].
         pressure, fraction : ndarray, shape (n_c, n_a)
@@ -160,13 +161,10 @@ class FilmStep:
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
-        nothing = self._nothing
         stencil = reynolds.linearise(
             (film.conductivity_c, film.transport, velocities[0]), (film.conductivity_a, film.transport, velocities[1]),
-            (by_film.stored, by_film.transport, by_film.conductivity_c, by_film.conductivity_a, nothing, nothing),
-            (by_velocity.stored, by_velocity.transport, by_velocity.conductivity_c, by_velocity.conductivity_a, *dvelocities),
-            pressure, fraction, *self.grid.spacing, self.grid.cell_area / step, edges.pressure, edges.film_fraction,
-            self.grid.ring)
+            by_film, by_velocity, *dvelocities, pressure, fraction, *self.grid.spacing, self.grid.cell_area / step,
+            edges.pressure, edges.film_fraction, self.grid.ring)
         if self._has_openings:
             stencil[:, :, self.open_cells] = 0.0
         return stencil
@@ -176,8 +174,8 @@ class FilmStep:
 
         Parameters
         ----------
-        by_film, by_velocity : films.FlowFilm
-            Derivatives of the film to film thickness and to sliding velocity.
+        by_film, by_velocity : ndarray, shape (7, n_c, n_a)
+            Derivatives of `films.FlowFilm` quantities to film thickness and to sliding velocity, as in `slopes`.
         *dvelocities : ndarray, shape (n_c, n_a)
             Derivatives of the entrainment velocities along i and j to the sliding velocity [-].
 
@@ -202,5 +200,10 @@ class FilmStep:
         Returns
         -------
         ndarray, shape (m, n_c, n_a)
+            Overwritten by the next call.
         """
-        return self.solver.solve(reynolds.apply_stencils(self._stencil, dfilm, dvelocity))  # Eq. (E6)
+        if self._right.size < dfilm.size:  # kept, as in `blocks`
+            self._right = np.empty(dfilm.size)
+        right = self._right[:dfilm.size].reshape(dfilm.shape)
+        reynolds.apply_stencils(self._stencil, dfilm, dvelocity, right)
+        return self.solver.solve(right)  # Eq. (E6)

@@ -12,8 +12,8 @@ grid the skirt rests and the bore moves with twice the entrainment velocity, so 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .hermite import interpolate
 from .roughness import TABLE_END
 
@@ -34,7 +34,7 @@ class FlowFilm(NamedTuple):
     poiseuille: np.ndarray
 
 
-@njit(cache=True)
+@compiled
 def smooth_film(film_thickness, viscosity, minimum_flow_film):
     """Flow film of smooth surfaces, Eq. (E7).
 
@@ -99,7 +99,7 @@ def thin(values, slopes, factor, slope, thickness, above_floor, sliding_velocity
     return values, slopes, velocity_slopes
 
 
-@njit(cache=True)
+@compiled
 def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asymmetry, table):
     """Flow film of rough surfaces, Eq. (E8).
 

@@ -18,10 +18,11 @@ References
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _gradients(pressure, lower, upper, dy, out):
     """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
     last = pressure.size - 1
@@ -35,7 +36,7 @@ def _gradients(pressure, lower, upper, dy, out):
         out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
-@njit(cache=True)
+@compiled
 def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy,
                  boundary_stress, rounding_velocity, area):
     """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
@@ -79,7 +80,7 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     return viscous, boundary, power
 
 
-@njit(cache=True)
+@compiled
 def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy, boundary_stress, rounding_velocity,
                  area, by_film, by_velocity, boundary_slope):
     """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
@@ -89,7 +90,7 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     pressure ... area
         As in `shear_forces`.
     by_film, by_velocity : ndarray, shape (3, n_c, n_a)
-        Derivatives of c, d, b to film thickness and to sliding velocity.
+        Derivatives of c, d, b to film thickness and to sliding velocity; the latter of shape (0, n_c, n_a) if all zero.
     boundary_slope : ndarray, shape (n_c, n_a)
         Derivative of tau_b to film thickness [Pa/m].
 
@@ -109,16 +110,18 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
             direction = v / np.sqrt(square)
             slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
                                    + boundary_slope[i, j] * direction)
-            slopes[1, i, j] = a * (f * (c + v * (by_velocity[0, i, j] - by_velocity[1, i, j]))
-                                   + by_velocity[2, i, j] * gradient[j]
-                                   + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            slopes[1, i, j] = a * (f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            if by_velocity.shape[0] > 0:
+                slopes[1, i, j] += a * (f * v * (by_velocity[0, i, j] - by_velocity[1, i, j])
+                                        + by_velocity[2, i, j] * gradient[j])
             slopes[2, i, j] = a * c * v
             slopes[3, i, j] = a * poiseuille[i, j]
     return slopes
 
 
-@njit(cache=True, fastmath={"contract"})
-def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown):
+@compiled
+def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown,
+                  normal, shear):
     """Changes of both nodal forces.
 
     Parameters
@@ -135,27 +138,23 @@ def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, 
         Derivatives of pressure and film fraction to the signed unknown.
     dfilm, dvelocity, dunknown : ndarray, shape (m, n_c, n_a)
         [m], [m/s], [Pa] or [-].
-
-    Returns
-    -------
-    dnormal, dshear : ndarray, shape (m, n_c, n_a)
-        [N].
+    normal, shear : ndarray, shape (m, n_c, n_a)
+        Overwritten: changes of pressure and friction force [N].
     """
     m, n_c, n_a = dfilm.shape
-    normal, shear, p = np.empty((m, n_c, n_a)), np.empty((m, n_c, n_a)), np.empty(n_a)
+    p = np.empty(n_a)
     half, last = 0.5 / dy, n_a - 1
-    for q in range(m):
-        for i in range(n_c):
-            h, v, u, to_p = dfilm[q, i], dvelocity[q, i], dunknown[q, i], pressure_share[i]
-            by_h, by_v, by_f, by_g, by_p = slopes[0, i], slopes[1, i], slopes[2, i], slopes[3, i], by_pressure[i]
-            out, force, a, k, to_f = shear[q, i], normal[q, i], area[i], contact_slope[i], fraction_share[i]
+    for i in range(n_c):  # what stands before the changes of a row stays in the cache for all directions
+        for q in range(m):
             for j in range(n_a):
-                p[j] = to_p[j] * u[j]
-                force[j] = a[j] * (p[j] + k[j] * h[j])
-                out[j] = by_h[j] * h[j] + by_v[j] * v[j] + by_f[j] * to_f[j] * u[j] + by_p[j] * p[j]
+                p[j] = pressure_share[i, j] * dunknown[q, i, j]
+            for j in range(n_a):
+                normal[q, i, j] = area[i, j] * (p[j] + contact_slope[i, j] * dfilm[q, i, j])
+            for j in range(n_a):
+                shear[q, i, j] = (slopes[0, i, j] * dfilm[q, i, j] + slopes[1, i, j] * dvelocity[q, i, j]
+                                  + slopes[2, i, j] * fraction_share[i, j] * dunknown[q, i, j] + by_pressure[i, j] * p[j])
             for j in range(1, last):
-                out[j] += by_g[j] * half * (p[j + 1] - p[j - 1])
+                shear[q, i, j] += slopes[3, i, j] * half * (p[j + 1] - p[j - 1])
             if n_a > 1:
-                out[0] += by_g[0] * half * (p[0] + p[1])
-                out[last] -= by_g[last] * half * (p[last] + p[last - 1])
-    return normal, shear
+                shear[q, i, 0] += slopes[3, i, 0] * half * (p[0] + p[1])
+                shear[q, i, last] -= slopes[3, i, last] * half * (p[last] + p[last - 1])

@@ -1,9 +1,9 @@
 """Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a consistent slope."""
 
-from numba import njit
+from .compiled import compiled
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def interpolate(table, column, end, x):
     """Value and slope of a tabulated function, for 0 <= x < end.
 

@@ -44,8 +44,10 @@ class Film:
     ----------
     sliding_velocity : ndarray
         [m/s].
-    values, slopes, velocity_slopes : ndarray, shape (7, n_c, n_a)
-        `films.FlowFilm` quantities and their derivatives to film thickness and sliding velocity (None if all zero).
+    values, slopes : ndarray, shape (7, n_c, n_a)
+        `films.FlowFilm` quantities and their derivatives to film thickness.
+    velocity_slopes : ndarray, shape (7, n_c, n_a), or (0, n_c, n_a) if all zero
+        Their derivatives to sliding velocity.
     pressure, fraction : ndarray
         Above cavitation pressure [Pa], film fraction [-].
     ratio, dratio : ndarray
@@ -56,7 +58,7 @@ class Film:
     sliding_velocity: np.ndarray
     values: np.ndarray
     slopes: np.ndarray
-    velocity_slopes: np.ndarray | None
+    velocity_slopes: np.ndarray
     pressure: np.ndarray
     fraction: np.ndarray
     ratio: np.ndarray | None
@@ -85,7 +87,7 @@ class LubricationModel:
         self._thins = p.oil.shear_thinning_law != "none"
         self._compliance = coating.compliance(p.coating_thickness, p.coating_modulus, p.coating_poisson)
         self._no_velocity = np.zeros(p.shape)
-        self._no_slopes = np.zeros((7, *p.shape))
+        self._no_slopes = np.zeros((0, *p.shape))
         self._half_back = np.full(p.shape, -0.5)  # entrainment velocity of the grid, which rides on the skirt
         self._halves = halves(p.shape[0])
         self._given = surroundings(p, {})
@@ -182,32 +184,33 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        forces = [self._force_changes(dfilm[k:k + BATCH], dvelocity[k:k + BATCH]) for k in range(0, len(dfilm), BATCH)]
-        joined = forces[0] if len(forces) == 1 else [np.concatenate(parts) for parts in zip(*forces)]
-        return tuple(force.reshape(np.shape(dfilm_thickness)) for force in joined)
+        normal, shear = np.empty((2, *dfilm.shape))  # one piece: of two, malloc returns the memory and asks for it again each time
+        for k in range(0, len(dfilm), BATCH):
+            some = slice(k, k + BATCH)
+            self._force_changes(dfilm[some], dvelocity[some], normal[some], shear[some])
+        return normal.reshape(np.shape(dfilm_thickness)), shear.reshape(np.shape(dfilm_thickness))
 
-    def _force_changes(self, dfilm, dvelocity):
+    def _force_changes(self, dfilm, dvelocity, normal, shear):
         """`tangent` for stacked directions; a coating yields to the change of pressure, Eq. (L3)."""
         if not self._compliance:
-            return friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity))
+            friction.force_changes(*self._linear, dfilm, dvelocity, self.film_step.tangent(dfilm, dvelocity), normal, shear)
+            return
         yielding = 1.0 / (1.0 - self._compliance * self._last[1][1])
         dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
         to_pressure = self._linear[5]
         dfilm = yielding * (dfilm + self._compliance * to_pressure * dunknown)
-        return friction.force_changes(*self._linear, dfilm, dvelocity, dunknown)
+        friction.force_changes(*self._linear, dfilm, dvelocity, dunknown, normal, shear)
 
     def _linearise(self):
         """Derivatives of the forces of the last step that every direction shares."""
         film, contact, shear_inputs = self._last
-        by_film = film.slopes
-        by_velocity = film.velocity_slopes if film.velocity_slopes is not None else self._no_slopes
-        to_pressure, to_fraction = self.film_step.linearise(FlowFilm(*by_film), FlowFilm(*by_velocity), self._no_velocity,
-                                                            self._half_back)
+        by_film, by_velocity = film.slopes, film.velocity_slopes
+        to_pressure, to_fraction = self.film_step.linearise(by_film, by_velocity, self._no_velocity, self._half_back)
         by_pressure = self._no_velocity
         shear_by_film, shear_by_velocity = by_film[4:], by_velocity[4:]
         if film.ratio is not None:
             scale = np.stack([film.ratio, film.ratio, np.ones_like(film.ratio)])
-            shear_by_film, shear_by_velocity = shear_by_film * scale, shear_by_velocity * scale
+            shear_by_film, shear_by_velocity = shear_by_film * scale, shear_by_velocity * scale[:len(shear_by_velocity)]
             by_pressure = -self.area * shear_inputs[1] * film.sliding_velocity * (film.values[4] - film.values[5]) * film.dratio
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
         slopes = friction.shear_slopes(*shear_inputs, shear_by_film, shear_by_velocity, contact[4])
@@ -234,9 +237,8 @@ class LubricationModel:
             reduced, deficit = self.film_step.model.interpret(unknown, full)
             pressure = law.pressure(reduced) if law else reduced
             ratio = law.ratio(pressure)[0] if law else 1.0
-            by_velocity = self._no_slopes if parts[2] is None else parts[2]
-            slopes = self.film_step.slopes(FlowFilm(*parts[0]), FlowFilm(*parts[1]), FlowFilm(*by_velocity), velocities,
-                                           (self._no_velocity, self._half_back), reduced, 1.0 + deficit, around.edges, step)
+            slopes = self.film_step.slopes(FlowFilm(*parts[0]), *parts[1:], velocities, (self._no_velocity, self._half_back),
+                                           reduced, 1.0 + deficit, around.edges, step)
             touching, touching_slope, *_ = asperity.contact(film, *self._contact)
             weight, offset = coating.linear_deflection(c, deflection, touching, touching_slope, pressure, ratio, reduced)
             solution = self.film_step.solve(FlowFilm(*parts[0]), *velocities, around.edges, state.content, guess, step,
@@ -253,7 +255,7 @@ class LubricationModel:
     # ---- parts of a step --------------------------------------------------------------------------------------------
 
     def _flow_film(self, film_thickness, sliding_velocity, around):
-        """`FlowFilm` quantities stacked to (7, n_c, n_a), and their derivatives to film and velocity (None if all zero)."""
+        """`FlowFilm` quantities stacked to (7, n_c, n_a), and their derivatives to film and velocity, as in `Film`."""
         p = self.parameters
         if self._factors is None:
             values, slopes = smooth_film(film_thickness, around.viscosity, p.minimum_flow_film)
@@ -261,7 +263,7 @@ class LubricationModel:
             values, slopes = rough_film(film_thickness, around.viscosity, p.minimum_flow_film, p.roughness_rms,
                                         2.0 * p.roughness_share_skirt - 1.0, self._factors)
         if not self._thins:
-            return values, slopes, None
+            return values, slopes, self._no_slopes
         thickness = np.maximum(film_thickness, p.minimum_flow_film)
         thinning = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
         return thin(values, slopes, *thinning, thickness, film_thickness > p.minimum_flow_film, sliding_velocity)

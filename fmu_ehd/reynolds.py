@@ -28,17 +28,18 @@ hydrodynamic lubrication, Tribol. Lett. 58 (2015) 18 (the complementarity form).
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
     """Conductance K and transport T of a face, Eq. (E3)."""
     inverse = 1.0 / (g_a + g_b)
     return aspect * 2.0 * g_a * g_b * inverse, width * velocity * (t_a * g_b + t_b * g_a) * inverse
 
 
-@njit(cache=True)
+@compiled
 def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx, dy, ring):
     """Conductances and transports of all faces, Eq. (E3).
 
@@ -82,7 +83,7 @@ def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx,
     return k_c, t_c, k_a, t_a
 
 
-@njit(cache=True)
+@compiled
 def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pressure, edge_fraction, ring):
     """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq. (E5).
 
@@ -155,7 +156,7 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     return (centre, south, north, west, east), right
 
 
-@njit(cache=True)
+@compiled
 def hold(fixed, value, centre, south, north, west, east, right):
     """Replace the balance of fixed cells by u = value; in place.
 
@@ -174,13 +175,13 @@ def hold(fixed, value, centre, south, north, west, east, right):
                 south[i, j] = north[i, j] = west[i, j] = east[i, j] = 0.0
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b
 
 
-@njit(cache=True)
+@compiled
 def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction, ring):
     """Sum of outward face flows of each cell, and the inward flows over the four edges, Eq. (E2).
 
@@ -242,7 +243,7 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
     return out, edge_flow, gross
 
 
-@njit(cache=True)
+@compiled
 def balance(pressure, deficit, faces, stored, content, area_per_step, edge_pressure, edge_fraction, ring, open_cells):
     """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of the whole film.
 
@@ -291,20 +292,59 @@ def balance(pressure, deficit, faces, stored, content, area_per_step, edge_press
     return fraction, now, residual, edge_flow, abs(inflow - total) / max(throughput, floor)
 
 
-@njit(cache=True, inline="always")
-def _flow_slopes(g_a, g_b, t_a, t_b, velocity, aspect, width, drop, upstream):
+@compiled(inline="always")
+def _flow_slopes(g_a, g_b, t_a, t_b, velocity_a, velocity_b, aspect, width, p_a, p_b, f_a, f_b):
     """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of either cell."""
+    velocity = 0.5 * (velocity_a + velocity_b)
+    upstream = f_a if velocity > 0.0 else f_b
     inverse = 1.0 / (g_a + g_b)
+    share_a, share_b = g_a * inverse, g_b * inverse
     moved = width * velocity * upstream
-    by_g_a = g_b * (2.0 * aspect * g_b * drop + moved * (t_b - t_a)) * inverse * inverse
-    by_g_b = g_a * (2.0 * aspect * g_a * drop + moved * (t_a - t_b)) * inverse * inverse
-    by_velocity = 0.5 * width * upstream * (t_a * g_b + t_b * g_a) * inverse
-    return by_g_a, by_g_b, moved * g_b * inverse, moved * g_a * inverse, by_velocity
+    bend, driven = moved * (t_b - t_a) * inverse, 2.0 * aspect * (p_a - p_b)
+    by_g_a, by_g_b = share_b * (share_b * driven + bend), share_a * (share_a * driven - bend)
+    return by_g_a, by_g_b, moved * share_b, moved * share_a, 0.5 * width * upstream * (t_a * share_b + t_b * share_a)
 
 
-@njit(cache=True)
-def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, area_per_step, edge_pressure, edge_fraction,
-              ring):
+@compiled(inline="always")
+def _edge_changes(slopes, by_film, by_velocity, dvelocity, row, i, j):
+    """Derivatives of the flow over an edge to film and sliding velocity of its cell, which stands on both sides of the face."""
+    g_a, g_b, t_a, t_b, v = slopes
+    film = (g_a + g_b) * by_film[row, i, j] + (t_a + t_b) * by_film[1, i, j]
+    velocity = 2.0 * v * dvelocity[i, j]
+    if by_velocity.shape[0] > 0:
+        velocity += (g_a + g_b) * by_velocity[row, i, j] + (t_a + t_b) * by_velocity[1, i, j]
+    return film, velocity
+
+
+@compiled
+def _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
+                 edge_fraction, ring, centre):
+    """Add the derivatives of the flows over the edges to the centre of both stencils, shape (2, n_c, n_a)."""
+    (g, t, u), n_c, n_a = film_a, *pressure.shape
+    for i in range(n_c):
+        for edge in range(2):
+            j, sign = (0, -1.0) if edge == 0 else (n_a - 1, 1.0)  # inward flow over the lower edge, outward over the upper one
+            p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[edge], edge_fraction[edge]
+            p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
+            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dx / dy, dx, p_a, p_b, f_a, f_b)
+            film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_a, 3, i, j)
+            centre[0, i, j] += sign * film
+            centre[1, i, j] += sign * velocity
+    g, t, u = film_c
+    for j in range(0 if ring else n_a):
+        for edge in range(2):
+            i, sign = (0, -1.0) if edge == 0 else (n_c - 1, 1.0)
+            p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[2 + edge], edge_fraction[2 + edge]
+            p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
+            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dy / dx, dy, p_a, p_b, f_a, f_b)
+            film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_c, 2, i, j)
+            centre[0, i, j] += sign * film
+            centre[1, i, j] += sign * velocity
+
+
+@compiled
+def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, area_per_step,
+              edge_pressure, edge_fraction, ring):
     """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two five-point stencils.
 
     What is upstream of a face stays so; at rest the cell before the face counts as downstream of the one behind it.
@@ -313,9 +353,11 @@ def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, 
     ----------
     film_c, film_a : tuple of ndarray, each shape (n_c, n_a)
         Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along j.
-    by_film, by_velocity : tuple of ndarray, each shape (n_c, n_a)
-        Derivatives of stored film, transported film, conductivity along i and along j, and entrainment velocity along i
-        and along j, to film thickness and to sliding velocity.
+    by_film, by_velocity : ndarray, shape (4 or more, n_c, n_a)
+        Derivatives of stored film, transported film, conductivity along i and along j to film thickness and to sliding velocity;
+        the latter of shape (0, n_c, n_a) if all zero.
+    dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
+        Derivatives of the entrainment velocity along i and along j to the sliding velocity [-].
     pressure, fraction : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction [-].
     dx, dy, area_per_step, edge_pressure, edge_fraction, ring
@@ -327,65 +369,56 @@ def linearise(film_c, film_a, by_film, by_velocity, pressure, fraction, dx, dy, 
         To film and to velocity; centre, south, north, west, east as in `assemble`.
     """
     n_c, n_a = pressure.shape
-    stencil = np.zeros((2, 5, n_c, n_a))
-    last = n_a - 1
+    stencil = np.empty((2, 5, n_c, n_a))
+    stencil[:, 1, :, 0] = stencil[:, 2, :, n_a - 1] = 0.0  # no neighbour beyond an edge
+    if not ring:
+        stencil[:, 3, 0] = stencil[:, 4, n_c - 1] = 0.0
+    g, t, u = film_a
     for i in range(n_c):
-        for j in range(n_a + 1):
-            a, b = (i, max(j - 1, 0)), (i, min(j, last))
-            aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
-            p_a, f_a = (pressure[a], fraction[a]) if j > 0 else (edge_pressure[0], edge_fraction[0])
-            p_b, f_b = (pressure[b], fraction[b]) if j < n_a else (edge_pressure[1], edge_fraction[1])
-            velocity = 0.5 * (film_a[2][a] + film_a[2][b])
-            g_a, g_b, t_a, t_b, v = _flow_slopes(film_a[0][a], film_a[0][b], film_a[1][a], film_a[1][b], velocity, aspect, dx,
-                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                on_a = g_a * by[3][a] + t_a * by[1][a] + v * by[5][a]
-                on_b = g_b * by[3][b] + t_b * by[1][b] + v * by[5][b]
-                if j == 0:
-                    stencil[k, 0, i, 0] -= on_a + on_b
-                elif j == n_a:
-                    stencil[k, 0, i, last] += on_a + on_b
-                else:
-                    stencil[k, 0, i, j - 1] += on_a
-                    stencil[k, 2, i, j - 1] += on_b
-                    stencil[k, 0, i, j] -= on_b
-                    stencil[k, 1, i, j] -= on_a
-    last = n_c - 1
-    for i in range(0, n_c if ring else n_c + 1):
-        inner = ring or 0 < i < n_c
-        aspect = dy / dx if inner else 2.0 * dy / dx
-        lower = (i - 1) % n_c if ring else max(i - 1, 0)
+        for j in range(n_a - 1):
+            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[i, j + 1], t[i, j], t[i, j + 1], u[i, j], u[i, j + 1], dx / dy, dx,
+                                                 pressure[i, j], pressure[i, j + 1], fraction[i, j], fraction[i, j + 1])
+            stencil[0, 1, i, j + 1] = -g_a * by_film[3, i, j] - t_a * by_film[1, i, j]
+            stencil[0, 2, i, j] = g_b * by_film[3, i, j + 1] + t_b * by_film[1, i, j + 1]
+            stencil[1, 1, i, j + 1] = -v * dvelocity_a[i, j]
+            stencil[1, 2, i, j] = v * dvelocity_a[i, j + 1]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 1, i, j + 1] -= g_a * by_velocity[3, i, j] + t_a * by_velocity[1, i, j]
+                stencil[1, 2, i, j] += g_b * by_velocity[3, i, j + 1] + t_b * by_velocity[1, i, j + 1]
+    g, t, u = film_c
+    for i in range(n_c if ring else n_c - 1):
+        after = (i + 1) % n_c
         for j in range(n_a):
-            a, b = (lower, j), (min(i, last), j)
-            p_a, f_a = (pressure[a], fraction[a]) if inner or i > 0 else (edge_pressure[2], edge_fraction[2])
-            p_b, f_b = (pressure[b], fraction[b]) if inner or i == 0 else (edge_pressure[3], edge_fraction[3])
-            velocity = 0.5 * (film_c[2][a] + film_c[2][b])
-            g_a, g_b, t_a, t_b, v = _flow_slopes(film_c[0][a], film_c[0][b], film_c[1][a], film_c[1][b], velocity, aspect, dy,
-                                                 p_a - p_b, f_a if velocity > 0.0 else f_b)
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                on_a = g_a * by[2][a] + t_a * by[1][a] + v * by[4][a]
-                on_b = g_b * by[2][b] + t_b * by[1][b] + v * by[4][b]
-                if inner:
-                    stencil[k, 0, a[0], j] += on_a
-                    stencil[k, 4, a[0], j] += on_b
-                    stencil[k, 0, b[0], j] -= on_b
-                    stencil[k, 3, b[0], j] -= on_a
-                elif i == 0:
-                    stencil[k, 0, 0, j] -= on_a + on_b
-                else:
-                    stencil[k, 0, last, j] += on_a + on_b
+            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[after, j], t[i, j], t[after, j], u[i, j], u[after, j], dy / dx, dy,
+                                                 pressure[i, j], pressure[after, j], fraction[i, j], fraction[after, j])
+            stencil[0, 3, after, j] = -g_a * by_film[2, i, j] - t_a * by_film[1, i, j]
+            stencil[0, 4, i, j] = g_b * by_film[2, after, j] + t_b * by_film[1, after, j]
+            stencil[1, 3, after, j] = -v * dvelocity_c[i, j]
+            stencil[1, 4, i, j] = v * dvelocity_c[after, j]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 3, after, j] -= g_a * by_velocity[2, i, j] + t_a * by_velocity[1, i, j]
+                stencil[1, 4, i, j] += g_b * by_velocity[2, after, j] + t_b * by_velocity[1, after, j]
+    for k in range(2):
+        for i in range(n_c):
+            before, after = (i - 1) % n_c, (i + 1) % n_c
+            for j in range(n_a):  # what a cell loses its neighbours win
+                stencil[k, 0, i, j] = -(stencil[k, 3, after, j] + stencil[k, 4, before, j])
+            for j in range(n_a - 1):
+                stencil[k, 0, i, j] -= stencil[k, 1, i, j + 1]
+            for j in range(1, n_a):
+                stencil[k, 0, i, j] -= stencil[k, 2, i, j - 1]
+    _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
+                 edge_fraction, ring, stencil[:, 0])
     for i in range(n_c):
         for j in range(n_a):
-            for k in range(2):
-                by = by_film if k == 0 else by_velocity
-                stencil[k, 0, i, j] += area_per_step * fraction[i, j] * by[0][i, j]
+            stencil[0, 0, i, j] += area_per_step * fraction[i, j] * by_film[0, i, j]
+            if by_velocity.shape[0] > 0:
+                stencil[1, 0, i, j] += area_per_step * fraction[i, j] * by_velocity[0, i, j]
     return stencil
 
 
-@njit(cache=True, fastmath={"contract"})
-def apply_stencils(stencil, dfilm, dvelocity):
+@compiled
+def apply_stencils(stencil, dfilm, dvelocity, out):
     """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
 
     Parameters
@@ -394,26 +427,23 @@ def apply_stencils(stencil, dfilm, dvelocity):
         From `linearise`.
     dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
         [m], [m/s].
-
-    Returns
-    -------
-    ndarray, shape (m, n_c, n_a)
-        [m3/s].
+    out : ndarray, shape (m, n_c, n_a)
+        Overwritten [m3/s].
     """
     m, n_c, n_a = dfilm.shape
-    out = np.empty((m, n_c, n_a))
+    row = np.empty(n_a)
     for q in range(m):
         for i in range(n_c):
-            row = out[q, i]
-            row[:] = 0.0
-            for k in range(2):
-                x = dfilm[q] if k == 0 else dvelocity[q]
-                here, before, behind = x[i], x[(i - 1) % n_c], x[(i + 1) % n_c]
-                c, s, n, w, e = stencil[k, 0, i], stencil[k, 1, i], stencil[k, 2, i], stencil[k, 3, i], stencil[k, 4, i]
-                for j in range(n_a):
-                    row[j] -= c[j] * here[j] + w[j] * before[j] + e[j] * behind[j]
-                for j in range(1, n_a):
-                    row[j] -= s[j] * here[j - 1]
-                for j in range(n_a - 1):
-                    row[j] -= n[j] * here[j + 1]
-    return out
+            before, after = (i - 1) % n_c, (i + 1) % n_c
+            for j in range(n_a):
+                row[j] = (stencil[0, 0, i, j] * dfilm[q, i, j] + stencil[0, 3, i, j] * dfilm[q, before, j]
+                          + stencil[0, 4, i, j] * dfilm[q, after, j])
+            for j in range(n_a):
+                row[j] += (stencil[1, 0, i, j] * dvelocity[q, i, j] + stencil[1, 3, i, j] * dvelocity[q, before, j]
+                           + stencil[1, 4, i, j] * dvelocity[q, after, j])
+            for j in range(1, n_a):
+                row[j] += stencil[0, 1, i, j] * dfilm[q, i, j - 1] + stencil[1, 1, i, j] * dvelocity[q, i, j - 1]
+            for j in range(n_a - 1):
+                row[j] += stencil[0, 2, i, j] * dfilm[q, i, j + 1] + stencil[1, 2, i, j] * dvelocity[q, i, j + 1]
+            for j in range(n_a):
+                out[q, i, j] = -row[j]

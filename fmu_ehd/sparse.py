@@ -56,7 +56,7 @@ class SuperLU:
         self._factors = splu(self._pattern.matrix(stencil))
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left alone."""
         columns = right.reshape(right.shape[0], -1).T
         return np.ascontiguousarray(self._factors.solve(np.asfortranarray(columns)).T).reshape(right.shape)
 
@@ -101,7 +101,7 @@ class Pardiso:
             self._call(phase, np.zeros((self._matrix.shape[0], 1)))
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left alone."""
         columns = np.asfortranarray(right.reshape(right.shape[0], -1).T)
         return (self._call(self.SOLVE, columns).T / self._scale).reshape(right.shape)
 

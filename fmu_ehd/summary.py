@@ -1,7 +1,8 @@
 """Scalars of a whole film in one pass over its cells."""
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
 def halves(n_circumferential):
@@ -20,7 +21,7 @@ def halves(n_circumferential):
     return np.where(np.abs(sine) < 1e-12, 0.5, (sine > 0.0).astype(float)), sine
 
 
-@njit(cache=True)
+@compiled
 def summarise(film_thickness, pressure, pressure_force, viscous, boundary, power, contact_area, share, sine):
     """Extremes and sums of a film; pairs are (thrust, anti-thrust half).
 

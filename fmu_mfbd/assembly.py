@@ -7,6 +7,7 @@ from .floating_frame import FlexibleBody
 from .instant import Block, System
 from .modal_field import modal_field
 from .model import Crank, PistonInBore
+from .pin_friction import PinFriction
 from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape
 from .slider_crank import Mechanism
 from .surface import cell_centres
@@ -43,6 +44,8 @@ def faults(p, piston, block, options):
         return [f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, "
                 f"{p['crank_radius'] + offset:g} m"]
     out = []
+    if p["crank_free"] and options["speed"]:
+        out.append("crank_free = 1: must be 0 with a table of crank speed ([speed] in the build table)")
     if p["rod_centre"] > p["rod_length"]:
         out.append(f"rod_centre = {p['rod_centre']:g} m: must lie within rod_length = {p['rod_length']:g} m")
     turn = np.linspace(0.0, 2 * np.pi, 721)
@@ -99,11 +102,12 @@ def assemble(piston, block, options, p):
     body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]),
                         *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
                         piston["omega"] ** 2, damping(piston["omega"], *strong))
+    friction = PinFriction(p["pin_friction_coefficient"] * p["pin_radius"], p["pin_friction_speed"], p["pin_friction_damping"])
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
-                          p["rod_centre"] / p["rod_length"], p["pin_mass"])
+                          p["rod_centre"] / p["rod_length"], p["pin_mass"], friction)
     bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block),
                         bore_shape(block["heights"], angle, options, p))
     system = System(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
                     np.ascontiguousarray(piston["gas_force"]))
-    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"])
+    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"], options["speed"])
     return PistonInBore(system, crank, np.pi * radius**2, p["spectral_radius"], options["gas"])

@@ -3,7 +3,9 @@
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from .solver import factorise
 
 
 class Elastic:
@@ -14,10 +16,12 @@ class Elastic:
     ----------
     K : scipy.sparse matrix, shape (3 n, 3 n)
         Stiffness [N/m].
-    M : scipy.sparse matrix, shape (n, n)
-        Consistent mass of one displacement component [kg].
+    M : scipy.sparse matrix, shape (3 n, 3 n)
+        Mass [kg].
     fixed_nodes : ndarray of int
         Nodes that do not move; none for a body on springs.
+    factors : callable
+        Factorises a matrix; `solver.factorise` or one that remembers.
 
     Raises
     ------
@@ -25,18 +29,23 @@ class Elastic:
         If the body can still move rigidly, or the stiffness has a non-positive pivot.
     """
 
-    def __init__(self, K, M, fixed_nodes):
+    def __init__(self, K, M, fixed_nodes, factors=factorise):
         held = np.zeros(K.shape[0] // 3, dtype=bool)
         held[fixed_nodes] = True
         self.free = np.flatnonzero(np.repeat(~held, 3))
         self.size = K.shape[0]
-        self.K = K[self.free][:, self.free].tocsc()
-        self.M = full_mass(M)[self.free][:, self.free].tocsc()
-        self._lu = factorise(self.K)
+        self.K = K.tocsr()[self.free][:, self.free].tocsc()
+        self.M = M.tocsr()[self.free][:, self.free].tocsc()
+        self.factors = factors
+        self._lu = factors(self.K)
 
     def solve(self, load):
         """Displacement under nodal forces, both on the free degrees of freedom."""
-        return self._lu.solve(np.ascontiguousarray(load))
+        return self._lu.solve(load)
+
+    def forget_factors(self):
+        """Give back the memory of the factors, for large bodies several times that of all else; `solve` ends with it."""
+        self._lu = None
 
     def full(self, shapes):
         """Put zeros back at the fixed nodes: (free, k) -> (3 n, k)."""
@@ -53,7 +62,7 @@ class MeanElastic(Elastic):
 
     Parameters
     ----------
-    K, M
+    K, M, factors
         As for `Elastic`.
     conditions : ndarray, shape (m, 3 n)
         C, m >= 6, see `mean_conditions`.
@@ -61,14 +70,15 @@ class MeanElastic(Elastic):
         Rigid-body motions.
     """
 
-    def __init__(self, K, M, conditions, rigid):
+    def __init__(self, K, M, conditions, rigid, factors=factorise):
         self.free, self.size = np.arange(K.shape[0]), K.shape[0]
-        self.K, self.M = K.tocsc(), full_mass(M)
+        self.K, self.M = K.tocsc(), M.tocsc()
         # six well-placed degrees of freedom make K regular; what they carry is cancelled by the small system
         touched = np.flatnonzero(conditions.any(axis=0))
         support = touched[la.qr(rigid[touched].T, mode="r", pivoting=True)[1][:6]]
         self._loose = np.setdiff1d(self.free, support)
-        self._lu = factorise(self.K[self._loose][:, self._loose])
+        self.factors = factors
+        self._lu = factors(self.K[self._loose][:, self._loose].tocsc())
         self._C, self._R = conditions, rigid
         self._answer = self._supported(conditions.T)
         small = np.block([[conditions @ self._answer, -conditions @ rigid], [rigid.T @ conditions.T, np.zeros((6, 6))]])
@@ -76,7 +86,7 @@ class MeanElastic(Elastic):
 
     def _supported(self, load):
         out = np.zeros(load.shape)
-        out[self._loose] = self._lu.solve(np.ascontiguousarray(load[self._loose]))
+        out[self._loose] = self._lu.solve(load[self._loose])
         return out
 
     def solve(self, load):
@@ -85,29 +95,6 @@ class MeanElastic(Elastic):
         unknown = la.lu_solve(self._small, np.concatenate([self._C @ first, self._R.T @ load]))
         m = len(self._C)
         return first - self._answer @ unknown[:m] + self._R @ unknown[m:]
-
-
-def factorise(K):
-    """Sparse factors of a symmetric positive definite matrix.
-
-    Raises
-    ------
-    ValueError
-        At non-positive pivots.
-    """
-    lu = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    pivots = lu.U.diagonal()
-    bad = np.sum(pivots <= 1e-12 * np.abs(pivots).max())
-    if bad:
-        raise ValueError(f"the stiffness has {bad} non-positive pivots: the body can still move rigidly "
-                         "(fewer than three held nodes, or all "
-                         "in one line), has a loose piece or an inverted element")
-    return lu
-
-
-def full_mass(M):
-    """Mass of one component -> of all three, degrees of freedom node by node."""
-    return sp.kron(M, sp.identity(3), format="csc")
 
 
 def rigid_motions(points):
@@ -275,7 +262,7 @@ def characteristic_constraint_modes(body, interface, modes):
     """
     chosen = np.isin(body.free, (3 * np.asarray(interface)[:, None] + np.arange(3)).ravel())
     inner, outer = np.flatnonzero(~chosen), np.flatnonzero(chosen)
-    within = factorise(body.K[inner][:, inner].tocsc())
+    within = body.factors(body.K[inner][:, inner].tocsc())
     link = body.K[inner][:, outer].tocsr()
 
     def extend(x):
@@ -287,7 +274,7 @@ def characteristic_constraint_modes(body, interface, modes):
 
     def press(f):
         """Psi^T f."""
-        return f[outer] - link.T @ within.solve(np.ascontiguousarray(f[inner]))
+        return f[outer] - link.T @ within.solve(f[inner])
 
     def answer(f):
         """K_cc^-1 f: the body's own compliance, seen from the interface."""

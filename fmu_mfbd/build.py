@@ -1,5 +1,6 @@
 """Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over what the FMU carries."""
 
+import hashlib
 from math import pi
 from pathlib import Path
 
@@ -9,9 +10,11 @@ from master.fmi.builder import cache_folder
 from master.fmi.errors import BadInput
 
 from .mesh import MeshFault
-from .options import read_options
-from .reduction import cached, reduce_block, reduce_piston, shapes_file
-from .tables import TableFault, gas_table, profile_table
+from .options import SOURCES, Bodies, read_options
+from .reduction import cached, reduce_block, reduce_piston, save
+from .speed_table import speed_table
+from .start_state import read_start
+from .tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
 
 
 def prepare(options, folder, progress):
@@ -39,25 +42,60 @@ def prepare(options, folder, progress):
         Every fault of the table; then every fault of the meshes.
     """
     resolved = read_options(options, folder)
-    shapes, gas = _tables(resolved)
-    faults, files = [], {}
-    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
-        try:
-            files[name] = _body(name, reduce, resolved, progress)
-        except MeshFault as error:
-            faults += error.faults
-        except ValueError as error:
-            faults.append(f"{name}: {error}")
-    if faults:
-        raise BadInput(faults)
+    shapes, over_angle = _tables(resolved)
+    files = {name: _carried(name, path) for name, path in _reduced(resolved, progress).items()}
     for part in ("piston", "block"):
-        for source in ("mesh", "reduced"):          # where it lay is no property of the FMU
+        for source in SOURCES:          # where it lay is no property of the FMU
             resolved[part][source] = resolved[part][source] and Path(resolved[part][source]).name
         resolved[part]["profiles"] = shapes[part]
         with np.load(files[part]) as body:
             resolved[part]["modes"] = len(body["omega"])
-    resolved["gas"] = gas
-    return resolved | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+    start = resolved["start"] and _start(resolved["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
+    return resolved | over_angle | {"start": start} | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+
+
+def reduced_bodies(options, folder, progress):
+    """The reduced bodies of a build table, or of one that has a single body.
+
+    Parameters
+    ----------
+    options, folder, progress
+        As for `prepare`.
+
+    Returns
+    -------
+    dict of str to Path
+        An .npz for each of piston and block: what `reduction` gives, mesh and mode shapes included.
+
+    Raises
+    ------
+    BadInput
+    """
+    return _reduced(read_options(options, folder, Bodies), progress)
+
+
+def _reduced(resolved, progress):
+    """Paths of the bodies' .npz, by name; every fault of all of them in one message."""
+    faults, files = [], {}
+    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
+        try:
+            if resolved[name] is not None:
+                files[name] = _body(name, reduce, resolved, progress)
+        except MeshFault as error:
+            faults += error.faults
+        except (ValueError, MemoryError) as error:
+            faults.append(f"{name}: {error}")
+    if faults:
+        raise BadInput(faults)
+    return files
+
+
+def _start(path, modes):
+    """Motion at the start, or what is wrong with its file."""
+    try:
+        return read_start(path, modes)
+    except ValueError as error:
+        raise BadInput([str(error)]) from None
 
 
 NEEDED = {"piston": ("mass", "S", "I0", "T", "b", "B", "g", "G", "omega", "kind", "gas_force", "radial", "axial", "radius",
@@ -86,27 +124,47 @@ def _body(name, reduce, resolved, progress):
     return path
 
 
+def _carried(name, path):
+    """What of a reduced body goes into the FMU: all but its mesh and mode shapes, in a file named by its content."""
+    with np.load(path) as body:
+        arrays = {key: body[key] for key in NEEDED[name]}
+    digest = hashlib.sha256()
+    for array in arrays.values():
+        digest.update(str(array.shape).encode() + array.tobytes())
+    carried = cache_folder("carried") / f"{name}-{digest.hexdigest()[:24]}.npz"
+    if not carried.exists():
+        save(carried, arrays)
+    return carried
+
+
 def _tables(resolved):
-    """Measured shapes of both bodies and the gas table, read before any long computation."""
-    faults, shapes, gas = [], {"piston": [], "block": []}, None
+    """Measured shapes of both bodies; tables of gas and speed, by name: read before any long computation."""
+    faults, shapes, over_angle = [], {"piston": [], "block": []}, {}
     for part, found in shapes.items():
         for table in resolved[part]["profiles"]:
             try:
                 found.append(profile_table(table["file"], table["angle_unit"], table["height_unit"], table["value_unit"]))
             except TableFault as error:
                 faults.append(str(error))
-    if resolved["gas"]:
+    for name, read in (("gas", _gas), ("speed", _speed)):
         try:
-            gas = gas_table(resolved["gas"]["file"], pi * resolved["gas"]["strokes"], resolved["gas"]["angle_unit"],
-                            resolved["gas"]["pressure_unit"])
+            over_angle[name] = resolved[name] and read(resolved[name])
         except TableFault as error:
             faults.append(str(error))
     if faults:
         raise BadInput(faults)
-    return shapes, gas
+    return shapes, over_angle
 
 
-def reduced_bodies(options, folder, progress):
-    """Both reduced bodies of a build table, for reports: {name: (reduced body, mesh and shapes)}, mappings of ndarray."""
-    files = dict(zip(("piston", "block"), prepare(options, folder, progress)[1]))
-    return {name: (np.load(path), np.load(shapes_file(path))) for name, path in files.items()}
+def _rows(name, part):
+    """Numbers of a table in a file or in the case."""
+    return read_numbers(part["file"]) if part["file"] else inline_numbers(f"{name}.points", part["points"])
+
+
+def _gas(part):
+    return gas_table(_rows("gas", part), pi * part["strokes"], part["angle_unit"], part["pressure_unit"])
+
+
+def _speed(part):
+    over = "time" if part["time_unit"] else "angle"
+    return speed_table(_rows("speed", part), over, pi * part["strokes"], part[f"{over}_unit"], part["speed_unit"])

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import compiled
-from .modal_field import ModalField, modal_field, read, spread
+from .compiled import compiled, compiled_sums
+from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
 class Skirt(NamedTuple):
@@ -195,14 +195,13 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
         [m]
     """
     outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
-    return _opening(skirt, lateral, angle, piston, outer)
+    return _opening(skirt, lateral, angle, read(skirt.radial, 0, skirt.gap.shape[1], piston), outer)
 
 
 @compiled()
-def _opening(skirt, lateral, angle, piston, outer):
-    """Eq. (H1) without the gap, the bore's displacement given on the rows, (a, c)."""
+def _opening(skirt, lateral, angle, inner, outer):
+    """Eq. (H1) without the gap, the displacements of skirt and bore given on the rows, (a, c)."""
     c, a = skirt.gap.shape
-    inner = read(skirt.radial, 0, a, piston)
     out = np.empty((c, a))
     for i in range(c):
         sine = np.sin(skirt.angle[i])
@@ -259,22 +258,39 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
     -------
     FilmForces
     """
-    c, a = pressure_force.shape
-    push, drag = np.empty((a, c)), np.empty((a, c))
-    lateral, axial, moment = 0.0, 0.0, 0.0
-    for i in range(c):
-        sine = np.sin(skirt.angle[i])
-        arm = skirt.radius * sine - skirt.pin_offset
-        for j in range(a):
-            F, f = pressure_force[i, j], friction_force[i, j]
-            push[j, i], drag[j, i] = F, f
-            lateral -= F * sine
-            axial += f
-            moment += F * sine * skirt.height[j] + f * arm
+    lateral, axial, moment = resultants(skirt, pressure_force, friction_force)
+    push, drag = by_rows(pressure_force), by_rows(friction_force)
     piston, block = spread(skirt.axial, 0, drag), spread(bore.radial, window.first, on_knots(window, push))
     subtract(piston, spread(skirt.radial, 0, push))
     subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
     return FilmForces(lateral, axial, moment, piston, block)
+
+
+@compiled_sums()
+def resultants(skirt, pressure_force, friction_force):
+    """Forces of the film on the piston along x and y, and moment about A."""
+    lateral, axial, moment = 0.0, 0.0, 0.0
+    for i in range(pressure_force.shape[0]):
+        push, lift, drag = 0.0, 0.0, 0.0
+        for j in range(pressure_force.shape[1]):
+            push += pressure_force[i, j]
+            lift += pressure_force[i, j] * skirt.height[j]
+            drag += friction_force[i, j]
+        sine = np.sin(skirt.angle[i])
+        lateral -= push * sine
+        axial += drag
+        moment += lift * sine + drag * (skirt.radius * sine - skirt.pin_offset)
+    return lateral, axial, moment
+
+
+@compiled()
+def by_rows(field):
+    """The transpose (a, c), contiguous."""
+    out = np.empty((field.shape[1], field.shape[0]))
+    for i in range(field.shape[0]):
+        for j in range(field.shape[1]):
+            out[j, i] = field[i, j]
+    return out
 
 
 @compiled()
@@ -310,23 +326,33 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
         sum F dh/dt + sum f v, and the sum of the absolute values of its terms [W].
     """
     pressure_force, friction_force = forces
-    n = 2 + len(skirt.radial.kind)
+    n = 2 + skirt.radial.modes
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
-    opening_rate = opening(skirt, bore, window, rate[0], rate[1], rate[2:n], rate[n:])
-    surface = read(bore.radial, window.first, window.knots, place[n:])
+    inner, inner_rate = read_both(skirt.radial, 0, skirt.gap.shape[1], place[2:n], rate[2:n])
+    surface, surface_rate = read_both(bore.radial, window.first, window.knots, place[n:], rate[n:])
+    opening_rate = _opening(skirt, rate[0], rate[1], inner_rate, on_rows(window, window.value, surface_rate))
     if len(bore.shape):
         for k in range(window.knots):
             for i in range(surface.shape[1]):
                 surface[k, i] += bore.shape[window.first + k, i]
-    thickness = _opening(skirt, place[0], place[1], place[2:n], on_rows(window, window.value, surface))
-    slope = on_rows(window, window.slope, surface)              # of the bore, under the moving skirt
+    thickness = _opening(skirt, place[0], place[1], inner, on_rows(window, window.value, surface))
+    slope = by_rows(on_rows(window, window.slope, surface))     # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
-    for i in range(thickness.shape[0]):
+    for i in range(len(thickness)):
         for j in range(thickness.shape[1]):
             thickness[i, j] += skirt.gap[i, j]
-            push = pressure_force[i, j] * (opening_rate[i, j] + guided_rate * slope[j, i])
-            drag = friction_force[i, j] * velocity[i, j]
-            lift += pressure_force[i, j] * slope[j, i]
-            power += push + drag
-            size += abs(push) + abs(drag)
+        line = _work(pressure_force[i], friction_force[i], opening_rate[i], velocity[i], slope[i], guided_rate)
+        lift, power, size = lift + line[0], power + line[1], size + line[2]
     return thickness, velocity, lift, power, size
+
+
+@compiled_sums()
+def _work(push, drag, opening_rate, velocity, slope, guided_rate):
+    """A line's share of lift, power and size, see `film_now`."""
+    lift, power, size = 0.0, 0.0, 0.0
+    for j in range(len(push)):
+        first, second = push[j] * (opening_rate[j] + guided_rate * slope[j]), drag[j] * velocity[j]
+        lift += push[j] * slope[j]
+        power += first + second
+        size += abs(first) + abs(second)
+    return lift, power, size

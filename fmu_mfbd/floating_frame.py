@@ -97,9 +97,27 @@ def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
     return out
 
 
+class Arrow(NamedTuple):
+    """A tangent whose modes couple to the rigid motions and to themselves: what is left out couples modes among each other.
+
+    Parameters
+    ----------
+    top : ndarray, shape (m, m + k)
+        Rows of the m rigid motions.
+    left : ndarray, shape (k, m)
+        Their columns, in the rows of the modes.
+    diagonal : ndarray, shape (k,)
+        Each mode to itself.
+    """
+
+    top: np.ndarray
+    left: np.ndarray
+    diagonal: np.ndarray
+
+
 @compiled()
-def frame_tangent(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
-    """Derivative of `frame_force` with the time integrator's coefficients folded in.
+def frame_arrow(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
+    """Derivative of `frame_force` with the time integrator's coefficients folded in, without `mode_coupling`.
 
     Columns: a along the body's x and y (held in that frame), then the angle and the modal coordinates, each with its acceleration
     changed by 1, its rate by c1 [s] and itself by c2 [s2].
@@ -113,33 +131,54 @@ def frame_tangent(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
 
     Returns
     -------
-    ndarray, shape (3 + k, 3 + k)
+    Arrow
+        Of three rigid motions.
     """
     k = len(q)
-    out = np.empty((3 + k, 3 + k))
+    top, left, diagonal = np.empty((3, 3 + k)), np.empty((k, 3)), np.empty(k)
     gq, bq, gr, br = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate, body.B @ rate
     ga, ba = body.G @ acceleration, bq @ rate
     sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
     tx, ty = body.T[0] @ rate, body.T[1] @ rate
-    out[0, 0] = out[1, 1] = body.mass
-    out[0, 1] = out[1, 0] = 0.0
-    out[2, 0] = -sy
-    out[2, 1] = sx
-    out[0, 2] = -sy - 2 * c1 * (w * sx + ty)
-    out[1, 2] = sx - 2 * c1 * (w * sy - tx)
-    out[2, 2] = body.I0 + body.b @ q + bq @ q + 2 * c1 * ba
+    top[0, 0] = top[1, 1] = body.mass
+    top[0, 1] = top[1, 0] = 0.0
+    top[2, 0] = -sy
+    top[2, 1] = sx
+    top[0, 2] = -sy - 2 * c1 * (w * sx + ty)
+    top[1, 2] = sx - 2 * c1 * (w * sy - tx)
+    top[2, 2] = body.I0 + body.b @ q + bq @ q + 2 * c1 * ba
     for i in range(k):
         x, y = body.T[0, i], body.T[1, i]
-        out[3 + i, 0] = x
-        out[3 + i, 1] = y
-        out[3 + i, 2] = gq[i] + 2 * c1 * (gr[i] - w * bq[i])
-        out[0, 3 + i] = x * (1 - c2 * w * w) - y * (alpha * c2 + 2 * w * c1)
-        out[1, 3 + i] = y * (1 - c2 * w * w) + x * (alpha * c2 + 2 * w * c1)
-        out[2, 3 + i] = (gq[i] + c2 * (x * ay - y * ax) + 2 * c1 * w * bq[i]
+        left[i, 0] = x
+        left[i, 1] = y
+        left[i, 2] = gq[i] + 2 * c1 * (gr[i] - w * bq[i])
+        top[0, 3 + i] = x * (1 - c2 * w * w) - y * (alpha * c2 + 2 * w * c1)
+        top[1, 3 + i] = y * (1 - c2 * w * w) + x * (alpha * c2 + 2 * w * c1)
+        top[2, 3 + i] = (gq[i] + c2 * (x * ay - y * ax) + 2 * c1 * w * bq[i]
                          + c2 * (2 * alpha * bq[i] + 2 * w * br[i] - ga[i]))
-    turn, spin = 2 * w * c1 + alpha * c2, w * w * c2
-    for i in range(k):
-        for j in range(k):
-            out[3 + i, 3 + j] = turn * body.G[i, j] - spin * body.B[i, j]
-        out[3 + i, 3 + i] += 1 + c1 * body.damping[i] + c2 * body.stiffness[i]
-    return out
+        diagonal[i] = 1 + c1 * body.damping[i] + c2 * body.stiffness[i]
+    return Arrow(top, left, diagonal)
+
+
+@compiled()
+def mode_coupling(body, alpha, w, c1, c2):
+    """What `frame_arrow` leaves out: Coriolis, Euler and centrifugal coupling of modes.
+
+    Eq. (R4):  (2 w c1 + alpha c2) G - w^2 c2 B
+
+    Parameters
+    ----------
+    body, alpha, w, c1, c2
+        As for `frame_arrow`.
+
+    Returns
+    -------
+    ndarray, shape (k, k)
+        [-], about 2 w c1: 1e-4 for a rocking piston.
+    """
+    return (2 * w * c1 + alpha * c2) * body.G - (w * w * c2) * body.B                                          # Eq. (R4)
+
+
+def whole(arrow, coupling):
+    """The tangent as one matrix, (m + k, m + k)."""
+    return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])

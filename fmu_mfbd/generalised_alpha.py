@@ -2,28 +2,30 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from .compiled import compiled
 
 
-
 class Coefficients(NamedTuple):
-    """What a step of the generalised-alpha method needs; see `coefficients`."""
+    """What a step of the generalised-alpha method needs; see `coefficients`.
+
+    Parameters
+    ----------
+    step, alpha_m, alpha_f, beta, gamma : float
+        [s]; [-].
+    weight, rate, place : float
+        What an end acceleration of 1 adds to the end's auxiliary acceleration [-], velocity [s] and position [s2].
+    """
 
     step: float
     alpha_m: float
     alpha_f: float
     beta: float
     gamma: float
-
-    @property
-    def rate(self):
-        """Change of the end velocity with the end acceleration [s]."""
-        return self.step * self.gamma * (1 - self.alpha_f) / (1 - self.alpha_m)
-
-    @property
-    def place(self):
-        """Change of the end position with the end acceleration [s2]."""
-        return self.step**2 * self.beta * (1 - self.alpha_f) / (1 - self.alpha_m)
+    weight: float
+    rate: float
+    place: float
 
 
 def coefficients(step, spectral_radius):
@@ -50,7 +52,8 @@ def coefficients(step, spectral_radius):
     rho = spectral_radius
     alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)                                               # Eq. (G1)
     gamma = 0.5 + alpha_f - alpha_m
-    return Coefficients(step, alpha_m, alpha_f, (gamma + 0.5) ** 2 / 4, gamma)
+    beta, weight = (gamma + 0.5) ** 2 / 4, (1 - alpha_f) / (1 - alpha_m)
+    return Coefficients(step, alpha_m, alpha_f, beta, gamma, weight, weight * step * gamma, weight * step**2 * beta)
 
 
 @compiled()
@@ -61,8 +64,8 @@ def predict(c, place, rate, acceleration, auxiliary):
                q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)
                q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta) a_0 + beta a_1)
 
-    The equation of motion holds exactly at the end of the step, with the end-of-step forces; `Coefficients.rate` and `.place` add
-    the part of q''_1.
+    The equation of motion holds exactly at the end of the step, with the end-of-step forces; `Coefficients.weight`, `.rate` and
+    `.place` add the part of q''_1.
 
     Parameters
     ----------
@@ -78,6 +81,9 @@ def predict(c, place, rate, acceleration, auxiliary):
     ----------
     [ArnoldBruels2007]
     """
-    a = (c.alpha_f * acceleration - c.alpha_m * auxiliary) / (1 - c.alpha_m)                                    # Eq. (G2)
-    return (place + c.step * rate + c.step**2 * ((0.5 - c.beta) * auxiliary + c.beta * a),
-            rate + c.step * ((1 - c.gamma) * auxiliary + c.gamma * a), a)
+    end, speed, a = np.empty(len(place)), np.empty(len(place)), np.empty(len(place))
+    for k in range(len(place)):                                 # a loop: array expressions take the compiler seconds each
+        a[k] = (c.alpha_f * acceleration[k] - c.alpha_m * auxiliary[k]) / (1 - c.alpha_m)                      # Eq. (G2)
+        end[k] = place[k] + c.step * rate[k] + c.step**2 * ((0.5 - c.beta) * auxiliary[k] + c.beta * a[k])
+        speed[k] = rate[k] + c.step * ((1 - c.gamma) * auxiliary[k] + c.gamma * a[k])
+    return end, speed, a

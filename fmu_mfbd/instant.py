@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import compiled
-from .film import Bore, FilmForces, Skirt, Window, film_now, generalised, opening, sliding, window_at
-from .floating_frame import FlexibleBody
-from .piston_motion import Load, settle
-from .slider_crank import Mechanism, height
+from .film import Bore, Skirt, Window, film_now, generalised, opening, sliding, window_at
+from .floating_frame import Arrow, FlexibleBody, mode_coupling
+from .generalised_alpha import predict
+from .pin_friction import friction_moment
+from .piston_motion import Load, imbalance, settle, solve_coupled, tangent
+from .slider_crank import Mechanism, height, motion, rod_turn
 
 
 class Block(NamedTuple):
@@ -40,16 +42,17 @@ class Balance(NamedTuple):
     ----------
     place, rate, acceleration : ndarray, shape (n,)
         [x_A, rocking angle, piston then block modal coordinates] and derivatives in time.
+    auxiliary : ndarray, shape (n,)
+        The time integrator's auxiliary acceleration.
     window : Window
     load : Load
         On the piston, gas included.
-    forces : FilmForces
     film_thickness, sliding_velocity : ndarray, shape (c, a)
         [m], [m/s]
     position, velocity : float
         Height of A [m] and its rate [m/s].
-    pin_x, pin_y, torque : float
-        Pin force on the piston [N], drive torque on the crank without its own inertia [N m].
+    pin_x, pin_y, pin_moment, torque : float
+        Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank without its own inertia [N m].
     work_error : float
         Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe
         the same work, so that anything above round-off is an error in the transfer of forces.
@@ -60,15 +63,16 @@ class Balance(NamedTuple):
     place: np.ndarray
     rate: np.ndarray
     acceleration: np.ndarray
+    auxiliary: np.ndarray
     window: Window
     load: Load
-    forces: FilmForces
     film_thickness: np.ndarray
     sliding_velocity: np.ndarray
     position: float
     velocity: float
     pin_x: float
     pin_y: float
+    pin_moment: float
     torque: float
     work_error: float
     evaluations: int
@@ -76,16 +80,15 @@ class Balance(NamedTuple):
 
 
 @compiled()
-def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, friction_force):
-    """Accelerations that balance the forces, and everything that follows from them.
+def balance(system, c, motion_before, crank, gas, pressure_force, friction_force):
+    """One step: accelerations at its end that balance the forces there, and everything that follows from them.
 
     Parameters
     ----------
     system : System
-    c1, c2 : float
-        What an acceleration of 1 adds to rate and place at the end of the step [s], [s2].
-    place, rate, guess : ndarray, shape (n,)
-        Predicted without the end accelerations; a guess of these.
+    c : Coefficients
+    motion_before : tuple of ndarray, shape (n,)
+        Place, rate, acceleration and auxiliary acceleration at the start of the step.
     crank : tuple of float
         Angle [rad], speed [rad/s], acceleration [rad/s2].
     gas : float
@@ -98,7 +101,8 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
     Balance
     """
     piston, block, mechanism, skirt, bore, gas_force = system
-    n = 2 + len(piston.stiffness)
+    n, c1, c2 = 2 + len(piston.stiffness), c.rate, c.place
+    place, rate, auxiliary = predict(c, motion_before[0], motion_before[1], motion_before[2], motion_before[3])
     Y0, _, lever0 = height(mechanism, 0.0, crank[0])
     window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
@@ -107,8 +111,8 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
         push[k] += gas * gas_force[k]
     load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push)
     acceleration = np.empty(len(place))
-    own, pin_x, pin_y, torque, evaluations, size = settle(
-        piston, mechanism, load, place[:n], rate[:n], guess[:n], crank[0], crank[1], crank[2], c1, c2)
+    own, pin_x, pin_y, moment, torque, evaluations, size = settle(
+        piston, mechanism, load, place[:n], rate[:n], motion_before[2][:n], crank[0], crank[1], crank[2], c1, c2)
     end, speed = np.empty(len(place)), np.empty(len(place))
     for k in range(len(place)):
         if k < n:
@@ -118,6 +122,7 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
             force = forces.block[k - n] - damping * rate[k] - stiffness * place[k]
             acceleration[k] = force / (1 + c1 * damping + c2 * stiffness)
         end[k], speed[k] = place[k] + c2 * acceleration[k], rate[k] + c1 * acceleration[k]
+        auxiliary[k] += c.weight * acceleration[k]
     Y, slope, lever = height(mechanism, end[0], crank[0])
     climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
     thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided,
@@ -129,12 +134,64 @@ def balance(system, c1, c2, place, rate, guess, crank, gas, pressure_force, fric
         work += force * speed[k]
         sizes += abs(force * speed[k])
     error = abs(power - work) / sizes if sizes > 0.0 else 0.0
-    return Balance(end, speed, acceleration, window, load, forces, thickness, velocity, Y, climb, pin_x, pin_y - lift,
-                   torque - lift * lever0, error, evaluations, size)
+    return Balance(end, speed, acceleration, auxiliary, window, load, thickness, velocity, Y, climb, pin_x, pin_y - lift,
+                   moment, torque - lift * lever0, error, evaluations, size)
+
+
+class Linear(NamedTuple):
+    """The piston's motion at the end of a step, linearised.
+
+    Parameters
+    ----------
+    arrow : Arrow
+    coupling : ndarray, shape (k, k)
+        Together the tangent J (`floating_frame.mode_coupling`).
+    slope, climb_place, turn_place : float
+        dY/dx_A [-], the change of A's velocity along y with x_A [1/s], dpsi/dx_A [1/m].
+    friction_x, friction_y : float
+        Change of the pin's friction moment with the pin force [m].
+    """
+
+    arrow: Arrow
+    coupling: np.ndarray
+    slope: float
+    climb_place: float
+    turn_place: float
+    friction_x: float
+    friction_y: float
 
 
 @compiled()
-def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force, friction_force):
+def linearise(system, load, place, rate, acceleration, crank, c1, c2):
+    """The piston's motion linearised about the end of a step.
+
+    Parameters
+    ----------
+    system : System
+    load : Load
+    place, rate, acceleration : ndarray, shape (2 + k,)
+        Of the piston.
+    crank : tuple of float
+        Angle [rad], speed [rad/s], acceleration [rad/s2].
+    c1, c2 : float
+        [s], [s2]
+
+    Returns
+    -------
+    Linear
+    """
+    piston, mechanism = system.piston, system.mechanism
+    angle, speed, turn = crank
+    _, pin_x, pin_y, _, _ = imbalance(piston, mechanism, load, place, rate, acceleration, angle, speed, turn)
+    rod = rod_turn(mechanism, place[0], rate[0], angle, speed)
+    friction = friction_moment(mechanism.friction, pin_x, pin_y, rate[1] - rod[0])
+    link = motion(mechanism, place[0], rate[0], acceleration[0], angle, speed, turn)
+    return Linear(tangent(piston, mechanism, load, place, rate, acceleration, angle, speed, turn, c1, c2),
+                  mode_coupling(piston, acceleration[1], rate[1], c1, c2), link[4], link[2] / 2, rod[1], friction[1], friction[2])
+
+
+@compiled()
+def response(system, window, c1, c2, linear, pressure_force, friction_force):
     """Change of film thickness and sliding velocity at the end of a step with the forces at its end.
 
     Eq. (D1):  J d(acceleration) = dQ,   d(place) = c2 d(acceleration),  d(rate) = c1 d(acceleration)
@@ -145,10 +202,7 @@ def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force
     window : Window
     c1, c2 : float
         [s], [s2]
-    slope, climb_place : float
-        dY/dx_A [-], and the change of A's velocity along y with x_A [1/s].
-    inverse : ndarray, shape (2 + k, 2 + k)
-        J^-1 of the piston's motion.
+    linear : Linear
     pressure_force, friction_force : ndarray, shape (c, a)
         Direction [N].
 
@@ -159,14 +213,16 @@ def response(system, window, c1, c2, slope, climb_place, inverse, pressure_force
     """
     block, skirt, bore = system.block, system.skirt, system.bore
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
-    right = np.empty(len(inverse))
-    right[0], right[1] = forces.lateral + slope * forces.axial, forces.moment
+    rubbing = -linear.friction_x * forces.lateral - linear.friction_y * forces.axial    # the pin carries less of what the film does
+    right = np.empty(2 + len(forces.piston))
+    right[0] = forces.lateral + linear.slope * forces.axial - linear.turn_place * rubbing
+    right[1] = forces.moment + rubbing
     for k in range(len(forces.piston)):
         right[2 + k] = forces.piston[k]
-    change, other = inverse @ right, forces.block                                                               # Eq. (D1)
+    change, other = solve_coupled(linear.arrow, linear.coupling, right), forces.block                           # Eq. (D1)
     for k in range(len(other)):
         other[k] /= 1 + c1 * block.damping[k] + c2 * block.stiffness[k]
-    climb = (c1 * slope + c2 * climb_place) * change[0]
+    climb = (c1 * linear.slope + c2 * linear.climb_place) * change[0]
     own, own_rate, other_rate = change.copy(), change.copy(), other.copy()
     scale(own, c2)
     scale(own_rate, c1)

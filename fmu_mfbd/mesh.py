@@ -3,12 +3,12 @@
 import gzip
 import shutil
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from .finite_element import EDGES, jacobians, quadrature, shape_functions
+from .finite_element import EDGES, NODES, jacobian_determinants, quadrature
 
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 
@@ -23,7 +23,7 @@ class MeshFault(ValueError):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Ten-node tetrahedra with named surfaces.
+    """Ten-node tetrahedra with named surfaces; or nodes alone, with surfaces of three-node triangles (`point_cloud`).
 
     Parameters
     ----------
@@ -33,15 +33,25 @@ class Mesh:
         Corners, then the middles of edges 01, 12, 02, 03, 13, 23.
     faces : dict of str to ndarray of int, shape (t, 6)
         Outer faces of each named surface, ordered so that their normal points out of the body.
+    members : dict of str to ndarray of int
+        Nodes of a surface that its faces do not all hold.
+    row : ndarray of int, shape (n,), optional
+        Row of each node in the mesh file.
     """
 
     points: np.ndarray
     tets: np.ndarray
     faces: dict
+    members: dict = field(default_factory=dict)
+    row: np.ndarray | None = None
 
     def nodes(self, name):
         """Sorted node numbers of the named surface."""
-        return np.unique(self.faces[name])
+        return self.members.get(name, np.unique(self.faces[name]))
+
+    def skin(self):
+        """All outer faces, for pictures: (t, 6), or those of the named surfaces, (t, 3)."""
+        return outer_faces(self.tets) if len(self.tets) else np.vstack(list(self.faces.values()))
 
 
 def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0), say=print):
@@ -75,7 +85,7 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
         raise MeshFault([f"{path}: no tetrahedra (found {', '.join(sorted(kinds))}); write the mesh as 10-node tetrahedra"])
     kind = "tetra10" if "tetra10" in kinds else "tetra"
     tets = np.concatenate([cells.data for cells in raw.cells if cells.type == kind]).astype(np.int64)
-    points, place, tets = _drop_unused(_turn(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets)
+    points, place, tets = _drop_unused(to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets)
     if kind == "tetra":
         say(f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons")
         points, tets = second_order(points, tets)
@@ -84,19 +94,24 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
     known = sorted(set(raw.field_data) | set(raw.cell_sets) | set(raw.point_sets))
     faults = [f"{path}: surface '{name}' is missing or empty (the file names {', '.join(known) or 'none'})"
               for name, faces in found.items() if not len(faces)]
-    mesh = Mesh(points, tets, found)
+    mesh = Mesh(points, tets, found, row=np.flatnonzero(place >= 0) if kind == "tetra10" else None)
     faults += mesh_faults(mesh, path)
     if faults:
         raise MeshFault(faults)
     return mesh
 
 
-def _turn(points, axes, origin):
-    """Points in this project's axes; `axes` must be a right-handed turn, or elements would invert."""
+def to_body_axes(points, axes, origin):
+    """Points (n, 3) of a file in this project's axes [m]."""
+    return (points - np.asarray(origin)) @ turn_of(axes).T
+
+
+def turn_of(axes):
+    """Matrix that turns vectors of a file into this project's axes; `axes` must be right-handed, or elements would invert."""
     turn = np.array([[(-1.0 if axis.startswith("-") else 1.0) * (axis[-1] == name) for name in "xyz"] for axis in axes])
     if not np.isclose(np.linalg.det(turn), 1.0):
         raise MeshFault([f"axes = {list(axes)}: not a right-handed set of three directions"])
-    return (points - np.asarray(origin)) @ turn.T
+    return turn
 
 
 def second_order(points, tets):
@@ -176,8 +191,7 @@ def mesh_faults(mesh, where):
     if not 5e-3 < size < 5.0:
         faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say "
                       f"what a length of 1 in the file means (e.g. '1 mm')")
-    at = np.vstack([quadrature(3)[0], [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]])
-    least = jacobians(mesh.points, mesh.tets, shape_functions(at)[1])[1].min(axis=1)
+    least = jacobian_determinants(mesh.points, mesh.tets, np.vstack([quadrature(3)[0], NODES[:4]])).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
         centre = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .generalised_alpha import coefficients, predict
-from .instant import balance, response
-from .piston_motion import imbalance, tangent
-from .slider_crank import motion
+from .generalised_alpha import coefficients
+from .instant import balance, linearise, response
+from .piston_motion import imbalance
+from .speed_table import crank_motion
 from .tables import gas_pressure
 
 
@@ -21,6 +21,8 @@ class State:
 
     Parameters
     ----------
+    time : float
+        Since the start [s].
     crank_angle, crank_speed, crank_acceleration : float
         [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
     place, rate, acceleration, auxiliary : ndarray, shape (n,)
@@ -28,6 +30,7 @@ class State:
         time integrator's auxiliary acceleration.
     """
 
+    time: float
     crank_angle: float
     crank_speed: float
     crank_acceleration: float
@@ -44,7 +47,7 @@ class Inputs:
     Parameters
     ----------
     crank_speed : float
-        At the end of the step, linear within it [rad/s]; a free crank heeds it at the start only.
+        At the end of the step, linear within it [rad/s]; a free crank heeds it at the start only, a tabled one never.
     gas_pressure : float
         On the crown, gauge [Pa].
     pressure_force, friction_force : ndarray, shape (c, a)
@@ -69,11 +72,26 @@ class Crank:
         Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
     load_torque : float
         That a free crank works against [N m].
+    table : dict, optional
+        Speed over time or angle (`speed_table.speed_table`), for a crank that is not free.
     """
 
     free: bool
     inertia: float
     load_torque: float
+    table: dict | None = None
+
+    def begin(self, angle, speed):
+        """Angle, speed and acceleration at time 0 [rad, rad/s, rad/s2]."""
+        return crank_motion(self.table, angle, 0.0, 0.0) if self.table else (angle, speed, 0.0)
+
+    def turn(self, state, step, speed):
+        """Angle, speed and acceleration a step [s] after a state, `speed` being the input's at its end."""
+        if self.table:
+            return crank_motion(self.table, state.crank_angle, state.time, step)
+        turn = state.crank_acceleration if self.free else (speed - state.crank_speed) / step
+        end = state.crank_speed + step * turn if self.free else speed
+        return state.crank_angle + step * (state.crank_speed + end) / 2, end, turn
 
 
 class PistonInBore:
@@ -112,17 +130,35 @@ class PistonInBore:
         State, dict
             And its outputs.
         """
-        nothing = np.zeros(self.coordinates)
-        place = nothing.copy()
+        place = np.zeros(self.coordinates)
         place[:2] = lateral, angle
-        return self._settle(coefficients(0.0, self.spectral_radius), place, nothing, nothing, nothing, 1.0,
-                            (crank_angle, inputs.crank_speed, 0.0), inputs)
+        return self.start_moving(crank_angle, place, np.zeros(self.coordinates), inputs)
+
+    def start_moving(self, crank_angle, place, rate, inputs):
+        """State at a given motion, with the accelerations that the forces of `inputs` ask for.
+
+        Parameters
+        ----------
+        crank_angle : float
+            [rad]
+        place, rate : ndarray, shape (n,)
+            As in `State`.
+        inputs : Inputs
+
+        Returns
+        -------
+        State, dict
+            And its outputs.
+        """
+        state, outputs = self._settle(coefficients(0.0, self.spectral_radius), (place, rate, 0 * place, 0 * place), 0.0,
+                                      self.crank.begin(crank_angle, inputs.crank_speed), inputs)
+        return replace(state, auxiliary=state.acceleration), outputs
 
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
 
-        The crank turns with constant acceleration over the step: what the input's change asks for, or, free, what its torques
-        ask for at the start of the step (order 1 in the step, for this slow motion alone).
+        The crank follows its table; without one it turns with constant acceleration over the step: what the input's change asks
+        for, or, free, what its torques ask for at the start of the step (order 1 in the step, for this slow motion alone).
 
         Parameters
         ----------
@@ -141,25 +177,20 @@ class PistonInBore:
         NotConverged
         """
         c = coefficients(step, self.spectral_radius)
-        place, rate, auxiliary = predict(c, state.place, state.rate, state.acceleration, state.auxiliary)
-        weight = (1 - c.alpha_f) / (1 - c.alpha_m)
-        turn = state.crank_acceleration if self.crank.free else (inputs.crank_speed - state.crank_speed) / step
-        speed = state.crank_speed + step * turn if self.crank.free else inputs.crank_speed
-        crank = state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
-        return self._settle(c, place, rate, state.acceleration, auxiliary, weight, crank, inputs)
+        return self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), state.time + step,
+                            self.crank.turn(state, step, inputs.crank_speed), inputs)
 
-    def _settle(self, c, place, rate, guess, auxiliary, weight, crank, inputs):
-        """State and outputs whose accelerations balance the forces; places and rates come predicted without these
-        accelerations."""
+    def _settle(self, c, before, time, crank, inputs):
+        """State and outputs whose accelerations balance the forces, a step after the motion `before`."""
         gas = self.gas_area * (inputs.gas_pressure + (gas_pressure(self.gas_table, crank[0]) if self.gas_table else 0.0))
-        now = balance(self.system, c.rate, c.place, place, rate, guess, crank, gas, inputs.pressure_force, inputs.friction_force)
+        now = balance(self.system, c, before, crank, gas, inputs.pressure_force, inputs.friction_force)
         if not now.evaluations:
             raise NotConverged(f"piston motion at crank angle {crank[0]:.6g} rad: relative change of "
                                f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
-        state = State(*crank, now.place, now.rate, now.acceleration, auxiliary + weight * now.acceleration)
-        self._last, self._inverse = (c, now.load, state, crank, now.window), None
+        state = State(time, *crank, now.place, now.rate, now.acceleration, now.auxiliary)
+        self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)
         if self.crank.free:
             outputs["crank_torque"], freed = self._release(now.load, state, outputs["crank_torque"])
@@ -172,10 +203,10 @@ class PistonInBore:
         Eq. (M2):  torque(w') + load_torque = 0,   torque linear in w'
         """
         n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
-        motion_now = state.place[:n], state.rate[:n], state.acceleration[:n]
-        one, none = (imbalance(self.system.piston, self.system.mechanism, load, *motion_now, *crank, turn)[3] for turn in (1.0,
-                                                                                                                           0.0))
-        inertia = one - none + self.crank.inertia
+        now = state.place[:n], state.rate[:n], state.acceleration[:n]
+        turns = state.crank_acceleration + 1.0, state.crank_acceleration
+        more, same = (imbalance(self.system.piston, self.system.mechanism, load, *now, *crank, turn)[4] for turn in turns)
+        inertia = more - same + self.crank.inertia
         return -self.crank.load_torque, state.crank_acceleration - (torque + self.crank.load_torque) / inertia    # Eq. (M2)
 
     def _outputs(self, now, crank):
@@ -183,11 +214,14 @@ class PistonInBore:
         outputs = {
             "film_thickness": now.film_thickness, "sliding_velocity": now.sliding_velocity, "crank_angle": crank[0],
             "rotation_speed": crank[1], "piston_position": now.position, "piston_velocity": now.velocity,
-            "lateral_displacement": now.place[0], "rocking_angle": now.place[1], "side_force": -now.forces.lateral,
+            "lateral_displacement": now.place[0], "rocking_angle": now.place[1],
+            "lateral_velocity": now.rate[0], "rocking_velocity": now.rate[1], "side_force": -now.load.lateral,
             "crank_torque": now.torque + self.crank.inertia * crank[2], "pin_force_x": now.pin_x, "pin_force_y": now.pin_y,
+            "pin_friction_moment": now.pin_moment,
             "interface_work_error": now.work_error,
             "residual_evaluations": self.residual_evaluations, "jacobian_evaluations": self.jacobian_evaluations}
-        return outputs | ({"modal_coordinate": now.place[2:].copy()} if self.coordinates > 2 else {})
+        modal = {"modal_coordinate": now.place[2:].copy(), "modal_velocity": now.rate[2:].copy()}
+        return outputs | (modal if self.coordinates > 2 else {})
 
     def directional_derivative(self, pressure_force, friction_force):
         """Change of film thickness and sliding velocity at the end of the last step with the forces at its end (Eq. (D1)).
@@ -202,17 +236,10 @@ class PistonInBore:
         film_thickness, sliding_velocity : ndarray, shape (c, a)
             [m], [m/s]
         """
-        c, _, _, _, window = self._last
-        if self._inverse is None:
-            self._inverse = self._linearise()
-        return response(self.system, window, c.rate, c.place, *self._inverse, pressure_force, friction_force)
-
-    def _linearise(self):
-        """dY/dx_A, change of A's velocity with x_A, and the inverse of the tangent, at the end of the last step."""
-        c, load, state, crank, _ = self._last
-        n = self.flexible.stop
-        here = state.place[:n], state.rate[:n], state.acceleration[:n]
-        matrix = tangent(self.system.piston, self.system.mechanism, load, *here, *crank, c.rate, c.place)
-        self.jacobian_evaluations += 1
-        link = motion(self.system.mechanism, state.place[0], state.rate[0], state.acceleration[0], *crank)
-        return link[4], link[2] / 2, np.linalg.inv(matrix)
+        c, load, state, crank, window = self._last
+        if self._linear is None:
+            n = self.flexible.stop
+            self._linear = linearise(self.system, load, state.place[:n], state.rate[:n], state.acceleration[:n], crank,
+                                     c.rate, c.place)
+            self.jacobian_evaluations += 1
+        return response(self.system, window, c.rate, c.place, self._linear, pressure_force, friction_force)

@@ -42,9 +42,11 @@ class Surface(BaseModel):
 class Body(BaseModel):
     """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are
     thrust (x), towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by
-    geometry what the file does not name. `modes_off` switches single modes off, by their number in the table of modes. `reduced`
-    names a body that is reduced already (.npz as `reduction` writes it) and takes the place of mesh, material, basis and
-    modes."""
+    geometry what the file does not name. `modes_off` switches single modes off, by their number in the table of modes.
+
+    `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of density, young and poisson;
+    `mesh` then gives the nodes and their surfaces, or a CSV file does (`point_cloud.read_nodes`). `reduced` names a body that is
+    reduced already (.npz as `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes."""
 
     model_config = STRICT
     mesh: str | None = None
@@ -56,6 +58,10 @@ class Body(BaseModel):
     density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)] | None = None
     young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)] | None = None
     poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)] | None = None
+    stiffness: str | None = None
+    mass: str | None = None
+    stiffness_unit: Annotated[Quantity("N/m"), Field(gt=0)] | None = None
+    mass_unit: Annotated[Quantity("kg"), Field(gt=0)] | None = None
     basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
     modes: Annotated[int, Field(ge=0, le=200)] = 60
     modes_off: list[Annotated[int, Field(ge=1)]] = []
@@ -64,9 +70,11 @@ class Body(BaseModel):
     def _source(self):
         if (self.mesh is None) == (self.reduced is None):
             raise ValueError("give either mesh or reduced")
-        missing = [key for key in ("density", "young", "poisson") if getattr(self, key) is None]
+        material, matrices = ("density", "young", "poisson"), ("stiffness", "stiffness_unit", "mass", "mass_unit")
+        needed = matrices if self.stiffness or self.mass or (self.mesh or "").endswith(".csv") else material
+        missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
-            raise ValueError(f"a mesh needs {', '.join(missing)}")
+            raise ValueError(f"{'a mesh' if needed == material else 'a body of matrices'} needs {', '.join(missing)}")
         return self
 
 
@@ -89,14 +97,42 @@ class Order(BaseModel):
     phase: Quantity("rad") = 0.0
 
 
-class Gas(BaseModel):
-    """Gas pressure over crank angle in a file, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+class Table(BaseModel):
+    """Two columns, in a file (comma or semicolon separated) or in the case itself as `points`."""
 
     model_config = STRICT
-    file: str
+    file: str | None = None
+    points: list[tuple[float, float]] | None = None
+    strokes: Literal[2, 4] = 4
+
+    @model_validator(mode="after")
+    def _source(self):
+        if (self.file is None) == (self.points is None):
+            raise ValueError("give either file or points")
+        if self.points is not None and len(self.points) < 2:
+            raise ValueError("needs two points or more")
+        return self
+
+
+class Gas(Table):
+    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+
     angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
     pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
-    strokes: Literal[2, 4] = 4
+
+
+class Speed(Table):
+    """Crank speed over time or crank angle, see `speed_table.speed_table`; it takes the place of the input `crank_speed`."""
+
+    time_unit: Annotated[Quantity("s"), Field(gt=0)] | None = None
+    angle_unit: Annotated[Quantity("rad"), Field(gt=0)] | None = None
+    speed_unit: Annotated[Quantity("rad/s"), Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _over(self):
+        if (self.time_unit is None) == (self.angle_unit is None):
+            raise ValueError("give either time_unit or angle_unit")
+        return self
 
 
 class Piston(Body):
@@ -132,17 +168,33 @@ class Block(Body):
     orders: list[Order] = []
 
 
-class Build(BaseModel):
-    """The whole table. `grid`: cells around and along the skirt."""
+class Bodies(BaseModel):
+    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `start`: a file of
+    `piston-cosim snapshot` (`start_state.read_start`); it takes the place of the parameters start_*."""
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
+    piston: Piston | None = None
+    block: Block | None = None
+    gas: Gas | None = None
+    speed: Speed | None = None
+    start: str | None = None
+
+    @model_validator(mode="after")
+    def _any(self):
+        if self.piston is None and self.block is None:
+            raise ValueError("give a table [piston] or [block], or both")
+        return self
+
+
+class Build(Bodies):
+    """The whole table of an FMU."""
+
     piston: Piston
     block: Block
-    gas: Gas | None = None
 
 
-def read_options(options, folder):
+def read_options(options, folder, kind=Build):
     """Validate a build table.
 
     Parameters
@@ -150,12 +202,13 @@ def read_options(options, folder):
     options : dict
         As in the case file, units as text.
     folder : Path
-        Where mesh paths start.
+        Where paths start.
+    kind : {Build, Bodies}
 
     Returns
     -------
     dict
-        In SI, mesh paths absolute.
+        In SI, paths absolute; a body that is not there is None.
 
     Raises
     ------
@@ -163,32 +216,39 @@ def read_options(options, folder):
         With every fault: path, value, what is allowed.
     """
     try:
-        build = Build.model_validate(options)
+        build = kind.model_validate(options)
     except ValidationError as error:
         raise BadInput([_sentence(fault) for fault in error.errors()]) from None
-    resolved = build.model_dump(mode="json")
-    for name in ("piston", "block"):
-        resolved[name]["surfaces"] = {key: surface.rule() for key, surface in getattr(build, name).surfaces.items()}
-    faults = []
-    for body, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
-        part = resolved[body]
-        source = "mesh" if part["mesh"] else "reduced"
-        part[source] = str((Path(folder) / part[source]).resolve())
+    resolved, faults = build.model_dump(mode="json"), []
+    for name, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
+        part = resolved[name]
+        if part is None:
+            continue
+        part["surfaces"] = {key: surface.rule() for key, surface in getattr(build, name).surfaces.items()}
         unknown = sorted({n for n in part["modes_off"] if n > part["modes"]})
         if unknown:
-            faults.append(f"{body}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes")
-        if not Path(part[source]).is_file():
-            faults.append(f"{body}.{source} = {options[body][source]!r}: no such file in {folder}")
+            faults.append(f"{name}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes")
+        faults += [_found(part, source, f"{name}.{source} = {part[source]!r}", folder) for source in SOURCES if part[source]]
+        faults += [_found(table, "file", f"{name}.profiles: {table['file']!r}", folder) for table in part["profiles"]]
         if None not in (part[low], part[high]) and part[low] >= part[high]:
-            faults.append(f"{body}.{low} = {part[low]:g} m: must lie below {body}.{high} = {part[high]:g} m")
-    tables = [(f"{name}.profiles", table) for name in ("piston", "block") for table in resolved[name]["profiles"]]
-    for where, table in tables + ([("gas", resolved["gas"])] if resolved["gas"] else []):
-        table["file"] = str((Path(folder) / table["file"]).resolve())
-        if not Path(table["file"]).is_file():
-            faults.append(f"{where}: {Path(table['file']).name!r}: no such file in {folder}")
-    if faults:
-        raise BadInput(faults)
+            faults.append(f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m")
+    if resolved["start"]:
+        faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
+    faults += [_found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder) for name in ("gas", "speed")
+               if resolved[name] and resolved[name]["file"]]
+    if any(faults):
+        raise BadInput([fault for fault in faults if fault])
     return resolved
+
+
+SOURCES = ("mesh", "stiffness", "mass", "reduced")
+"""Keys of a body that name a file."""
+
+
+def _found(table, key, where, folder):
+    """Make a path absolute; a sentence if there is no such file, else None."""
+    table[key] = str((Path(folder) / table[key]).resolve())
+    return None if Path(table[key]).is_file() else f"{where}: no such file in {folder}"
 
 
 def _sentence(fault):

@@ -44,48 +44,75 @@ def film_patches(angles, rows):
     return np.array([np.outer(a, b) for a in around for b in along])
 
 
-def write_modes(shapes, path):
-    """All mode shapes of a body as point data `mode 1`, `mode 2`, ... of one VTU file.
-
-    Parameters
-    ----------
-    shapes : mapping
-        points, tets, shapes of the file beside the reduced body (`reduction.shapes_file`).
-    path : Path
-    """
-    modes = shapes["shapes"]
-    _write(path, shapes, {f"mode {k + 1}": modes[:, :, k] for k in range(modes.shape[2])})
+def write_modes(body, path):
+    """All mode shapes of a reduced body as point data `mode 1`, `mode 2`, ... of one VTU file."""
+    modes = body["shapes"]
+    _write(path, body, {f"mode {k + 1}": modes[:, :, k] for k in range(modes.shape[2])})
 
 
-def recover(shapes, modal_coordinate, young, poisson, path):
+def recover(body, modal_coordinate, path=None):
     """Displacement and stress of a body at an instant, on its mesh, as a VTU file.
 
     Eq. (T2):  u = Phi q
 
     Parameters
     ----------
-    shapes : mapping
-        As for `write_modes`.
+    body : mapping of ndarray
+        A reduced piston or block (`reduction`).
     modal_coordinate : ndarray, shape (k,)
         Of this body at the instant [kg^1/2 m].
-    young, poisson : float
-        [Pa], [-]
-    path : Path or None
-        None: only return.
+    path : Path, optional
+        Of the file.
 
     Returns
     -------
-    displacement, stress : ndarray, shapes (n, 3), (n, 6)
-        [m]; xx, yy, zz, xy, yz, zx [Pa].
+    displacement : ndarray, shape (n, 3)
+        [m]
+    stress : ndarray, shape (n, 6), or None
+        xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
     """
-    displacement = shapes["shapes"] @ modal_coordinate                                                          # Eq. (T2)
-    stress = nodal_stress(shapes["points"], shapes["tets"], displacement, young, poisson)
+    displacement, fields = body["shapes"] @ modal_coordinate, {}                                                # Eq. (T2)
+    stress = None
+    if len(body["tets"]) and np.isfinite(body["young"]):
+        stress = nodal_stress(body["points"], body["tets"], displacement, float(body["young"]), float(body["poisson"]))
+        fields = {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:
-        _write(path, shapes, {"displacement": displacement, "stress": stress, "von_mises": von_mises(stress)})
+        _write(path, body, {"displacement": displacement} | fields)
     return displacement, stress
 
 
-def _write(path, shapes, point_data):
+def _write(path, body, point_data):
     import meshio
 
-    meshio.write(path, meshio.Mesh(shapes["points"], [("tetra10", shapes["tets"])], point_data=point_data), file_format="vtu")
+    cells = ("tetra10", body["tets"]) if len(body["tets"]) else ("triangle", body["skin"])
+    meshio.write(path, meshio.Mesh(body["points"], [cells], point_data=point_data), file_format="vtu")
+
+
+CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
+"""Words for the symmetry classes of modes (`symmetry`)."""
+
+
+def mass_properties(body):
+    """Mass, centre of mass and inertia of a reduced body.
+
+    Eq. (T3):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
+
+    Parameters
+    ----------
+    body : mapping of ndarray
+        A reduced piston (origin A) or block (origin on the crank axis).
+
+    Returns
+    -------
+    mass : float
+        [kg]
+    centre : ndarray, shape (3,)
+        From the origin [m].
+    inertia : ndarray, shape (3, 3)
+        About the centre of mass [kg m2].
+    """
+    matrix = body["rigid_mass"]
+    mass, moment = matrix[0, 0], matrix[3:, :3]
+    centre = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
+    cross = np.array([[0, -centre[2], centre[1]], [centre[2], 0, -centre[0]], [-centre[1], centre[0], 0]])
+    return float(mass), centre, matrix[3:, 3:] + mass * cross @ cross                                           # Eq. (T3)

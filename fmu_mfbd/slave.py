@@ -31,8 +31,17 @@ class Mfbd(FieldSlave):
         if wrong:
             raise BadInput(wrong)
         self.model = assemble(piston, block, self.options, values)
+        if self.options["start"]:
+            return self._start_moving(self.options["start"], values)
         return self.model.start(values["start_crank_angle"], values["start_lateral_displacement"], values["start_rocking_angle"],
                                 self._inputs(values))
+
+    def _start_moving(self, found, values):
+        """State and outputs from the outputs that a run had at some instant (`start_state.read_start`)."""
+        place, rate = (np.array([found[f"lateral_{one}"], found[f"rocking_{two}"], *found[f"modal_{three}"]])
+                       for one, two, three in (("displacement", "angle", "coordinate"), ("velocity", "velocity", "velocity")))
+        inputs = self._inputs(values | ({"crank_speed": found["rotation_speed"]} if values["crank_free"] else {}))
+        return self.model.start_moving(found["crank_angle"], place, rate, inputs)
 
     def advance(self, state, values, time, step):
         """One step; returns (state, outputs)."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import compiled
+from .pin_friction import PinFriction
 
 
 class Mechanism(NamedTuple):
@@ -28,6 +29,8 @@ class Mechanism(NamedTuple):
         Distance of the rod's centre of mass from the big end, as a fraction of the rod length [-].
     pin_mass : float
         Mass that moves with A and does not turn with the piston [kg].
+    friction : PinFriction
+        Between piston and rod.
     """
 
     crank_radius: float
@@ -37,6 +40,7 @@ class Mechanism(NamedTuple):
     rod_inertia: float
     rod_centre: float
     pin_mass: float
+    friction: PinFriction = PinFriction(0.0, 1.0, 0.0)
 
 
 @compiled()
@@ -112,3 +116,28 @@ def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, 
               + inertia * p1 * r * cosine * turn)
     return np.array([lift, lift_acceleration, lift_rate, lift_place, f1, f2,
                      force, force_acceleration, force_rate, force_place, moment])
+
+
+@compiled()
+def rod_turn(mechanism, lateral, lateral_rate, crank_angle, crank_speed):
+    """Angular velocity of the rod and its slopes (Eq. (K3)).
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    lateral, lateral_rate : float
+        x_A [m] and its rate [m/s].
+    crank_angle, crank_speed : float
+        [rad], [rad/s]
+
+    Returns
+    -------
+    psi', dpsi/dx_A, d2psi/dx_A2, dpsi'/dx_A, dpsi/dphi : float
+        [rad/s], [1/m], [1/m2], [1/(m s)], [-]; psi about +z, 0 where the rod stands upright.
+    """
+    r = mechanism.crank_radius
+    xi = mechanism.offset + lateral + r * np.sin(crank_angle)
+    f = np.sqrt(mechanism.rod_length**2 - xi**2)
+    p1, p2, lever = -1 / f, -xi / f**3, r * np.cos(crank_angle)
+    speed = lateral_rate + lever * crank_speed
+    return p1 * speed, p1, p2, p2 * speed, p1 * lever

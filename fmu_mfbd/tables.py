@@ -1,13 +1,22 @@
-"""Tables from files: gas pressure over crank angle, measured profiles."""
+"""Tables from files or from the case itself: gas pressure over crank angle, measured profiles; what both share with others."""
 
 import csv
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 
 class TableFault(ValueError):
     """A table that cannot be used; the message names file, row and value."""
+
+
+class Rows(NamedTuple):
+    """Numbers of a table as the user gave it: its name, and for each row where it stands and its values."""
+
+    name: str
+    places: list
+    values: list
 
 
 def read_numbers(path, corner=False):
@@ -21,41 +30,109 @@ def read_numbers(path, corner=False):
 
     Returns
     -------
-    list of (int, list of float)
-        Line number and its values.
+    Rows
 
     Raises
     ------
     TableFault
         At the first later row that is not all numbers.
     """
-    text = Path(path).read_text()
-    rows = []
+    text, rows = Path(path).read_text(), Rows(str(path), [], [])
     for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=";" if ";" in text else ","), 1):
         cells = [cell.strip() for cell in (cells[1:] if corner and number == 1 else cells) if cell.strip()]
         try:
             values = [float(cell) for cell in cells]
         except ValueError:
-            if not rows:
+            if not rows.values:
                 continue
             raise TableFault(f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers") from None
         if values:
-            rows.append((number, values))
-    if not rows:
+            rows.places.append(f"{path}, line {number}")
+            rows.values.append(values)
+    if not rows.values:
         raise TableFault(f"{path}: no row of numbers")
     return rows
 
 
-def gas_table(path, cycle, angle_unit, pressure_unit):
+def inline_numbers(name, points):
+    """Rows of a table that stands in the case file itself."""
+    return Rows(name, [f"{name}, row {k}" for k in range(1, len(points) + 1)], [list(point) for point in points])
+
+
+def two_columns(rows, first, second, first_unit, second_unit):
+    """Two columns in SI, the first rising.
+
+    Parameters
+    ----------
+    rows : Rows
+    first, second : str
+        What the columns hold.
+    first_unit, second_unit : float
+        What 1 means.
+
+    Returns
+    -------
+    ndarray, shape (2, n)
+
+    Raises
+    ------
+    TableFault
+        At the row that has another number of columns, or whose first value does not rise.
+    """
+    for place, values in zip(rows.places, rows.values):
+        if len(values) != 2:
+            raise TableFault(f"{place}: {len(values)} columns where {first} and {second} are needed")
+    columns = np.array(rows.values).T
+    bad = np.flatnonzero(np.diff(columns[0]) <= 0)
+    if len(bad):
+        raise TableFault(f"{rows.places[bad[0] + 1]}: {first} {columns[0, bad[0] + 1]:g} does not rise")
+    return columns * [[first_unit], [second_unit]]
+
+
+def closed(rows, angle, value, cycle, what):
+    """A table over exactly one cycle, its last value the first.
+
+    Parameters
+    ----------
+    rows : Rows
+        Where it comes from.
+    angle, value : ndarray, shape (n,)
+    cycle : float
+        [rad]
+    what : str
+        Name of the value, with its unit.
+
+    Returns
+    -------
+    angle, value : ndarray
+
+    Raises
+    ------
+    TableFault
+        Where angles do not span the cycle, or the ends differ by more than 1 % of the range.
+    """
+    span, step = angle[-1] - angle[0], np.diff(angle).max(initial=0.0)
+    if not cycle - 1.5 * step <= span <= cycle * (1 + 1e-9):
+        raise TableFault(f"{rows.name}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg")
+    if span < cycle * (1 - 1e-9):
+        angle, value = np.append(angle, angle[0] + cycle), np.append(value, value[0])
+    if abs(value[-1] - value[0]) > 0.01 * np.ptp(value):
+        raise TableFault(f"{rows.name}: does not close: {what.format(value[0])} at the start and {what.format(value[-1])} one "
+                         "cycle later")
+    value[-1] = value[0]
+    return angle, value
+
+
+def gas_table(rows, cycle, angle_unit, pressure_unit):
     """Gas pressure over one cycle, two columns: crank angle and gauge pressure.
 
     Parameters
     ----------
-    path : Path
+    rows : Rows
     cycle : float
         Angle after which the pressure repeats [rad]: 4 pi four-stroke, 2 pi two-stroke.
     angle_unit, pressure_unit : float
-        What 1 in the file means [rad], [Pa].
+        What 1 in the table means [rad], [Pa].
 
     Returns
     -------
@@ -67,23 +144,8 @@ def gas_table(path, cycle, angle_unit, pressure_unit):
     TableFault
         Where angles do not rise, do not span the cycle, or the ends differ by more than 1 % of the range: a jump no gas makes.
     """
-    rows = read_numbers(path)
-    for number, values in rows:
-        if len(values) != 2:
-            raise TableFault(f"{path}, line {number}: {len(values)} columns where crank angle and pressure are needed")
-    angle, pressure = np.array([values for _, values in rows]).T * [[angle_unit], [pressure_unit]]
-    bad = np.flatnonzero(np.diff(angle) <= 0)
-    if len(bad):
-        raise TableFault(f"{path}, line {rows[bad[0] + 1][0]}: crank angle {rows[bad[0] + 1][1][0]:g} does not rise")
-    span, step = angle[-1] - angle[0], np.diff(angle).max(initial=0.0)
-    if not cycle - 1.5 * step <= span <= cycle * (1 + 1e-9):
-        raise TableFault(f"{path}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg")
-    if span < cycle * (1 - 1e-9):
-        angle, pressure = np.append(angle, angle[0] + cycle), np.append(pressure, pressure[0])
-    if abs(pressure[-1] - pressure[0]) > 0.01 * np.ptp(pressure):
-        raise TableFault(f"{path}: does not close: pressure {pressure[0]:g} Pa at the start and "
-                         f"{pressure[-1]:g} Pa one cycle later")
-    pressure[-1] = pressure[0]
+    angle, pressure = closed(rows, *two_columns(rows, "crank angle", "pressure", angle_unit, pressure_unit), cycle,
+                             "pressure {:g} Pa")
     return {"angle": angle.tolist(), "pressure": pressure.tolist(), "cycle": float(cycle)}
 
 
@@ -108,18 +170,18 @@ def profile_table(path, angle_unit, height_unit, value_unit):
         Where rows differ in length, or angles or heights do not rise or exceed one turn.
     """
     rows = read_numbers(path, corner=True)
-    head, width = rows[0][1], len(rows[0][1]) + 1
-    for number, values in rows[1:]:
-        if len(values) != width:
-            raise TableFault(f"{path}, line {number}: {len(values)} numbers where {width} are needed")
-    if len(rows) < 2:
+    head, *body = rows.values
+    for place, values in zip(rows.places[1:], body):
+        if len(values) != len(head) + 1:
+            raise TableFault(f"{place}: {len(values)} numbers where {len(head) + 1} are needed")
+    if not body:
         raise TableFault(f"{path}: the first row must hold the angles, the others a height and one value an angle")
     angle = np.array(head) * angle_unit
-    height = np.array([values[0] for _, values in rows[1:]]) * height_unit
+    height = np.array([values[0] for values in body]) * height_unit
     for name, line in (("angles", angle), ("heights", height)):
         if np.any(np.diff(line) <= 0):
             raise TableFault(f"{path}: {name} do not rise")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
         raise TableFault(f"{path}: angles span a full turn or more; leave the repeated one out")
     return {"angle": angle.tolist(), "height": height.tolist(),
-            "value": (np.array([values[1:] for _, values in rows[1:]]) * value_unit).tolist()}
+            "value": (np.array([values[1:] for values in body]) * value_unit).tolist()}

@@ -48,11 +48,14 @@ def outputs(grid, modes):
         Variable("lateral_displacement", "m", "output", "Displacement of A from its concentric place towards the thrust side",
                  nominal=1e-5),
         Variable("rocking_angle", "rad", "output", "Rotation of the piston about the pin axis +z", nominal=1e-3),
+        Variable("lateral_velocity", "m/s", "output", "Velocity of A towards the thrust side", nominal=1e-2),
+        Variable("rocking_velocity", "rad/s", "output", "Angular velocity of the piston about the pin axis +z", nominal=1.0),
         Variable("side_force", "N", "output", "Force of the piston on the bore through the film, positive on the thrust side",
                  nominal=1e3),
         Variable("crank_torque", "N.m", "output", "Torque of the drive on the crank in its direction of turning", nominal=10.0),
         Variable("pin_force_x", "N", "output", "Force of the pin on the piston along x", nominal=1e3),
         Variable("pin_force_y", "N", "output", "Force of the pin on the piston along y", nominal=1e3),
+        Variable("pin_friction_moment", "N.m", "output", "Friction of the pin on the piston about +z", nominal=0.1),
         Variable("interface_work_error", "1", "output",
                  "Power of the interface forces on the grid minus that in the coordinates, relative"),
         Variable("residual_evaluations", "1", "output", "Residuals of the equations of motion evaluated so far (NRES)", start=0),
@@ -60,6 +63,7 @@ def outputs(grid, modes):
     if modes:
         out.append(Variable("modal_coordinate", "1", "output",
                             "Mass-normalised modal coordinates [kg^(1/2) m], piston then block", nominal=1e-6, shape=(modes,)))
+        out.append(Variable("modal_velocity", "1/s", "output", "Their rates [kg^(1/2) m/s]", nominal=1e-2, shape=(modes,)))
     return out
 
 
@@ -85,6 +89,12 @@ def parameters():
         parameter("rod_inertia", "kg.m2", "Of the rod about its centre of mass", 2.2e-4, 0.0, 10.0),
         parameter("rod_centre", "m", "Distance of the rod's centre of mass from the big end", 0.03, 0.0, 2.0),
         parameter("pin_mass", "kg", "Piston pin (and what else moves with A without turning)", 0.03, 0.0, 20.0),
+        parameter("pin_friction_coefficient", "1", "Coulomb friction between pin and piston; 0: none", 0.0, 0.0, 1.0),
+        parameter("pin_radius", "m", "Arm of the friction at the pin", 7e-3, 1e-4, 0.1),
+        parameter("pin_friction_speed", "rad/s", "Relative angular velocity at which Coulomb friction has 76 % of its size", 5.0,
+                  1e-3, 1e3),
+        parameter("pin_friction_damping", "N.m.s/rad", "Viscous friction at the pin: moment by relative angular velocity", 0.0, 0.0,
+                  1e3),
         parameter("crank_free", "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1),
         parameter("crank_inertia", "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4),
         parameter("load_torque", "N.m", "Torque that a free crank works against", 0.0, -1e5, 1e5),

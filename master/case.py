@@ -21,10 +21,15 @@ class Table(BaseModel):
 
 
 class Time(Table):
-    """Run time and macro step: times, or crank angles together with the input that holds the angular speed."""
+    """Run time and macro step: times, or crank angles together with the input that holds the angular speed.
+
+    smallest_step : where a wire has a `local_error`, `step` is only where the run must come by: it is divided into macro steps
+    by their local error, none of them smaller than this; default step / 64.
+    """
 
     stop: str
     step: str
+    smallest_step: str | None = None
     angular_speed: Port | None = None
 
 
@@ -57,6 +62,8 @@ class Wire(Table):
     that multiplies its nominal value.
     relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
+    local_error : largest local error of a macro step, text with the field's unit, or a number that multiplies its nominal value;
+    with it on any wire, macro steps are as long as their local error allows.
     interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
     also has the slopes which the source declares (an output that is the field's `derivative`).
     conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
@@ -67,6 +74,7 @@ class Wire(Table):
     tolerance: str | float = 1e-6
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
+    local_error: str | float | None = None
     interpolation: Literal["held", "linear", "hermite"] = "held"
     conjugate: Port | None = None
 
@@ -302,10 +310,12 @@ def _sentence(fault):
 
 
 def times(case, speed):
-    """Stop time and macro step [s]; `speed` [rad/s] turns angles into times."""
+    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into times."""
     faults, values = [], []
-    for key in ("stop", "step"):
+    for key in ("stop", "step", "smallest_step"):
         text = getattr(case.time, key)
+        if text is None:
+            continue
         try:
             values.append(to_si(text, "rad") / speed if speed is not None else to_si(text, "s"))
             if not values[-1] > 0:
@@ -314,4 +324,4 @@ def times(case, speed):
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
-    return values
+    return values if case.time.smallest_step else [*values, values[1] / 64]

@@ -18,20 +18,20 @@ def _array(data, dtype, shape):
 
 
 def freeze(stepper):
-    """States of all participants, the predictor's history and what the method remembers, as bytes."""
+    """States of all participants, the predictor's history, what the method remembers and step control, as bytes."""
     states = {}
     for name, participant in stepper.interface.participants.items():
         saved = participant.save()
         states[name] = participant.serialise(saved)
         participant.free(saved)
     buffer = BytesIO()
-    ArrayPickler(buffer).dump((states, stepper.predictor.past, stepper.memory))
+    ArrayPickler(buffer).dump((states, stepper.predictor.past, stepper.memory, stepper.control))
     return buffer.getvalue()
 
 
 def thaw(stepper, data):
     """Put a started stepper and its participants where `freeze` found them."""
-    states, stepper.predictor.past, stepper.memory = pickle.loads(data)
+    states, stepper.predictor.past, stepper.memory, stepper.control = pickle.loads(data)
     for name, participant in stepper.interface.participants.items():
         saved = participant.deserialise(states[name])
         participant.restore(saved)

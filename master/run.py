@@ -16,6 +16,7 @@ from .methods import method_of
 from .participant import ParticipantFault
 from .recorder import CannotWrite, Recorder, writing
 from .rollback import rollback_faults
+from .step_control import step_control
 from .stepping import Stepper, StepFailed
 from .timing import Timed, split
 from .wiring import start
@@ -78,7 +79,7 @@ class March:
         spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
         timed = replace(system, participants={name: Timed(p, spent) for name, p in system.participants.items()})
         self.stepper = Stepper(timed, method_of(case.coupling), case.coupling.halvings, self.accepted, case.coupling.predictor,
-                               self.attempted)
+                               self.attempted, step_control(timed.connections, system.smallest_step))
         if begin_at:
             thaw(self.stepper, begin_at.frozen)
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
@@ -107,7 +108,7 @@ class March:
                     self.keep()
                 if heard.signal and k + 1 < steps:
                     raise Interrupted(self.output, after)
-        summary = summarise(self.account, clock.perf_counter() - self.begin)
+        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
@@ -171,10 +172,11 @@ def monitored(case, system, values):
     return found
 
 
-def summarise(account, wall_time):
+def summarise(account, control, wall_time):
     """The summary of a finished run: no step is ever accepted unconverged, so a run that finishes has none."""
     counters = account.counters
-    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps,
+    controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
+    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps, **controlled,
             "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
             "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
             "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),

@@ -41,15 +41,15 @@ def open_system(case, folder, progress):
         faults += error.faults
     _check_capabilities(participants, faults)
     _check_ports(case, participants, faults)
-    stop = step = None
+    clock = []
     try:
-        stop, step = times(case, _angular_speed(case, parameters))
+        clock = times(case, _angular_speed(case, parameters))
     except BadInput as error:
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    connections += _slopes(case, participants, connections, step)
-    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, stop, step, str(folder))
+    connections += _slopes(case, participants, connections, clock[1])
+    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, *clock, str(folder))
 
 
 def _participant(name, table, folder, progress):
@@ -141,15 +141,25 @@ def _connection(wire, participants, faults):
         faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
     unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
-    try:
-        tolerance = wire.tolerance * nominal if isinstance(wire.tolerance, float) else to_si(wire.tolerance, unit)
-    except ValueError as error:
-        faults.append(f"{where}: tolerance: {error}")
+    tolerance, local_error = (_amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error"))
+    if tolerance is None:
         return None
+    if local_error is not None and not local_error > 0:
+        faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
     if tolerance < 0 or not (tolerance or wire.relative_tolerance):
         faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive, or 0 beside a relative_tolerance")
     return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
-                      tolerance, wire.largest_decrease, wire.relative_tolerance)
+                      tolerance, wire.largest_decrease, wire.relative_tolerance, local_error)
+
+
+def _amount(wire, key, nominal, unit, where, faults):
+    """A wire's entry in SI: a number multiplies the nominal value; None if it is not given, or with a fault."""
+    given = getattr(wire, key)
+    try:
+        return given * nominal if isinstance(given, float) else None if given is None else to_si(given, unit)
+    except ValueError as error:
+        faults.append(f"{where}: {key}: {error}")
+        return None
 
 
 def _interpolating(case, participants, faults):
@@ -184,7 +194,7 @@ def _slopes(case, participants, connections, step):
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
             found.append(replace(c, source=(owner, _rate(participants[owner], name)), target=(target, slope_of(inlet)),
                                  unit=f"{c.unit}/s", nominal=c.nominal / step, tolerance=c.tolerance / step,
-                                 largest_decrease=None))
+                                 largest_decrease=None, local_error=None))
     return found
 
 

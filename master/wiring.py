@@ -9,7 +9,7 @@ from .fmi.errors import BadInput
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire ready for use: both ends, shape, and in SI its nominal and tolerance."""
+    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local error."""
 
     source: tuple
     target: tuple
@@ -19,6 +19,7 @@ class Connection:
     tolerance: float
     largest_decrease: float | None
     relative_tolerance: float = 0.0
+    local_error: float | None = None
 
     def allowed(self, values):
         """Size of an element's residual that counts as converged, for given values of the field."""
@@ -43,7 +44,7 @@ def _rms(values):
 class System:
     """Participants in the order they start, stepping order, connections, parameters in SI, times, folder of the case.
 
-    stop, step : stop time and macro step [s].
+    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro steps [s].
     """
 
     participants: dict
@@ -52,6 +53,7 @@ class System:
     parameters: dict
     stop: float
     step: float
+    smallest_step: float = 0.0
     folder: str = ""
 
 

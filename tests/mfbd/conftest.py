@@ -34,23 +34,34 @@ def write(path, points, tets, surfaces):
     return path
 
 
-@pytest.fixture(scope="session")
-def bodies(tmp_path_factory):
-    """Build table of a small piston (tube, held at two inner patches along z) and a small block (tube, held at its lower end)."""
-    folder = tmp_path_factory.mktemp("bodies")
-    points, tets = tube((24, 2, 6), -16e-3, 20e-3, INNER, OUTER)
+def write_bodies(folder, around, across, along):
+    """A small piston (tube, held at two inner patches along z) and a small block (tube, held at its lower end), with their build
+    table."""
+    points, tets = tube((around, across, along[0]), -16e-3, 20e-3, INNER, OUTER)
     x, y, z = points.T
     radius = np.hypot(x, z)
     write(folder / "piston.msh", points, tets, {
         "skirt": np.isclose(radius, OUTER) & (y < 10.1e-3), "crown": np.isclose(y, 20e-3),
         "pin_bore": np.isclose(radius, INNER) & (np.abs(x) < 10e-3) & (np.abs(y) < 9e-3)})
-    points, tets = tube((24, 2, 10), 50e-3, 155e-3, OUTER + 25e-6, 36e-3)
+    points, tets = tube((around, across, along[1]), 50e-3, 155e-3, OUTER + 25e-6, 36e-3)
     radius = np.hypot(points[:, 0], points[:, 2])
     write(folder / "block.msh", points, tets,
           {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)})
     material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33}
     return folder, {"grid": [16, 12], "piston": {"mesh": "piston.msh", "modes": 12, **material},
                     "block": {"mesh": "block.msh", "modes": 10, "stations": 24, **material}}
+
+
+@pytest.fixture(scope="session")
+def bodies(tmp_path_factory):
+    """Folder and build table of the small bodies."""
+    return write_bodies(tmp_path_factory.mktemp("bodies"), 24, 2, (6, 10))
+
+
+@pytest.fixture(scope="session")
+def coarse(tmp_path_factory):
+    """The same with a quarter of the nodes, for what does not ask for accuracy."""
+    return write_bodies(tmp_path_factory.mktemp("coarse"), 16, 1, (6, 4))
 
 
 @pytest.fixture(scope="session")

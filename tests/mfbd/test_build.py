@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_mfbd.build import prepare
+from fmu_mfbd.build import prepare, reduced_bodies
 from fmu_mfbd.film import bore_splines, on_knots, on_rows, window_at
 from fmu_mfbd.modal_field import modal_field, read, spread
 from fmu_mfbd.mesh import read_mesh
-from fmu_mfbd.surface import cell_centres, interpolation
+from fmu_mfbd.offline import reduce
+from fmu_mfbd.interpolation import interpolation
+from fmu_mfbd.surface import cell_centres
 from master.fmi.errors import BadInput
 
 
@@ -89,11 +91,11 @@ def test_spreading_is_the_transpose_of_reading():
 def test_folding_by_symmetry_changes_nothing():
     """Values that have the symmetry of their classes read the same folded and unfolded."""
     rng = np.random.default_rng(1)
-    kind = np.array([0, 1, 2, 3])
-    folded = modal_field(rng.standard_normal((12, 4, 4)), kind)
-    values = np.stack([read(folded, 0, 4, unit).T for unit in np.eye(4)], axis=-1)
+    kind = np.tile([0, 1, 2, 3], 4)
+    folded = modal_field(rng.standard_normal((12, 4, 16)), kind)
+    values = np.stack([read(folded, 0, 4, unit).T for unit in np.eye(16)], axis=-1)
     plain = modal_field(values)
-    q, force = rng.standard_normal(4), rng.standard_normal((4, 12))
+    q, force = rng.standard_normal(16), rng.standard_normal((4, 12))
     np.testing.assert_allclose(read(plain, 0, 4, q), read(folded, 0, 4, q), atol=1e-14)
     np.testing.assert_allclose(spread(plain, 0, force), spread(folded, 0, force), atol=1e-13)
     assert folded.table.size * 4 == plain.table.size
@@ -153,20 +155,35 @@ def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
 
 
 def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
+    """One file holds all: the FMU built of it is that of its mesh, reports need nothing else."""
     folder, options = bodies
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
     small = options | {"piston": options["piston"] | {"modes": 4}, "block": options["block"] | {"modes": 3}}
-    made = prepare(small, folder, lambda text: None)[1]
-    (tmp_path / "own.npz").write_bytes(made[0].read_bytes())
-    resolved, files = prepare(small | {"piston": {"reduced": "own.npz"}} | {"block": small["block"]
-                                                                            | {"mesh": str(folder / "block.msh")}},
-                              tmp_path, lambda text: None)
-    assert files[0].name == "own.npz" and resolved["piston"]["modes"] == 4
+    made = reduced_bodies(small, folder, lambda text: None)["piston"]
+    (tmp_path / "own.npz").write_bytes(made.read_bytes())
+    own = small | {"piston": {"reduced": "own.npz"}} | {"block": small["block"] | {"mesh": str(folder / "block.msh")}}
+    resolved, files = prepare(own, tmp_path, lambda text: None)
+    assert files == prepare(small, folder, lambda text: None)[1] and resolved["piston"]["modes"] == 4
+    assert "shapes" in np.load(reduced_bodies(own, tmp_path, lambda text: None)["piston"])
+    assert "shapes" not in np.load(files[0])
     with pytest.raises(BadInput, match="own.npz was reduced for another film grid"):
         prepare({"grid": [12, 12], "piston": {"reduced": str(tmp_path / "own.npz")}, "block": small["block"]}, folder,
                 lambda text: None)
     np.savez(tmp_path / "poor.npz", mass=1.0)
     with pytest.raises(BadInput, match="poor.npz lacks S, I0"):
         prepare(small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None)
+    with np.load(files[0]) as slim:
+        np.savez(tmp_path / "slim.npz", **slim)
+    with pytest.raises(BadInput, match="slim.npz lacks points, tets, skin, shapes"):
+        reduce(small | {"piston": {"reduced": str(tmp_path / "slim.npz")}}, folder, tmp_path, lambda text: None)
     with pytest.raises(BadInput, match="either mesh or reduced"):
         prepare(small | {"piston": {"modes": 3}}, folder, print)
+
+
+def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
+    """The FMU's host has numpy, scipy and numba only."""
+    import subprocess
+    import sys
+
+    code = "import sys, fmu_mfbd.slave; print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "set()"

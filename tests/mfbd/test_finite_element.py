@@ -1,4 +1,4 @@
-"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (scikit-fem:
+"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (FElupe:
 tests/verification/test_mfbd.py)."""
 
 import math
@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from fmu_mfbd.finite_element import consistent_mass, face_load, quadrature, stiffness
+from fmu_mfbd.faces import face_load
+from fmu_mfbd.finite_element import consistent_mass, quadrature, stiffness
 from fmu_mfbd.mesh import MeshFault, mesh_faults, Mesh, outer_faces, read_mesh
 from fmu_mfbd.reduction import floating_frame_integrals
 from fmu_mfbd.bases import rigid_motions

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from fmu_mfbd.floating_frame import frame_force, frame_tangent, rigid_body
-from fmu_mfbd.piston_motion import Load, imbalance, tangent
+from fmu_mfbd.floating_frame import frame_arrow, frame_force, mode_coupling, rigid_body, whole
+from fmu_mfbd.pin_friction import PinFriction
+from fmu_mfbd.piston_motion import Load, imbalance, solve_coupled, tangent
 from fmu_mfbd.slider_crank import Mechanism, height
 from fmu_mfbd.verification import beam_in_frame, bar, box_mesh
 from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
@@ -34,7 +35,7 @@ def kinetic_energy(points, M, modes, coordinates, rates):
     turn, spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]])
     local = points + modes @ q
     velocity = np.array([rates[0], rates[1], 0]) + local @ (rates[2] * spin).T + (modes @ rates[3:]) @ turn.T
-    return 0.5 * np.sum(velocity * (M @ velocity))
+    return 0.5 * velocity.ravel() @ (M @ velocity.ravel())
 
 
 def lagrange(energy, coordinates, rates, accelerations):
@@ -82,7 +83,8 @@ def test_frame_tangent_is_the_derivative(lump):
         a = base + d
         return frame_force(body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
 
-    matrix = frame_tangent(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2)
+    matrix = whole(frame_arrow(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2),
+                   mode_coupling(body, base[2], w, c1, c2))
     for column in range(3 + k):
         difference = (force(1.0, column) - force(-1.0, column)) / 2
         # the force is a polynomial of low degree: unit steps are good to the size of its cubic terms, c1 c1 c2
@@ -119,7 +121,7 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
-    residual, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
+    residual, _, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
 
     def energy(place, rate):
         return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
@@ -147,22 +149,52 @@ def richardson(energy, place, rate, acceleration):
     return along - slope
 
 
-def test_mechanism_tangent_is_the_derivative(lump):
+RUBBING = SKEW._replace(friction=PinFriction(2e-3, 30.0, 4e-3))
+
+
+@pytest.mark.parametrize("mechanism", [SKEW, RUBBING], ids=["smooth pin", "rubbing pin"])
+def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     body = lump[3]
     rng = np.random.default_rng(5)
     n = 2 + len(body.stiffness)
     place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
     c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
-    matrix = tangent(body, SKEW, load, place, rate, a, phi, w, 2e3, c1, c2)
+    arrow, coupling = tangent(body, mechanism, load, place, rate, a, phi, w, 2e3, c1, c2), mode_coupling(body, a[1], rate[1], c1, c2)
+    matrix = whole(arrow, coupling)
+    right = rng.standard_normal(n)
+    np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)
 
     def residual(change):
-        return imbalance(body, SKEW, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3)[0]
+        return imbalance(body, mechanism, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3)[0]
 
     for k in range(n):
         change = 10.0 * np.eye(n)[k]
         difference = (residual(change) - residual(-change)) / 20.0
         np.testing.assert_allclose(matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max())
+
+
+def test_pin_friction_works_between_piston_and_rod(lump):
+    """The same moment acts on the piston and back on the rod: its share of all three equations is minus its virtual work."""
+    body, rng = lump[3], np.random.default_rng(6)
+    n = 2 + len(body.stiffness)
+    place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
+    load, phi, w = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2)), 0.8, 314.0
+
+    def rod_angle(x, turn):
+        return -np.arcsin((SKEW.offset + x + SKEW.crank_radius * np.sin(turn)) / SKEW.rod_length)
+
+    eps = 1e-7
+    by_x = (rod_angle(place[0] + eps, phi) - rod_angle(place[0] - eps, phi)) / (2 * eps)
+    by_phi = (rod_angle(place[0], phi + eps) - rod_angle(place[0], phi - eps)) / (2 * eps)
+    slip = rate[1] - by_x * rate[0] - by_phi * w
+    with_it, without = (imbalance(body, m, load, place, rate, a, phi, w, 2e3) for m in (RUBBING, SKEW))
+    moment = with_it[3]
+    size = np.hypot(with_it[1], with_it[2])
+    assert moment == pytest.approx(-2e-3 * size * np.tanh(slip / 30.0) - 4e-3 * slip, rel=1e-8) and moment * slip < 0.0
+    # differences of the angle over 1e-7: round-off 1e-9
+    np.testing.assert_allclose(with_it[0][:2] - without[0][:2], [moment * by_x, -moment], rtol=1e-7)
+    assert with_it[4] - without[4] == pytest.approx(moment * by_phi, rel=1e-7)
 
 
 def test_height_slopes():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fmu_mfbd.model import Inputs, NotConverged
+from fmu_mfbd.slider_crank import rod_turn
 
 SPEED = 314.0
 STEP = np.pi / 180 / SPEED
@@ -37,8 +38,25 @@ def test_start_is_concentric_and_at_rest(model):
     assert out["sliding_velocity"] == pytest.approx(out["piston_velocity"])
 
 
-def test_directional_derivative_against_differences(model):
+@pytest.fixture
+def rubbing(reduced):
+    """As `model`, with friction at the pin."""
+    return assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=0.1, pin_friction_damping=1e-3)
+
+
+def assembled(reduced, **values):
+    """The small bodies with some parameters changed."""
+    from fmu_mfbd.assembly import assemble
+    from fmu_mfbd.variables import parameters
+
+    options, piston, block = reduced
+    return assemble(piston, block, options, {v.name: v.start for v in parameters()} | values)
+
+
+@pytest.mark.parametrize("which", ["model", "rubbing"])
+def test_directional_derivative_against_differences(which, request):
     """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with unit changes."""
+    model = request.getfixturevalue(which)
     state, _ = run(model)
     base = inputs(model, 50)
     rng = np.random.default_rng(1)
@@ -180,13 +198,17 @@ def test_free_crank_keeps_the_energy(reduced):
     assert drift[1] < 0.02 and drift[1] < 0.6 * drift[0]
 
 
-def test_free_crank_turns_against_its_load(model, reduced):
-    from fmu_mfbd.assembly import assemble
-    from fmu_mfbd.variables import parameters
+def test_a_seized_pin_turns_the_piston_with_the_rod(reduced, model):
+    """Friction far above what turns the piston: it takes up the rod's angular velocity; a smooth pin leaves it alone."""
+    seized = assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=1.0)
+    (_, alone), (state, out) = run(model, 6, size=0.0), run(seized, 6, size=0.0)
+    rod = rod_turn(seized.system.mechanism, state.place[0], state.rate[0], state.crank_angle, state.crank_speed)[0]
+    assert rod < -60.0 and state.rate[1] == pytest.approx(rod, rel=0.05)        # the start begins at rest
+    assert alone["pin_friction_moment"] == 0.0 and abs(alone["rocking_angle"]) < 0.2 * abs(out["rocking_angle"])
 
-    options, piston, block = reduced
-    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 10.0, "load_torque": 50.0}
-    free = assemble(piston, block, options, values)
+
+def test_free_crank_turns_against_its_load(reduced):
+    free = assembled(reduced, crank_free=1, crank_inertia=10.0, load_torque=50.0)
     nothing = np.zeros(free.system.skirt.gap.shape)
     state, out = free.start(0.0, 0.0, 0.0, Inputs(200.0, 0.0, nothing, nothing))
     for _ in range(100):
@@ -202,3 +224,15 @@ def test_damping_by_ratio_band_and_rayleigh():
     omega = 2 * np.pi * np.array([1e3, 3e4])
     np.testing.assert_allclose(damping(omega, 0.02, 0.5, 2e4, 0.0, 0.0), [0.04 * omega[0], omega[1]])
     np.testing.assert_allclose(damping(omega, 0.0, 0.0, 2e4, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+
+
+def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
+    """Motion taken over: the two runs differ by what the integrator's memory of the last acceleration is worth."""
+    state, _ = run(model, 30)
+    nearby = model.start_moving(state.crank_angle, state.place, state.rate, inputs(model, 29))[0]
+    at_rest = model.start(state.crank_angle, 0.0, 0.0, inputs(model, 29))[0]
+    np.testing.assert_allclose(nearby.acceleration, state.acceleration, rtol=1e-6, atol=1e-6 * np.abs(state.acceleration).max())
+    for k in range(30, 50):
+        state, nearby, at_rest = (model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest))
+    error, apart = (np.abs(s.place[:2] - state.place[:2]) for s in (nearby, at_rest))
+    assert np.all(error < 1e-2 * apart)

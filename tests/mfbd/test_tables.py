@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from fmu_mfbd.assembly import assemble
 from fmu_mfbd.build import prepare
 from fmu_mfbd.model import Inputs
 from fmu_mfbd.profile import fourier_bore, ovality, table_shape
-from fmu_mfbd.tables import TableFault, gas_pressure, gas_table, profile_table
+from fmu_mfbd.speed_table import crank_motion, speed_table
+from fmu_mfbd.tables import TableFault, gas_pressure, gas_table, inline_numbers, profile_table, read_numbers
 from fmu_mfbd.variables import parameters
 from master.fmi.errors import BadInput
 
@@ -27,7 +29,7 @@ def gas_file(tmp_path):
 
 
 def test_gas_repeats_every_cycle(gas_file):
-    table = gas_table(gas_file, 4 * np.pi, DEG, 1e5)
+    table = gas_table(read_numbers(gas_file), 4 * np.pi, DEG, 1e5)
     for angle in (0.1, 5.0, 12.5, 12.5 + 4 * np.pi, 0.1 - 4 * np.pi):
         # linear between points 2 deg apart: (1 deg)^2/2 * 5e5/4
         assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
@@ -42,7 +44,7 @@ def test_gas_repeats_every_cycle(gas_file):
 def test_bad_gas_tables_name_the_row(gas_file, change, message):
     gas_file.write_text("\n".join(change(gas_file.read_text().splitlines())))
     with pytest.raises(TableFault, match=message):
-        gas_table(gas_file, 4 * np.pi, DEG, 1e5)
+        gas_table(read_numbers(gas_file), 4 * np.pi, DEG, 1e5)
 
 
 def test_profile_file_and_interpolation(tmp_path):
@@ -59,6 +61,45 @@ def test_profile_file_and_interpolation(tmp_path):
     path.write_text("\n".join([*rows[:3], "1,2,3"]))
     with pytest.raises(TableFault, match="numbers where"):
         profile_table(path, DEG, 1e-3, 1e-6)
+
+
+def test_tables_in_the_case_name_their_rows():
+    with pytest.raises(TableFault, match="gas.points, row 3: crank angle 1 does not rise"):
+        gas_table(inline_numbers("gas.points", [(0, 1), (2, 5), (1, 1)]), 4 * np.pi, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("over, points, message", [
+    ("time", [(0, 10), (1, -1)], "row 2: crank speed -1 rad/s must not be negative"),
+    ("angle", [(0, 10), (6, 0)], "row 2: crank speed 0 rad/s must be positive"),
+    ("angle", [(0, 10), (2 * np.pi, 11)], "does not close: speed 10 rad/s at the start and speed 11 rad/s one cycle later"),
+    ("angle", [(0, 10), (1, 10), (3, 10)], "spans 171.887 deg of a cycle of 360 deg")])
+def test_bad_speed_tables_name_the_row(over, points, message):
+    with pytest.raises(TableFault, match=message):
+        speed_table(inline_numbers("speed", points), over, 2 * np.pi, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("over, points", [("time", [(-1, 250), (0.002, 300), (0.005, 280), (0.006, 280)]),
+                                          ("angle", [(-1, 300), (0.5, 310), (2, 290), (4, 290), (2 * np.pi - 1, 300)])])
+def test_crank_follows_its_table_however_the_steps_fall(over, points):
+    """One step, many steps and an ordinary differential equation's solver agree: the first two to round-off."""
+    table = speed_table(inline_numbers("speed", points), over, 2 * np.pi, 1.0, 1.0)
+    at, speed = np.array(points, dtype=float).T
+
+    def w(t, phi):
+        return np.interp(t, at, speed) if over == "time" else np.interp((phi + 1) % (2 * np.pi) - 1, at, speed)
+
+    whole = crank_motion(table, 0.4, 0.0, 0.03)
+    angle, time = 0.4, 0.0
+    for step in np.full(300, 1e-4):
+        angle, time = crank_motion(table, angle, time, step)[0], time + step
+    assert angle == pytest.approx(whole[0], rel=1e-13)
+    solved = solve_ivp(w, (0.0, 0.03), [0.4], rtol=1e-10, atol=1e-12, max_step=2e-5).y[0, -1]
+    assert whole[0] == pytest.approx(solved, rel=1e-7)          # what the solver loses where segments meet
+    assert whole[1] == pytest.approx(w(0.03, whole[0]), rel=1e-12)
+    ends = [crank_motion(table, 0.4, 0.0, 0.0035 + e) for e in (1e-7, -1e-7)]
+    middle = crank_motion(table, 0.4, 0.0, 0.0035)
+    assert (ends[0][0] - ends[1][0]) / 2e-7 == pytest.approx(middle[1], rel=1e-6)
+    assert (ends[0][1] - ends[1][1]) / 2e-7 == pytest.approx(middle[2], rel=1e-6)
 
 
 def test_orders():
@@ -78,7 +119,8 @@ def shaped(bodies, tmp_path_factory):
     table = bodies[1] | {"piston": bodies[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
                          "block": bodies[1]["block"] | {"profiles": [{"file": "bore.csv", **units}],
                                                         "orders": [{"order": 4, "amplitude": "2 um", "phase": "10 deg"}]},
-                         "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"}}
+                         "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"},
+             "speed": {"points": [[0, 3000], [1, 3600]], "time_unit": "1 ms", "speed_unit": "1 rpm"}}
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
         options, files = prepare(table, folder, lambda text: None)
@@ -106,6 +148,16 @@ def test_shapes_enter_the_film_and_its_work(shaped):
     still = shaped.start(state.crank_angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
     # the spline rounds the kink at 100 mm, linear interpolation between 15 deg does the rest
     np.testing.assert_allclose(still, expected, atol=0.2e-6)
+
+
+def test_speed_table_takes_the_place_of_the_input(shaped):
+    nothing = np.zeros(shaped.system.skirt.gap.shape)
+    state, _ = shaped.start(0.2, 0.0, 0.0, Inputs(77.0, 0.0, nothing, nothing))
+    for _ in range(20):
+        state, out = shaped.advance(state, Inputs(77.0, 0.0, nothing, nothing), 1e-4)
+    # 1 ms from 50 to 60 turns a second, then 1 ms at 60
+    assert out["crank_angle"] == pytest.approx(0.2 + 2 * np.pi * (55e-3 + 60e-3), rel=1e-13)
+    assert out["rotation_speed"] == pytest.approx(120 * np.pi) and state.crank_acceleration == 0.0
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):

@@ -77,7 +77,7 @@ def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
     """Inertia alone gives back in half a turn what it took in the other: torque(phi) + torque(-phi) = 0 without offsets."""
     mechanism, nothing, still = Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1), Load(0.0, 0.0, 0.0, np.zeros(0)), np.zeros(2)
     body = rigid_body(0.3, (0.0, 0.01), 2e-4)
-    there, back = (imbalance(body, mechanism, nothing, still, still, still, phi, speed, 0.0)[3] for phi in (angle, -angle))
+    there, back = (imbalance(body, mechanism, nothing, still, still, still, phi, speed, 0.0)[4] for phi in (angle, -angle))
     assert abs(there + back) <= 1e-12 * 0.6 * 0.025**2 * speed**2
 
 

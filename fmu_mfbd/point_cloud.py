@@ -1,0 +1,107 @@
+"""A body known by its nodes alone, next to its matrices: nodes, sets and the surfaces they span."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from .mesh import GEOMETRY, Mesh, MeshFault, to_body_axes
+
+AROUND_Y, AROUND_Z, FROM_ABOVE = "around y", "around z", "from above"
+VIEWS = {"skirt": AROUND_Y, "bore": AROUND_Y, "pin_bore": AROUND_Z, "crown": FROM_ABOVE, "bolts": FROM_ABOVE}
+"""How each surface is laid flat to be triangulated."""
+
+
+def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0)):
+    """Nodes of a CSV file and the surfaces they span, as triangles of three nodes.
+
+    The header is `node,x,y,z` or `node,x,y,z,sets`; `sets` holds names of surfaces, separated by blanks. A surface that is not
+    among them is found by geometry.
+
+    Parameters
+    ----------
+    path, surfaces, scale, axes, origin
+        As for `mesh.read_mesh`.
+
+    Returns
+    -------
+    Mesh, ndarray of int
+        Without tetrahedra; the nodes' numbers in the file.
+
+    Raises
+    ------
+    MeshFault
+        Names the row that cannot be read, every missing surface.
+    """
+    path = Path(path)
+    labels, rows, sets = _table(path)
+    points = to_body_axes(rows * scale, axes, origin)
+    faults, faces, members = [], {}, {}
+    for name, rule in surfaces.items():
+        mask = GEOMETRY[rule[0]](points[:, None, :], *rule[1:]) if rule else np.array([name in names for names in sets])
+        members[name] = np.flatnonzero(mask)
+        if len(members[name]) < 3:
+            known = sorted(set().union(*sets))
+            faults.append(f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {', '.join(known) or 'none'})")
+        else:
+            faces[name] = members[name][triangulate(points[mask], VIEWS[name])]
+    if faults:
+        raise MeshFault(faults)
+    return Mesh(points, np.empty((0, 10), dtype=np.int64), faces, members), labels
+
+
+def _table(path):
+    """Numbers of the nodes, coordinates (n, 3), names of the sets of each."""
+    with open(path, newline="") as file:
+        rows = list(csv.reader(file))
+    header = [name.strip().lower() for name in rows[0]] if rows else []
+    if header not in (["node", "x", "y", "z"], ["node", "x", "y", "z", "sets"]):
+        raise MeshFault([f"{path}: the first row must be node,x,y,z or node,x,y,z,sets"])
+    labels, points, sets = [], [], []
+    for number, row in enumerate(rows[1:], 2):
+        try:
+            labels.append(int(row[0]))
+            points.append([float(text) for text in row[1:4]])
+            sets.append(frozenset(row[4].split() if len(row) > 4 else ()))
+        except (ValueError, IndexError):
+            raise MeshFault([f"{path}, row {number}: {','.join(row)!r} is no node number with three coordinates"]) from None
+    if len(set(labels)) < len(labels):
+        raise MeshFault([f"{path}: node numbers occur twice"])
+    return np.array(labels), np.array(points), sets
+
+
+def triangulate(points, view):
+    """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left out.
+
+    A gap: a side four times as long as the median one.
+    """
+    if view == FROM_ABOVE:
+        flat, copies = points[:, [2, 0]], np.arange(len(points))        # z, x: triangles turn about +y
+    else:
+        flat, copies = _unrolled(points, view)
+    triangles = Delaunay(flat).simplices
+    corner = flat[triangles]
+    sides = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
+    kept = sides.max(axis=1) <= 4.0 * np.median(sides)
+    if view != FROM_ABOVE:
+        turn = corner[:, :, 0].mean(axis=1)
+        half = np.pi * _radius(points, view)
+        kept &= (turn >= -half) & (turn < half)
+    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    swap = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
+    triangles[swap] = triangles[swap][:, [0, 2, 1]]
+    return copies[triangles[kept]]
+
+
+def _radius(points, view):
+    return np.hypot(*points[:, [0, 2] if view == AROUND_Y else [0, 1]].T).mean()
+
+
+def _unrolled(points, view):
+    """Arc length and height of the nodes, (3 n, 2), with a copy to the left and to the right; which node each one is."""
+    side, along = (2, 1) if view == AROUND_Y else (1, 2)
+    arc = _radius(points, view) * np.arctan2(points[:, 0], points[:, side])
+    turn = 2 * np.pi * _radius(points, view)
+    flat = np.concatenate([np.stack([arc + k * turn, points[:, along]], axis=1) for k in (-1, 0, 1)])
+    return flat, np.tile(np.arange(len(points)), 3)

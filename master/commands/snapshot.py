@@ -1,0 +1,46 @@
+"""`piston-cosim snapshot`."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
+from .common import console, open_runs
+
+
+def command(file: Path, *, participant: str, output: Path, time: str | None = None):
+    """Write all that a run recorded of a participant at one instant, to start another run from there.
+
+    Example: piston-cosim snapshot results/fired_motorcycle/flexible.h5 --participant bodies --output models/mine/start.json;
+    the case then says start = "start.json" in [participants.bodies.build]
+
+    Parameters
+    ----------
+    file
+        Results file.
+    participant
+        Its name in the case.
+    output
+        JSON file: outputs by name, SI.
+    time
+        The recorded instant nearest to this time; without it the last one at which fields were recorded.
+    """
+    _, runs = open_runs((file,))
+    (results,) = runs.values()
+    if participant not in results.file:
+        raise BadInput(f"--participant {participant}: {file} has {', '.join(n for n in results.file if n in results.case['participants'])}")
+    instants = results.file["fields/time"][:]
+    if not len(instants):
+        instants = results.time
+    try:
+        k = len(instants) - 1 if time is None else int(np.argmin(np.abs(instants - to_si(time, "s"))))
+    except ValueError as error:
+        raise BadInput(str(error)) from None
+    row = int(np.argmin(np.abs(results.time - instants[k])))
+    values = {name: float(series[row]) for name, series in results.file[participant].items()}
+    if participant in results.file["fields"]:
+        values |= {name: series[k].tolist() for name, series in results.file["fields"][participant].items()}
+    output.write_text(json.dumps(values, indent=1))
+    console.print(f"snapshot {output}   t = {instants[k]:.6g} s", highlight=False, soft_wrap=True)

@@ -1,0 +1,102 @@
+"""`piston-cosim reduce` and its library: one body or both, files, what is printed, going on after a stop."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fmu_mfbd.offline import reduce
+from fmu_mfbd.solver import Remembering, factorise
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def test_one_body_from_a_small_table(bodies, cache, tmp_path):
+    folder, options = bodies
+    [block] = reduce({"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", lambda text: None)
+    assert block["name"] == "block" and block["degrees_of_freedom"] == 3 * block["nodes"] and len(block["modes"]) == 10
+    assert 0 < block["seconds"] < 600 and 1e7 < block["peak_memory"] < 1e11
+    assert [file.name for file in block["files"]] == ["block.npz", "block-modes.csv", "block-modes.vtu", "block-modes.png"]
+    with open(tmp_path / "out" / "block-modes.csv") as file:
+        rows = list(csv.reader(file))
+    assert rows[0][1] == "frequency [Hz]" and len(rows) == 11
+    assert float(rows[3][1]) == block["modes"][2]["frequency"]
+    assert (tmp_path / "out" / "block-modes.png").stat().st_size > 20_000
+
+
+def test_command_line(bodies, cache, tmp_path):
+    folder, options = bodies
+    (tmp_path / "bodies.toml").write_text(f"""grid = [16, 12]
+[block]
+mesh = "{folder}/block.msh"
+density = "2700 kg/m^3"
+young = "75 GPa"
+poisson = 0.33
+modes = 3
+""")
+    call = [sys.executable, "-m", "master", "reduce", "bodies.toml"]
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
+    wrong = subprocess.run([*call, "--set", "block.young=1 mm"], cwd=tmp_path, capture_output=True, text=True)
+    assert wrong.returncode == 2 and "block.young" in wrong.stderr
+
+
+class Stopped(Exception):
+    pass
+
+
+def test_a_stopped_reduction_goes_on(bodies, cache, tmp_path, monkeypatch):
+    """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is left behind."""
+    from fmu_mfbd import solver
+
+    folder, options = bodies
+    table, solved = {"grid": [16, 12], "block": options["block"] | {"basis": "craig_bampton"}}, []
+
+    class Stopping:
+        def __init__(self, K, limit):
+            self._factors, self._limit = factorise(K), limit
+
+        def solve(self, load):
+            if len(solved) == self._limit:
+                raise Stopped
+            solved.append(1)
+            return self._factors.solve(load)
+
+    monkeypatch.setattr(solver, "factorise", lambda K: Stopping(K, 20))
+    with pytest.raises(Stopped):
+        reduce(table, folder, tmp_path / "a", lambda text: None)
+    assert len(list((cache / "bodies" / "unfinished").rglob("*.npy"))) == 20
+    said = []
+    monkeypatch.setattr(solver, "factorise", lambda K: Stopping(K, -1))
+    reduce(table, folder, tmp_path / "a", said.append)
+    assert any("goes on with 20 solutions" in text for text in said)
+    replayed = len(solved)
+    assert not list((cache / "bodies" / "unfinished").rglob("*.npy"))
+    solved.clear()
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "fresh"))
+    reduce(table, folder, tmp_path / "b", lambda text: None)
+    assert len(solved) == replayed
+    one, other = (np.load(tmp_path / name / "block.npz") for name in "ab")
+    for key in set(one) - {"seconds", "peak_memory"}:
+        np.testing.assert_array_equal(one[key], other[key])
+
+
+def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
+    import scipy.sparse as sp
+
+    remembering = Remembering(tmp_path, lambda text: None)
+    one, other = (remembering(k * sp.identity(3, format="csc")) for k in (2.0, 4.0))
+    load = np.array([1.0, 2.0, 3.0])
+    for _ in range(2):
+        np.testing.assert_array_equal(one.solve(load), load / 2)
+        np.testing.assert_array_equal(other.solve(load), load / 4)
+        np.testing.assert_array_equal(one.solve(2 * load), load)
+    remembering.forget()
+    assert not list(tmp_path.iterdir())
