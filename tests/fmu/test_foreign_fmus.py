@@ -21,16 +21,21 @@ from master.system import open_system
 MODELS = Path(__file__).parent / "c_models"
 STATES = (1.0, 2.0, -3.0)
 
-DAHLQUIST = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Dahlquist" guid="{1}">
+
+
+def real(name, reference, causality, start):
+    return f"""<ScalarVariable name="{name}" valueReference="{reference}" {causality}><Real start="{start}"/></ScalarVariable>"""
+
+
+REALS = [real("k", 0, 'causality="parameter" variability="fixed"', 1), *(real(f"u[{i}]", i, 'causality="input"', 0) for i in (1, 2, 3)),
+         *(real(f"x[{i}]", i + 3, 'causality="output" initial="exact"', x) for i, x in enumerate(STATES, 1))]
+DAHLQUIST = f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Dahlquist" guid="{{1}}">
   <CoSimulation modelIdentifier="dahlquist" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"/>
   <ModelVariables>
-    <ScalarVariable name="k" valueReference="0" causality="parameter" variability="fixed" initial="exact"><Real start="1"/>
-    </ScalarVariable>
-""" + "".join(f"""    <ScalarVariable name="u[{i}]" valueReference="{i}" causality="input"><Real start="0"/></ScalarVariable>
-""" for i in (1, 2, 3)) + "".join(f"""    <ScalarVariable name="x[{i}]" valueReference="{i + 3}" causality="output" initial="exact">
-      <Real start="{x}"/></ScalarVariable>
-""" for i, x in enumerate(STATES, 1)) + """    <ScalarVariable name="below" valueReference="0" causality="output" variability="discrete" initial="calculated"><Boolean/>
+    {"".join(REALS)}
+    <ScalarVariable name="below" valueReference="0" causality="output" variability="discrete" initial="calculated">
+      <Boolean/>
     </ScalarVariable>
   </ModelVariables>
   <ModelStructure>

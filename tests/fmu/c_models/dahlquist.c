@@ -25,17 +25,24 @@ int fmi2DoStep(Model *m, double time, double step, int last)
 
 int fmi2SetReal(Model *m, const Reference *r, size_t n, const double *v)
 {
-    for (size_t i = 0; i < n; i++) (&m->k)[r[i]] = v[i]; return 0;
+    for (size_t i = 0; i < n; i++)
+        (&m->k)[r[i]] = v[i];
+    return 0;
 }
 
 int fmi2GetReal(Model *m, const Reference *r, size_t n, double *v)
 {
-    for (size_t i = 0; i < n; i++) v[i] = (&m->k)[r[i]]; return 0;
+    for (size_t i = 0; i < n; i++)
+        v[i] = (&m->k)[r[i]];
+    return 0;
 }
 
 int fmi2GetBoolean(Model *m, const Reference *r, size_t n, int *v)
 {
-    (void)r; for (size_t i = 0; i < n; i++) v[i] = m->x[1] < 1; return 0;
+    (void)r;
+    for (size_t i = 0; i < n; i++)
+        v[i] = m->x[1] < 1;
+    return 0;
 }
 
 int fmi2GetFMUstate(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }

@@ -54,22 +54,30 @@ int fmi3GetFloat64(Model *m, const Reference *r, size_t n, double *v, size_t val
 
 int fmi3SetInt32(Model *m, const Reference *r, size_t n, const int32_t *v, size_t w)
 {
-    (void)r, (void)n, (void)w; m->integer = *v; return 0;
+    (void)r, (void)n, (void)w;
+    m->integer = *v;
+    return 0;
 }
 
 int fmi3GetInt32(Model *m, const Reference *r, size_t n, int32_t *v, size_t w)
 {
-    (void)r, (void)n, (void)w; *v = m->integer; return 0;
+    (void)r, (void)n, (void)w;
+    *v = m->integer;
+    return 0;
 }
 
 int fmi3SetBoolean(Model *m, const Reference *r, size_t n, const bool *v, size_t w)
 {
-    (void)r, (void)n, (void)w; m->boolean = *v; return 0;
+    (void)r, (void)n, (void)w;
+    m->boolean = *v;
+    return 0;
 }
 
 int fmi3GetBoolean(Model *m, const Reference *r, size_t n, bool *v, size_t w)
 {
-    (void)r, (void)n, (void)w; *v = m->boolean; return 0;
+    (void)r, (void)n, (void)w;
+    *v = m->boolean;
+    return 0;
 }
 
 int fmi3GetFMUState(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }
@@ -79,7 +87,8 @@ int fmi3SerializedFMUStateSize(void *m, void *s, size_t *n) { (void)m, (void)s; 
 int fmi3SerializeFMUState(void *m, void *s, uint8_t *b, size_t n) { (void)m; memcpy(b, s, n); return 0; }
 int fmi3DeserializeFMUState(void *m, const uint8_t *b, size_t n, void **s)
 {
-    (void)m; *s = malloc(n); memcpy(*s, b, n); return 0;
+    (void)m; *s = malloc(n); memcpy(*s, b, n);
+    return 0;
 }
 
 void fmi3FreeInstance(void *m) { free(m); }
