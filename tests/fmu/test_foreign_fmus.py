@@ -27,7 +27,8 @@ def real(name, reference, causality, start):
     return f"""<ScalarVariable name="{name}" valueReference="{reference}" {causality}><Real start="{start}"/></ScalarVariable>"""
 
 
-REALS = [real("k", 0, 'causality="parameter" variability="fixed"', 1), *(real(f"u[{i}]", i, 'causality="input"', 0) for i in (1, 2, 3)),
+REALS = [real("k", 0, 'causality="parameter" variability="fixed"', 1),
+         *(real(f"u[{i}]", i, 'causality="input"', 0) for i in (1, 2, 3)),
          *(real(f"x[{i}]", i + 3, 'causality="output" initial="exact"', x) for i, x in enumerate(STATES, 1))]
 DAHLQUIST = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Dahlquist" guid="{{1}}">
