@@ -21,17 +21,13 @@ from fmpy.fmi1 import FMICallException
 
 from .fmi.builder import cache_folder
 from .fmi.description import VENDOR
-from .fmi.errors import BadInput, Discard
+from .fmi.errors import BadInput, Discard, ParticipantFault
 from .fmi.fields import gather_fields
 
 REAL = ctypes.POINTER(ctypes.c_double)
 DIFFERENCE = 1e-5
 """Change of inputs for difference quotients, in nominals: far above round-off, far below what bends the step map."""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
-
-
-class ParticipantFault(RuntimeError):
-    """A bug inside a participant: its traceback, as it logged it."""
 
 
 class Participant(Protocol):
