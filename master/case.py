@@ -44,7 +44,7 @@ class ParticipantTable(Table):
     file: str | None = None
     fmu: str | None = None
     build: dict[str, Any] = {}
-    parameters: dict[str, str | float | int] = {}
+    parameters: dict[str, str | bool | float | int] = {}
     isolated: bool = False
     timeout: str = "60 s"
 
