@@ -105,6 +105,8 @@ def main():
     for row in ("set 4800", "step", "get 3200", "save + restore", "derivative"):
         table.add_row(row, *(f"{column[row]:.4f}" if row in column else "" for column in columns.values()))
     Console(width=140).print(table)
+    pointers, lists = (sum(columns[name][row] for row in ("set 4800", "get 3200")) for name in ("FMI 2 pointers", "FMI 2 lists"))
+    print(f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU (at most 0.3)")
 
 
 if __name__ == "__main__":
