@@ -295,8 +295,9 @@ def deflection_checks():
         loads = read.T @ film_loads(angle, height, 27e-3).T
         full = read @ body.solve(loads)
         extra = rigid_loads(mesh, M)[body.free] if name == "piston" else np.empty((len(body.free), 0))
+        wet = mesh.nodes(BODIES[name]["surface"])
         nested = {"craig_bampton": craig_bampton(body, 60),
-                  "characteristic_constraint_modes": characteristic_constraint_modes(body, mesh.nodes(BODIES[name]["surface"]), 60)}
+                  "characteristic_constraint_modes": characteristic_constraint_modes(body, wet, 60)}
         for basis in (*nested, "pressure_modes"):
             for modes, bound in zip((20, 40, 60), BOUNDS[name, basis]):
                 shapes = (nested[basis][:, :modes] if basis in nested else
