@@ -73,6 +73,20 @@ def write_inp(path, mesh):
     path.write_text("\n".join(lines) + "\n")
 
 
+def write_bdf(path, mesh):
+    """Nastran mesh with the same numbers, units and axes, large and free fields mixed."""
+    lines = ["BEGIN BULK"]
+    for k, (x, y, z) in enumerate(mesh.points * 1e3, 1):
+        lines += [f"GRID*   {GAP * k:>16}{'':>16}{-z:>16.9f}{y:>16.9f}*", f"*       {x:>16.9f}"]
+    for k, nodes in enumerate(GAP * (mesh.tets + 1), 1):
+        lines += [f"CTETRA,{k},1," + ",".join(map(str, nodes[:6])) + ",+", "+," + ",".join(map(str, nodes[6:]))]
+    path.write_text("\n".join([*lines, "ENDDATA", ""]))
+
+
+BY_GEOMETRY = {"bore": {"shape": "cylinder", "radius": "28.025 mm", "lower": "50 mm", "upper": "155 mm"},
+               "bolts": {"shape": "plane", "height": "50 mm"}}
+
+
 def turned_to_file(matrix):
     """The matrix with the vectors of `write_inp`'s axes."""
     turn = np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]])     # file = turn @ body
@@ -98,7 +112,9 @@ def test_round_trip(kind, original, from_mesh, coarse, tmp_path, monkeypatch):
     table = {"mesh": str(coarse[0] / "block.msh"), "modes": 10, "stations": 24, **UNITS, **names}
     if "labels" in kind or "dmig" in kind:
         write_inp(tmp_path / "block.inp", mesh)
+        write_bdf(tmp_path / "block.bdf", mesh)
         table |= {"mesh": "block.inp", "mesh_unit": "1 mm", "axes": ["z", "y", "-x"]}
+        table |= {"mesh": "block.bdf", "surfaces": BY_GEOMETRY} if "commas" in kind else {}
         K, M = turned_to_file(K), turned_to_file(M)
     for (key, name), matrix in zip(names.items(), (K, M)):
         path = tmp_path / name
@@ -134,8 +150,7 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
     # three-node triangles between nodes 11 degrees apart: (4 pi/16)^2/8 of a mode with four waves around
     strength = [np.linalg.norm(body["radial"]) for body in (found, exact)]
     assert strength[0] == pytest.approx(strength[1], rel=(4 * np.pi / 16) ** 2 / 8)
-    by_geometry = table | {"surfaces": {"bore": {"shape": "cylinder", "radius": "28.025 mm", "lower": "50 mm", "upper": "155 mm"},
-                                        "bolts": {"shape": "plane", "height": "50 mm"}}, "basis": "craig_bampton"}
+    by_geometry = table | {"surfaces": BY_GEOMETRY, "basis": "craig_bampton"}
     np.testing.assert_array_equal(reduced(by_geometry, tmp_path, monkeypatch)["radial"], found["radial"])
 
 
