@@ -52,7 +52,8 @@ def prepare(options, folder, progress):
         with np.load(files[part]) as body:
             resolved[part]["modes"] = len(body["omega"])
     start = resolved["start"] and _start(resolved["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
-    return resolved | over_angle | {"start": start} | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+    names = {name: path.name for name, path in files.items()}
+    return resolved | over_angle | {"start": start, "files": names}, list(files.values())
 
 
 def reduced_bodies(options, folder, progress):
