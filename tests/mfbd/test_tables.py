@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_mfbd.assembly import assemble
+from fmu_mfbd.assembly import assemble, faults
 from fmu_mfbd.build import prepare
 from fmu_mfbd.model import Inputs
 from fmu_mfbd.profile import fourier_bore, ovality, table_shape
@@ -40,6 +40,7 @@ def test_gas_repeats_every_cycle(gas_file):
     (lambda lines: [*lines[:50], lines[48], *lines[50:]], "line 51: crank angle 94 does not rise"),
     (lambda lines: [*lines, "720, 3"], "does not close"),
     (lambda lines: [*lines[:9], "16, abc", *lines[10:]], "line 10: '16,abc' is not a row of numbers"),
+    (lambda lines: [*lines[:9], "16, nan", *lines[10:]], "line 10: '16,nan' is not a row of numbers"),
     (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns")])
 def test_bad_gas_tables_name_the_row(gas_file, change, message):
     gas_file.write_text("\n".join(change(gas_file.read_text().splitlines())))
@@ -208,6 +209,15 @@ def test_two_profiles_and_two_orders_add_up(reduced):
     together = film([one, two], orders)
     assert all(np.ptp(f - plain) > 1e-6 for f in apart)
     np.testing.assert_allclose(together - plain, sum(f - plain for f in apart), atol=1e-18)
+
+
+def test_a_free_crank_has_no_table(reduced):
+    options, piston, block = reduced
+    table = speed_table(inline_numbers("speed", [(0, 300), (1, 310)]), "time", 2 * np.pi, 1.0, 1.0)
+    values = {v.name: v.start for v in parameters()} | {"crank_free": 1}
+    assert faults(values, piston, block, options) == []
+    (fault,) = faults(values, piston, block, options | {"speed": table})
+    assert fault.startswith("crank_free = 1: must be 0 with a table of crank speed")
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
