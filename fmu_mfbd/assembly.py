@@ -14,17 +14,17 @@ from .slider_crank import Mechanism
 from .surface import cell_centres
 
 
-def damping(omega, ratio, high_ratio, transition, mass_factor, stiffness_factor):
-    """Modal damping: `ratio` below the transition frequency [Hz], `high_ratio` above; Rayleigh's two terms besides.
+def damping(omega, bands, mass_factor, stiffness_factor):
+    """Modal damping by frequency bands, and Rayleigh's two terms besides.
 
-    Eq. (V1):  D = 2 zeta omega + a + b omega^2
+    Eq. (V1):  D = 2 zeta omega + a + b omega^2      zeta the ratio of the band that omega/(2 pi) lies in
 
     Parameters
     ----------
     omega : ndarray, shape (k,)
         [rad/s]
-    ratio, high_ratio, transition : float
-        [-], [-], [Hz]
+    bands : sequence of (float, float)
+        Frequency from which on it holds [Hz], rising, the first 0, and ratio [-] of each.
     mass_factor, stiffness_factor : float
         a [1/s], b [s].
 
@@ -33,8 +33,15 @@ def damping(omega, ratio, high_ratio, transition, mass_factor, stiffness_factor)
     ndarray, shape (k,)
         [rad/s]
     """
-    zeta = np.where(omega < 2 * np.pi * transition, ratio, high_ratio)
+    begin, ratio = np.array(bands).T
+    zeta = ratio[np.searchsorted(2 * np.pi * begin, omega, side="right") - 1]
     return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2                              # Eq. (V1)
+
+
+def damping_bands(p, options):
+    """The bands of the build table, else the two of the parameters."""
+    return options["damping_bands"] or [(0.0, p["damping_ratio"]),
+                                        (p["damping_transition_frequency"], p["high_frequency_damping_ratio"])]
 
 
 def faults(p, piston, block, options):
@@ -100,8 +107,7 @@ def assemble(piston, block, options, p):
     -------
     PistonInBore
     """
-    strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"],
-              p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"])
+    strong = damping_bands(p, options), p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"]
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]

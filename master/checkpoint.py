@@ -18,7 +18,15 @@ class Interrupted(RuntimeError):
     """The run was told to stop and has left a checkpoint."""
 
     def __init__(self, output, time):
-        super().__init__(f"interrupted at t = {time:.6g} s; go on with: piston-cosim resume {Checkpoint.path(output)}")
+        super().__init__(f"interrupted at t = {time:.6g} s; {kept(output)}")
+
+
+def kept(output):
+    """Sentence on the checkpoint that a stopped run has left."""
+    checkpoint = Checkpoint.path(output)
+    if not checkpoint.exists():
+        return "there is no checkpoint"
+    return f"once the cause is gone, go on from the last checkpoint with: piston-cosim resume {checkpoint}"
 
 
 @dataclass
@@ -52,7 +60,7 @@ class Checkpoint:
 
     @staticmethod
     def path(output):
-        """Where the checkpoint of a results file lies."""
+        """Where the checkpoint of a results file lies; none is written if a participant cannot serialise its state."""
         return Path(f"{output}.checkpoint")
 
     def write(self, output):

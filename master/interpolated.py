@@ -1,10 +1,10 @@
 """Inputs that move inside a macro step: told to the FMU as a polynomial through what the master knows at both ends."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 
+from .fmi.fields import Field
 from .participant import difference
 
 
@@ -131,5 +131,5 @@ class InterpolatedParticipant:
 
 def _slope(field):
     """Field of the companion input."""
-    return replace(field, name=slope_of(field.name), references=(), unit=f"{field.unit}/s", nominal=None,
-                   description="Slope at the end")
+    return Field(slope_of(field.name), field.shape, (), "Real", "input", f"{field.unit}/s", None, None, None, None,
+                 f"Time derivative of {field.name} at the end of a step")

@@ -9,6 +9,7 @@ import os
 import signal
 import threading
 import traceback
+from itertools import count
 
 import numpy as np
 
@@ -40,7 +41,8 @@ class IsolatedParticipant:
         self.name, self.fields, self.path = participant.name, participant.fields, participant.path
         self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
         self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate
-        self._process, self._queue, self._fresh, self._read_ahead = None, [], set(), set()
+        self.can_serialise = participant.can_serialise
+        self._process, self._queue, self._fresh, self._read_ahead, self._numbers = None, [], set(), set(), count(1)
 
     def start(self, parameters, start_time, stop_time):
         """Start the process, then instantiate and initialise there; see `FmuParticipant.start`."""
@@ -89,7 +91,7 @@ class IsolatedParticipant:
 
     def save(self):
         """A number for the FMU's state; `free` it when it is no longer needed."""
-        return self._ask("save")
+        return self._numbered("save")
 
     def restore(self, saved):
         """Go back to a saved state; the next step counts from it."""
@@ -106,7 +108,13 @@ class IsolatedParticipant:
 
     def deserialise(self, data):
         """A number for the state that `serialise` made into bytes."""
-        return self._ask("deserialise", data)
+        return self._numbered("deserialise", data)
+
+    def _numbered(self, method, *arguments):
+        """Queue what makes a saved state; the number by which it is kept there."""
+        number = next(self._numbers)
+        self._queue.append((method, (number, *arguments)))
+        return number
 
     def derivative(self, seeds, products):
         """Directional derivative of the last step; see `FmuParticipant.derivative`."""
@@ -165,7 +173,7 @@ class _Server:
     """The other end: runs commands on the real participant."""
 
     def __init__(self, participant, memory):
-        self.participant, self.saved, self.count, self.read_ahead = participant, {}, 0, set()
+        self.participant, self.saved, self.read_ahead = participant, {}, set()
         self.values, self.changes = _views(memory, participant.fields)
 
     def run(self, method, arguments):
@@ -183,13 +191,8 @@ class _Server:
         for name in self.read_ahead:
             self.values[name][...] = self.participant.get(name)
 
-    def _keep(self, handle):
-        self.count += 1
-        self.saved[self.count] = handle
-        return self.count
-
-    def save(self):
-        return self._keep(self.participant.save())
+    def save(self, number):
+        self.saved[number] = self.participant.save()
 
     def restore(self, number):
         self.participant.restore(self.saved[number])
@@ -200,8 +203,8 @@ class _Server:
     def serialise(self, number):
         return self.participant.serialise(self.saved[number])
 
-    def deserialise(self, data):
-        return self._keep(self.participant.deserialise(data))
+    def deserialise(self, number, data):
+        self.saved[number] = self.participant.deserialise(data)
 
     def derivative(self, seeds, products):
         found = self.participant.derivative({name: self.changes[name] for name in seeds}, products)

@@ -1,9 +1,9 @@
-"""A slave as a participant without FMI in between: for the coupled pair inside one FMU."""
+"""A slave as a participant without FMI in between: for the coupled pair inside one FMU, and for models in the same Python."""
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
 
-from .fmi.errors import BadInput, Discard
+from .fmi.errors import BadInput, Discard, ParticipantFault
 
 
 class LocalParticipant:
@@ -16,12 +16,12 @@ class LocalParticipant:
     slave : FieldSlave
     """
 
-    can_redo = True
+    can_redo = can_serialise = declares_units = True
 
     def __init__(self, name, slave):
         self.name, self.slave = name, slave
         self.fields = {v.name: v for v in slave.table}
-        self.has_derivatives = bool(slave.derivative_inputs)
+        self.has_derivatives, self.can_interpolate = bool(slave.derivative_inputs), bool(slave.courses)
 
     def start(self, parameters, start_time, stop_time):
         """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with this name before it."""
@@ -38,18 +38,27 @@ class LocalParticipant:
         else:
             self.slave.views[name][...] = value
 
+    def set_course(self, name, course):
+        """Set an input and its derivatives at the beginning of the next step, shape (order + 1, *shape), value first."""
+        self.slave.views[name][...] = course[0]
+        self.slave.views[f"course:{name}"][:len(course) - 1] = course[1:]
+
+    def get_many(self, names):
+        """Values of several scalars: dict of name to number."""
+        return {name: self.get(name) for name in names}
+
     def get(self, name):
         """Array of the field's shape, or a number."""
         view = self.slave.views[name]
         return view.copy() if self.fields[name].shape else view.item()
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the slave's words, RuntimeError with its traceback on a bug."""
+        """One step [s]; raises Discard with the slave's words, ParticipantFault with its traceback on a bug."""
         if self.slave.do_step(time, step):
             return
         status, messages = self.slave.verdict()
         text = f"{self.name}: {messages[-1][2]}"
-        raise Discard(text) if status == Fmi2Status.discard else RuntimeError(text)
+        raise Discard(text) if status == Fmi2Status.discard else ParticipantFault(text)
 
     def save(self):
         return self.slave._get_fmu_state()

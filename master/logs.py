@@ -58,9 +58,9 @@ def log_path(output, kind):
 
 def _table(path, header, windows):
     """The table, open for appending: its first `windows` windows if there are any, else a new header."""
-    lines = [header]
+    lines = [header + "\n"]
     if windows and path.exists():
-        old = path.read_text().splitlines()
-        lines = old[:1] + [line for line in old[1:] if int(line.split()[0]) <= windows]
-    path.write_text("\n".join(lines) + "\n")
+        head, *rows = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]   # finished lines
+        lines = [head, *(row for row in rows if int(row.split()[0]) <= windows)]
+    path.write_text("".join(lines))
     return open(path, "a", buffering=1)

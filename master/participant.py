@@ -21,17 +21,13 @@ from fmpy.fmi1 import FMICallException
 
 from .fmi.builder import cache_folder
 from .fmi.description import VENDOR
-from .fmi.errors import BadInput, Discard
+from .fmi.errors import BadInput, Discard, ParticipantFault
 from .fmi.fields import gather_fields
 
 REAL = ctypes.POINTER(ctypes.c_double)
 DIFFERENCE = 1e-5
 """Change of inputs for difference quotients, in nominals: far above round-off, far below what bends the step map."""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
-
-
-class ParticipantFault(RuntimeError):
-    """A bug inside a participant: its traceback, as it logged it."""
 
 
 class Participant(Protocol):
@@ -101,6 +97,11 @@ class FmuParticipant:
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
 
     @property
+    def can_serialise(self):
+        """Whether its saved states can go into a file."""
+        return bool(self.description.coSimulation.canSerializeFMUstate)
+
+    @property
     def can_interpolate(self):
         """Whether the FMU follows inputs over a step whose derivatives it is told."""
         return bool(self.description.coSimulation.canInterpolateInputs)
@@ -168,8 +169,7 @@ class FmuParticipant:
             block.values[:] = np.ravel(value)
             self._write(block)
         else:
-            setter = self._fmu.setString if field.type == "String" else self._set_integers
-            setter(list(field.references), [value] * field.size)
+            self._access()[field.type][1](list(field.references), [value] * field.size)
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step.
@@ -187,8 +187,7 @@ class FmuParticipant:
         """Value of a field: array of its shape, or a Python scalar."""
         field = self.fields[name]
         if field.type != "Real":
-            getter = self._fmu.getString if field.type == "String" else self._get_integers
-            value = getter(list(field.references))[0]
+            value = self._access()[field.type][0](list(field.references))[0]
             return value.decode() if isinstance(value, bytes) else value
         block = self._vector(name)
         self._read(block)
@@ -200,19 +199,17 @@ class FmuParticipant:
     def _read(self, block):
         self._fmu.fmi2GetReal(self._fmu.component, block.references, block.count, block.pointer)
 
-    def _get_reals(self, references):
-        return self._fmu.getReal(references)
-
-    def _get_integers(self, references):
-        return self._fmu.getInteger(references)
-
-    def _set_integers(self, references, values):
-        self._fmu.setInteger(references, values)
+    def _access(self):
+        """FMPy's getter and setter of lists, by type."""
+        one = self._fmu
+        return {"Real": (one.getReal, one.setReal), "Integer": (one.getInteger, one.setInteger),
+                "Enumeration": (one.getInteger, one.setInteger), "Boolean": (one.getBoolean, one.setBoolean),
+                "String": (one.getString, one.setString)}
 
     def get_many(self, names):
-        """Values of several scalars in two calls: dict of name to float or int."""
+        """Values of several scalars, a call for each type: dict of name to number."""
         values = {}
-        for kind, getter in (("Real", self._get_reals), ("Integer", self._get_integers)):
+        for kind, (getter, _) in self._access().items():
             chosen = [name for name in names if self.fields[name].type == kind]
             if chosen:
                 values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))

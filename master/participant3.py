@@ -28,14 +28,10 @@ class Fmu3Participant(FmuParticipant):
     def _read(self, block):
         self._fmu.fmi3GetFloat64(self._fmu.component, block.references, block.count, block.pointer, block.values.size)
 
-    def _get_reals(self, references):
-        return self._fmu.getFloat64(references)
-
-    def _get_integers(self, references):
-        return self._fmu.getInt32(references)
-
-    def _set_integers(self, references, values):
-        self._fmu.setInt32(references, values)
+    def _access(self):
+        one = self._fmu
+        return {"Real": (one.getFloat64, one.setFloat64), "Integer": (one.getInt32, one.setInt32),
+                "Boolean": (one.getBoolean, one.setBoolean), "String": (one.getString, one.setString)}
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(

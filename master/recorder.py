@@ -11,7 +11,7 @@ Layout
 
 import json
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
@@ -36,7 +36,7 @@ def writing(path):
 
 
 class Recorder:
-    """Writes `<path>` as `<path>.partial` while the run goes on, flushed every `flush_every` steps.
+    """Writes `<path>` as `<path>.partial` while the run goes on, `flush_every` rows at a time.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Recorder:
             self._take_over()
         os.replace(fresh, self.partial)
         self.file.swmr_mode = True
-        self._reserved, self._need = 0, ROOM + self._largest_growth()
+        self._waiting, self._reserved, self._need = {}, 0, ROOM + self._largest_growth()
 
     def _make_datasets(self):
         self._series("time", "s", "end of the macro step")
@@ -100,7 +100,7 @@ class Recorder:
             self.file.visititems(copy)
 
     def _largest_growth(self):
-        """Bytes of data that may be waiting for the disk at any one time: rows of fields and a chunk of each series."""
+        """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each series."""
         datasets = []
         self.file.visititems(lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None)
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
@@ -115,17 +115,20 @@ class Recorder:
                 os.posix_fallocate(file.fileno(), 0, self._reserved)
 
     def flush(self):
-        """Bring everything written so far to the disk."""
+        """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time are lost then."""
+        waiting, self._waiting = self._waiting, {}
+        self._reserve()
+        for name, rows in waiting.items():
+            dataset = self.file[name]
+            dataset.resize(dataset.shape[0] + len(rows), axis=0)
+            dataset[-len(rows):] = rows
         self.file.flush()
 
     def _append(self, name, value):
-        dataset = self.file[name]
-        dataset.resize(dataset.shape[0] + 1, axis=0)
-        dataset[-1] = value
+        self._waiting.setdefault(name, []).append(value)
 
     def write(self, time, solution=None):
-        """Add a row for `time` [s] from the participants' outputs as they are now; CannotWrite where the disk is full."""
-        self._reserve()
+        """Add a row for `time` [s] from the participants' outputs as they are now; it waits in memory for the next `flush`."""
         values = {name: self.participants[name].get_many([f.name for f in fields]) for name, fields in self.scalars.items()}
         self._append("time", time)
         for name, row in values.items():
@@ -141,11 +144,12 @@ class Recorder:
                 self._append(f"fields/{owner}/{name}", self.participants[owner].get(name))
         self.rows += 1
         if self.rows % self.flush_every == 0:
-            self.file.flush()
+            self.flush()
         return values
 
     def finish(self, summary):
         """Close, add the summary and give the file its final name."""
+        self.flush()
         self.close()
         with h5py.File(self.partial, "a") as file:
             file.attrs["summary"] = json.dumps(summary)
@@ -154,6 +158,8 @@ class Recorder:
     def close(self):
         """Close; the partial file stays."""
         if self.file:
+            with suppress(CannotWrite):
+                self.flush()
             self.file.close()
             self.file = None
 

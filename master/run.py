@@ -9,7 +9,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from .checkpoint import Account, Checkpoint, Interrupted, listening
+from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
 from .freezing import freeze, thaw
 from .logs import CouplingLog
 from .methods import method_of
@@ -71,14 +71,6 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
             participant.close()
 
 
-def kept(output):
-    """Sentence on the checkpoint that a stopped run has left."""
-    checkpoint = Checkpoint.path(output)
-    if not checkpoint.exists():
-        return "no checkpoint had been written yet"
-    return f"what was reached is kept; once the cause is gone, go on with: piston-cosim resume {checkpoint}"
-
-
 class March:
     """A run under way; see `run` for the arguments. What it has brought and taken so far is in `account`."""
 
@@ -137,7 +129,9 @@ class March:
         self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
 
     def keep(self):
-        """Write a checkpoint."""
+        """Write a checkpoint, if all participants can put their states into a file."""
+        if not all(participant.can_serialise for participant in self.system.participants.values()):
+            return
         begin = clock.perf_counter()
         self.recorder.flush()
         self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin

@@ -97,15 +97,19 @@ def _value(field, text):
     """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
     if field.type == "String":
         return str(text)
+    if field.type == "Boolean":
+        if not isinstance(text, bool):
+            raise ValueError(f"{text!r} must be true or false")
+        return text
     value = to_si(text, field.unit)
     low = float("-inf") if field.minimum is None else field.minimum
     high = float("inf") if field.maximum is None else field.maximum
     if not low <= value <= high:
         unit = "" if field.unit == "1" else f" {field.unit}"
         raise ValueError(f"{text} is {value:g}{unit}, allowed is {low:g} to {high:g}{unit}")
-    if field.type == "Integer" and value != int(value):
+    if field.type in ("Integer", "Enumeration") and value != int(value):
         raise ValueError(f"{text} must be a whole number")
-    return int(value) if field.type == "Integer" else value
+    return value if field.type == "Real" else int(value)
 
 
 def _near(name, known):

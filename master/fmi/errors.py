@@ -1,4 +1,4 @@
-"""The two ways a user hears of trouble: bad input (all faults at once) and a step that cannot be taken."""
+"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a bug in a participant."""
 
 
 class BadInput(ValueError):
@@ -17,3 +17,7 @@ class BadInput(ValueError):
 
 class Discard(RuntimeError):
     """A step that physics or numerics refuse: the FMU answers fmi2Discard, its state is untouched, the master retries."""
+
+
+class ParticipantFault(RuntimeError):
+    """A bug inside a participant: its traceback, as it logged it; or its process has hung or ended."""

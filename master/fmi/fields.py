@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 ELEMENT = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(,\d+)*)\]$")
-TYPES_3 = {"Float64": "Real", "Int32": "Integer", "String": "String"}
+TYPES_3 = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
 """FMI 3 types that can take part, by their FMI 2 names."""
 
 

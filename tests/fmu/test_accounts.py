@@ -1,6 +1,7 @@
 """What a run says of itself afterwards: logs, where the time went, the work that crossed the interface, tables."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from fmpy.util import read_csv
 from master.case import check_case, find_case, read_tree
 from master.cli import app
 from master.fmi.errors import BadInput
+from master.logs import CouplingLog
 from master.recorder import Results
 from master.run import run
+from master.stepping import Counters
 from master.system import open_system
 
 PATH = find_case("two_mass_oscillator")
@@ -110,3 +113,22 @@ def test_a_conjugate_that_is_none_is_named():
         open_system(check_case(tree, PATH), PATH.parent, print)
     assert "no field of this shape is wired from there to left" in refusal.value.faults[0]
     assert "neither work nor power" in refusal.value.faults[1]
+
+
+def test_a_log_goes_on_after_its_checkpoint(tmp_path):
+    """Windows written after the checkpoint go, and a line that a crash has cut off."""
+    connections = (SimpleNamespace(target=("right", "x")), SimpleNamespace(target=("left", "y")))
+    log = CouplingLog(tmp_path / "a.h5", connections, Counters())
+    for k in range(12):
+        log.attempt(0.1 * k, 0.1, [[2.0, 3.0], [0.5, 0.1]], None)
+    log.close()
+    with open(tmp_path / "a-iterations.log", "a") as file:
+        file.write("     1")
+    log = CouplingLog(tmp_path / "a.h5", connections, Counters(steps=10, residual_evaluations=20))
+    log.attempt(1.0, 0.1, [[1.5, 0.2]], RuntimeError("refused"))
+    log.attempt(1.0, 0.05, [[0.5, 0.2]], None)
+    log.close()
+    rows = table(tmp_path / "a-iterations.log")
+    assert [row["Window"] for row in rows] == [str(k) for k in range(1, 11)] + ["11", "11"]
+    assert [row["Converged"] for row in rows[-2:]] == ["0", "1"] and rows[-1]["TotalIterations"] == "22"
+    assert len(table(tmp_path / "a-convergence.log")) == 22

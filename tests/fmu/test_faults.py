@@ -4,6 +4,7 @@ checkpoint that goes on to the same bits as a run without the fault."""
 import resource
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
@@ -49,10 +50,15 @@ def call(*arguments, **settings):
     return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, **settings)
 
 
+def write_case(folder, fault, isolated=False):
+    text = CASE.format(home=Path(__file__).parent, folder=folder, fault=fault, isolated=str(isolated).lower())
+    (folder / "case.toml").write_text(text)
+
+
 def run(folder, fault, isolated=False, changes=(), **settings):
-    case = folder / "case.toml"
-    case.write_text(CASE.format(home=Path(__file__).parent, folder=folder, fault=fault, isolated=str(isolated).lower()))
-    return call("run", case, "--output", folder, "--no-plots", *(f"--set={change}" for change in changes), **settings)
+    write_case(folder, fault, isolated)
+    changes = [f"--set={change}" for change in changes]
+    return call("run", folder / "case.toml", "--output", folder, "--no-plots", *changes, **settings)
 
 
 def datasets(file):
@@ -131,4 +137,29 @@ def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
     assert done.returncode == 1
-    assert "no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+    assert "there is no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+
+
+def children(pid):
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def wait_for(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+    return condition()
+
+
+def test_a_killed_master_leaves_no_process_behind(tmp_path):
+    """Its FMU hangs at that moment."""
+    write_case(tmp_path, "hang", isolated=True)
+    process = subprocess.Popen([*MASTER, "run", str(tmp_path / "case.toml"), "--output", str(tmp_path), "--no-plots",
+                                "--set", "participants.bad.timeout=100 s"], stdout=subprocess.DEVNULL)
+    assert wait_for((tmp_path / "marker").exists)
+    left = children(process.pid)
+    assert left
+    process.kill()
+    process.wait()
+    assert wait_for(lambda: not any(Path(f"/proc/{pid}/stat").exists() and ") Z" not in Path(f"/proc/{pid}/stat").read_text()
+                                    for pid in left))

@@ -1,5 +1,8 @@
 """Inputs that move inside a macro step: exact polynomials, the standard's call, and clear words where it is not to be had."""
 
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fmpy import fmi2
@@ -9,8 +12,9 @@ from numpy.polynomial import Polynomial
 from master.case import check_case, find_case, read_tree
 from master.fmi.builder import build_fmu_of_file
 from master.fmi.errors import BadInput
-from master.interpolated import hermite, linear
-from master.participant import FmuParticipant
+from master.interpolated import InterpolatedParticipant, hermite, linear
+from master.local import LocalParticipant
+from master.participant import FmuParticipant, unpack
 from master.recorder import Results
 from master.run import run
 from master.system import open_system
@@ -80,6 +84,24 @@ def test_isolated_gives_the_same_bits_and_newton_the_same_motion(tmp_path):
     np.testing.assert_array_equal(result_of(tmp_path, ("participants.left.isolated", True)), here)
     # twenty steps, each converged to 1e-12 m
     np.testing.assert_allclose(result_of(tmp_path, ("coupling.method", "newton")), here, atol=1e-10)
+
+
+def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):
+    """The same slaves as objects of this process, without FMI in between, through the same run."""
+    here = result_of(tmp_path)
+    sys.path.insert(0, str(PATH.parent))
+    try:
+        from oscillator import Oscillator
+    finally:
+        sys.path.pop(0)
+    tree = read_tree(PATH, [("time.stop", "0.2 s")])
+    case = check_case(tree, PATH)
+    system = open_system(case, PATH.parent, print)
+    resources = str(unpack(oscillator) / "resources")
+    direct = {name: InterpolatedParticipant(LocalParticipant(name, Oscillator(instance_name=name, resources=resources)),
+                                            {"other_displacement": "hermite"}) for name in system.participants}
+    run(replace(system, participants=direct), case, tree, tmp_path / "direct.h5")
+    np.testing.assert_array_equal(Results(tmp_path / "direct.h5").series("left.displacement")[0], here)
 
 
 def test_what_cannot_interpolate_is_named_before_the_run():

@@ -226,12 +226,23 @@ def test_free_crank_turns_against_its_load(reduced):
     assert out["crank_torque"] == -50.0
 
 
-def test_damping_by_ratio_band_and_rayleigh():
-    from fmu_mfbd.assembly import damping
+def test_damping_by_ratio_band_and_rayleigh(bodies):
+    from fmu_mfbd.assembly import damping, damping_bands
+    from fmu_mfbd.options import read_options
+    from fmu_mfbd.variables import parameters
+    from master.fmi.errors import BadInput
 
-    omega = 2 * np.pi * np.array([1e3, 3e4])
-    np.testing.assert_allclose(damping(omega, 0.02, 0.5, 2e4, 0.0, 0.0), [0.04 * omega[0], omega[1]])
-    np.testing.assert_allclose(damping(omega, 0.0, 0.0, 2e4, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    omega = 2 * np.pi * np.array([1e3, 2e4, 3e4])
+    two = damping_bands({v.name: v.start for v in parameters()}, {"damping_bands": []})
+    np.testing.assert_allclose(damping(omega, two, 0.0, 0.0), [0.04 * omega[0], omega[1], omega[2]])
+    folder, options = bodies
+    text = [{"above": "0 Hz", "ratio": 0.01}, {"above": "5 kHz", "ratio": 0.02}, {"above": "25 kHz", "ratio": 1.0}]
+    bands = read_options(options | {"damping_bands": text}, folder)["damping_bands"]
+    np.testing.assert_allclose(damping_bands({}, {"damping_bands": bands}), [(0, 0.01), (5e3, 0.02), (25e3, 1.0)])
+    np.testing.assert_allclose(damping(omega, bands, 0.0, 0.0) / omega, [0.02, 0.04, 2.0])
+    np.testing.assert_allclose(damping(omega, [(0.0, 0.0)], 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    with pytest.raises(BadInput, match="the first band begins at 0 Hz"):
+        read_options(options | {"damping_bands": text[1:]}, folder)
 
 
 def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):

@@ -1,0 +1,64 @@
+/* Three Dahlquist equations dx/dt = -k x + u by backward Euler as an FMI 2.0 FMU, in the manner of the Reference-FMUs:
+   no serialisation, no derivatives, no logging; what is not offered answers fmi2Error. */
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct { double k, u[3], x[3]; } Model;
+typedef unsigned Reference;
+
+void *fmi2Instantiate(const char *a, int b, const char *c, const char *d, const void *e, int g, int h)
+{
+    (void)a, (void)b, (void)c, (void)d, (void)e, (void)g, (void)h;
+    Model *m = calloc(1, sizeof *m);
+    m->k = 1, m->x[0] = 1, m->x[1] = 2, m->x[2] = -3;
+    return m;
+}
+
+int fmi2DoStep(Model *m, double time, double step, int last)
+{
+    (void)time, (void)last;
+    for (int i = 0; i < 3; i++)
+        m->x[i] = (m->x[i] + step * m->u[i]) / (1 + step * m->k);
+    return 0;
+}
+
+int fmi2SetReal(Model *m, const Reference *r, size_t n, const double *v)
+{
+    for (size_t i = 0; i < n; i++)
+        (&m->k)[r[i]] = v[i];
+    return 0;
+}
+
+int fmi2GetReal(Model *m, const Reference *r, size_t n, double *v)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = (&m->k)[r[i]];
+    return 0;
+}
+
+int fmi2GetBoolean(Model *m, const Reference *r, size_t n, int *v)
+{
+    (void)r;
+    for (size_t i = 0; i < n; i++)
+        v[i] = m->x[1] < 1;
+    return 0;
+}
+
+int fmi2GetFMUstate(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }
+int fmi2SetFMUstate(Model *m, void *s) { memcpy(m, s, sizeof *m); return 0; }
+int fmi2FreeFMUstate(void *m, void **s) { (void)m; free(*s); *s = NULL; return 0; }
+void fmi2FreeInstance(void *m) { free(m); }
+int fmi2SetupExperiment(void *m) { (void)m; return 0; }
+int fmi2EnterInitializationMode(void *m) { (void)m; return 0; }
+int fmi2ExitInitializationMode(void *m) { (void)m; return 0; }
+int fmi2Terminate(void *m) { (void)m; return 0; }
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+
+#define NOT_OFFERED(name) int fmi2##name(void *m) { (void)m; return 3; }
+NOT_OFFERED(Reset) NOT_OFFERED(SetDebugLogging) NOT_OFFERED(SetInteger) NOT_OFFERED(GetInteger) NOT_OFFERED(SetBoolean)
+NOT_OFFERED(SetString) NOT_OFFERED(GetString) NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate)
+NOT_OFFERED(DeSerializeFMUstate) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetRealInputDerivatives)
+NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep) NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus)
+NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus) NOT_OFFERED(GetStringStatus)

@@ -1,0 +1,117 @@
+/* Feedthrough of an array, an integer and a truth value as an FMI 3.0 FMU, in the manner of the Reference-FMUs. */
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TIME, GAIN, IN, OUT, INTEGER_IN, INTEGER_OUT, BOOLEAN_IN, BOOLEAN_OUT, SIZE = 3 };
+typedef struct { double time, gain, in[SIZE], out[SIZE]; int32_t integer; bool boolean; } Model;
+typedef unsigned Reference;
+
+static double *place(Model *m, Reference r, size_t *size)
+{
+    *size = r == IN || r == OUT ? SIZE : 1;
+    return r == IN ? m->in : r == OUT ? m->out : r == GAIN ? &m->gain : &m->time;
+}
+
+void *fmi3InstantiateCoSimulation(const char *a, const char *b, const char *c, bool d, bool e, bool f, bool g, const Reference *h,
+                                  size_t i, void *j, void *k, void *l)
+{
+    (void)a, (void)b, (void)c, (void)d, (void)e, (void)f, (void)g, (void)h, (void)i, (void)j, (void)k, (void)l;
+    Model *m = calloc(1, sizeof *m);
+    m->gain = 1;
+    return m;
+}
+
+int fmi3DoStep(Model *m, double time, double step, bool keeps, bool *event, bool *terminate, bool *early, double *reached)
+{
+    (void)keeps;
+    for (int i = 0; i < SIZE; i++)
+        m->out[i] = m->gain * m->in[i];
+    *event = *terminate = *early = false;
+    *reached = m->time = time + step;
+    return 0;
+}
+
+int fmi3SetFloat64(Model *m, const Reference *r, size_t n, const double *v, size_t values)
+{
+    for (size_t i = 0, size; i < n; i++, v += size, values -= size) {
+        double *to = place(m, r[i], &size);
+        memcpy(to, v, size * sizeof *v);
+    }
+    return values ? 3 : 0;
+}
+
+int fmi3GetFloat64(Model *m, const Reference *r, size_t n, double *v, size_t values)
+{
+    for (size_t i = 0, size; i < n; i++, v += size, values -= size) {
+        const double *from = place(m, r[i], &size);
+        memcpy(v, from, size * sizeof *v);
+    }
+    return values ? 3 : 0;
+}
+
+int fmi3SetInt32(Model *m, const Reference *r, size_t n, const int32_t *v, size_t w)
+{
+    (void)r, (void)n, (void)w;
+    m->integer = *v;
+    return 0;
+}
+
+int fmi3GetInt32(Model *m, const Reference *r, size_t n, int32_t *v, size_t w)
+{
+    (void)r, (void)n, (void)w;
+    *v = m->integer;
+    return 0;
+}
+
+int fmi3SetBoolean(Model *m, const Reference *r, size_t n, const bool *v, size_t w)
+{
+    (void)r, (void)n, (void)w;
+    m->boolean = *v;
+    return 0;
+}
+
+int fmi3GetBoolean(Model *m, const Reference *r, size_t n, bool *v, size_t w)
+{
+    (void)r, (void)n, (void)w;
+    *v = m->boolean;
+    return 0;
+}
+
+int fmi3GetFMUState(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }
+int fmi3SetFMUState(Model *m, void *s) { memcpy(m, s, sizeof *m); return 0; }
+int fmi3FreeFMUState(void *m, void **s) { (void)m; free(*s); *s = NULL; return 0; }
+int fmi3SerializedFMUStateSize(void *m, void *s, size_t *n) { (void)m, (void)s; *n = sizeof(Model); return 0; }
+int fmi3SerializeFMUState(void *m, void *s, uint8_t *b, size_t n) { (void)m; memcpy(b, s, n); return 0; }
+int fmi3DeserializeFMUState(void *m, const uint8_t *b, size_t n, void **s)
+{
+    (void)m; *s = malloc(n); memcpy(*s, b, n);
+    return 0;
+}
+
+void fmi3FreeInstance(void *m) { free(m); }
+int fmi3EnterInitializationMode(void *m) { (void)m; return 0; }
+int fmi3ExitInitializationMode(void *m) { (void)m; return 0; }
+int fmi3Terminate(void *m) { (void)m; return 0; }
+const char *fmi3GetVersion(void) { return "3.0"; }
+
+#define NOT_OFFERED(name) int fmi3##name(void *m) { (void)m; return 3; }
+NOT_OFFERED(SetDebugLogging) NOT_OFFERED(EnterConfigurationMode) NOT_OFFERED(ExitConfigurationMode)
+NOT_OFFERED(EnterEventMode) NOT_OFFERED(EnterStepMode) NOT_OFFERED(EnterContinuousTimeMode)
+NOT_OFFERED(CompletedIntegratorStep) NOT_OFFERED(SetTime) NOT_OFFERED(Reset) NOT_OFFERED(GetFloat32) NOT_OFFERED(GetInt8)
+NOT_OFFERED(GetUInt8) NOT_OFFERED(GetInt16) NOT_OFFERED(GetUInt16) NOT_OFFERED(GetUInt32) NOT_OFFERED(GetInt64)
+NOT_OFFERED(GetUInt64) NOT_OFFERED(GetString) NOT_OFFERED(GetBinary) NOT_OFFERED(GetClock) NOT_OFFERED(SetFloat32)
+NOT_OFFERED(SetInt8) NOT_OFFERED(SetUInt8) NOT_OFFERED(SetInt16) NOT_OFFERED(SetUInt16) NOT_OFFERED(SetUInt32)
+NOT_OFFERED(SetInt64) NOT_OFFERED(SetUInt64) NOT_OFFERED(SetString) NOT_OFFERED(SetBinary) NOT_OFFERED(SetClock)
+NOT_OFFERED(GetNumberOfVariableDependencies) NOT_OFFERED(GetVariableDependencies) NOT_OFFERED(GetDirectionalDerivative)
+NOT_OFFERED(GetAdjointDerivative) NOT_OFFERED(GetIntervalDecimal) NOT_OFFERED(GetIntervalFraction)
+NOT_OFFERED(GetShiftDecimal) NOT_OFFERED(GetShiftFraction) NOT_OFFERED(SetIntervalDecimal) NOT_OFFERED(SetIntervalFraction)
+NOT_OFFERED(SetShiftDecimal) NOT_OFFERED(SetShiftFraction) NOT_OFFERED(EvaluateDiscreteStates)
+NOT_OFFERED(UpdateDiscreteStates) NOT_OFFERED(SetContinuousStates) NOT_OFFERED(GetContinuousStateDerivatives)
+NOT_OFFERED(GetEventIndicators) NOT_OFFERED(GetContinuousStates) NOT_OFFERED(GetNominalsOfContinuousStates)
+NOT_OFFERED(GetNumberOfEventIndicators) NOT_OFFERED(GetNumberOfContinuousStates) NOT_OFFERED(GetOutputDerivatives)
+NOT_OFFERED(ActivateModelPartition)
+void *fmi3InstantiateModelExchange(void) { return NULL; }
+void *fmi3InstantiateScheduledExecution(void) { return NULL; }
