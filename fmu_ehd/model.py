@@ -184,7 +184,7 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        normal, shear = np.empty((2, *dfilm.shape))  # one piece: of two, malloc returns the memory and asks for it again each time
+        normal, shear = np.empty((2, *dfilm.shape))  # in one piece: malloc gives two back to the system and asks again each time
         for k in range(0, len(dfilm), BATCH):
             some = slice(k, k + BATCH)
             self._force_changes(dfilm[some], dvelocity[some], normal[some], shear[some])

@@ -9,21 +9,22 @@ from .modal_field import modal_field
 from .model import Crank, PistonInBore
 from .pin_friction import PinFriction
 from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape
+from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .surface import cell_centres
 
 
-def damping(omega, ratio, high_ratio, transition, mass_factor, stiffness_factor):
-    """Modal damping: `ratio` below the transition frequency [Hz], `high_ratio` above; Rayleigh's two terms besides.
+def damping(omega, bands, mass_factor, stiffness_factor):
+    """Modal damping by frequency bands, and Rayleigh's two terms besides.
 
-    Eq. (V1):  D = 2 zeta omega + a + b omega^2
+    Eq. (V1):  D = 2 zeta omega + a + b omega^2      zeta the ratio of the band that omega/(2 pi) lies in
 
     Parameters
     ----------
     omega : ndarray, shape (k,)
         [rad/s]
-    ratio, high_ratio, transition : float
-        [-], [-], [Hz]
+    bands : sequence of (float, float)
+        Frequency from which on it holds [Hz], rising, the first 0, and ratio [-] of each.
     mass_factor, stiffness_factor : float
         a [1/s], b [s].
 
@@ -32,8 +33,15 @@ def damping(omega, ratio, high_ratio, transition, mass_factor, stiffness_factor)
     ndarray, shape (k,)
         [rad/s]
     """
-    zeta = np.where(omega < 2 * np.pi * transition, ratio, high_ratio)
+    begin, ratio = np.array(bands).T
+    zeta = ratio[np.searchsorted(2 * np.pi * begin, omega, side="right") - 1]
     return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2                              # Eq. (V1)
+
+
+def damping_bands(p, options):
+    """The bands of the build table, else the two of the parameters."""
+    return options["damping_bands"] or [(0.0, p["damping_ratio"]),
+                                        (p["damping_transition_frequency"], p["high_frequency_damping_ratio"])]
 
 
 def faults(p, piston, block, options):
@@ -73,6 +81,16 @@ def bore_shape(heights, angle, options, p):
     return shape + sum(table_shape(table, angle, heights) for table in options["block"]["profiles"])
 
 
+def parted(piston, strong, limit):
+    """The piston with the modes up to `limit` [rad/s], and the faster ones, which follow statically; `strong`: see `damping`."""
+    omega, k = piston["omega"], np.count_nonzero(piston["omega"] <= limit)
+    shares = (piston["T"][:, :k], piston["b"][:k], piston["B"][:k, :k], piston["g"][:k], piston["G"][:k, :k])
+    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *map(np.ascontiguousarray, shares), omega[:k] ** 2,
+                        damping(omega[:k], *strong))
+    rest = (piston["T"][:, k:], piston["b"][k:], piston["g"][k:])
+    return body, StaticModes(omega[k:] ** 2, *map(np.ascontiguousarray, rest))
+
+
 def assemble(piston, block, options, p):
     """The model.
 
@@ -89,8 +107,7 @@ def assemble(piston, block, options, p):
     -------
     PistonInBore
     """
-    strong = (p["damping_ratio"], p["high_frequency_damping_ratio"], p["damping_transition_frequency"],
-              p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"])
+    strong = damping_bands(p, options), p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"]
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
@@ -99,15 +116,15 @@ def assemble(piston, block, options, p):
     radius = float(block["radius"])
     values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))
     skirt = Skirt(angle, height, gap, radius, offset, *(modal_field(v, symmetry(piston)) for v in values))
-    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]),
-                        *(np.ascontiguousarray(piston[k]) for k in "TbBgG"),
-                        piston["omega"] ** 2, damping(piston["omega"], *strong))
+    limit = 2 * np.pi * p["quasi_static_frequency"]
+    body, body_static = parted(piston, strong, limit)
     friction = PinFriction(p["pin_friction_coefficient"] * p["pin_radius"], p["pin_friction_speed"], p["pin_friction_damping"])
     mechanism = Mechanism(p["crank_radius"], p["rod_length"], offset - p["crank_offset"], p["rod_mass"], p["rod_inertia"],
                           p["rod_centre"] / p["rod_length"], p["pin_mass"], friction)
     bore = bore_splines(block["heights"], block["radial"], block["axial"], symmetry(block),
                         bore_shape(block["heights"], angle, options, p))
-    system = System(body, Block(block["omega"] ** 2, damping(block["omega"], *strong)), mechanism, skirt, bore,
-                    np.ascontiguousarray(piston["gas_force"]))
+    omega, k = block["omega"], np.count_nonzero(block["omega"] <= limit)
+    system = System(body, body_static, Block(omega[:k] ** 2, damping(omega[:k], *strong)), standing(omega[k:] ** 2), mechanism,
+                    skirt, bore, np.ascontiguousarray(piston["gas_force"]))
     crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"], options["speed"])
     return PistonInBore(system, crank, np.pi * radius**2, p["spectral_radius"], options["gas"])

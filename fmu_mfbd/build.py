@@ -1,6 +1,7 @@
 """Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over what the FMU carries."""
 
 import hashlib
+import zipfile
 from math import pi
 from pathlib import Path
 
@@ -111,6 +112,8 @@ def _body(name, reduce, resolved, progress):
         options = {key: value for key, value in part.items() if key not in ("profiles", "orders", "reduced")}
         return cached(reduce, options, grid, cache_folder("bodies"), lambda text: progress(f"{name}: {text}"))
     path = Path(part["reduced"])
+    if not zipfile.is_zipfile(path):
+        raise ValueError(f"{path.name} is no .npz file")
     with np.load(path) as body:
         missing = [key for key in NEEDED[name] if key not in body]
         if missing:

@@ -176,7 +176,11 @@ def mode_coupling(body, alpha, w, c1, c2):
     ndarray, shape (k, k)
         [-], about 2 w c1: 1e-4 for a rocking piston.
     """
-    return (2 * w * c1 + alpha * c2) * body.G - (w * w * c2) * body.B                                          # Eq. (R4)
+    out, turn, spin = np.empty(body.G.shape), 2 * w * c1 + alpha * c2, w * w * c2
+    for i in range(len(out)):
+        for j in range(len(out)):
+            out[i, j] = turn * body.G[i, j] - spin * body.B[i, j]                                               # Eq. (R4)
+    return out
 
 
 def whole(arrow, coupling):

@@ -121,15 +121,19 @@ def second_order(points, tets):
 
 
 def _read(path):
+    """Mesh of a file as meshio has it; what meshio cannot read becomes a fault."""
     import meshio
 
-    if path.suffix != ".gz":
-        return meshio.read(path)
     with tempfile.TemporaryDirectory() as folder:
-        plain = Path(folder) / path.stem
-        with gzip.open(path) as packed, open(plain, "wb") as file:
-            shutil.copyfileobj(packed, file)
-        return meshio.read(plain)
+        plain = path
+        if path.suffix == ".gz":
+            plain = Path(folder) / path.stem
+            with gzip.open(path) as packed, open(plain, "wb") as file:
+                shutil.copyfileobj(packed, file)
+        try:
+            return meshio.read(plain)
+        except (Exception, SystemExit) as error:        # its readers raise whatever comes, and it ends the process itself
+            raise MeshFault([f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]) from None
 
 
 def _drop_unused(points, tets):

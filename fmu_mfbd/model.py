@@ -112,8 +112,8 @@ class PistonInBore:
     def __init__(self, system, crank, gas_area, spectral_radius, gas_table=None):
         self.system, self.crank = system, crank
         self.gas_area, self.spectral_radius, self.gas_table = gas_area, spectral_radius, gas_table
-        self.flexible = slice(2, 2 + len(system.piston.stiffness))
-        self.coordinates = self.flexible.stop + len(system.block.stiffness)
+        self.moving = 2 + len(system.piston.stiffness)          # coordinates of the piston that have inertia
+        self.coordinates = 2 + system.skirt.radial.modes + system.bore.radial.modes
         self.residual_evaluations = self.jacobian_evaluations = 0
 
     def start(self, crank_angle, lateral, angle, inputs):
@@ -202,7 +202,7 @@ class PistonInBore:
 
         Eq. (M2):  torque(w') + load_torque = 0,   torque linear in w'
         """
-        n, crank = self.flexible.stop, (state.crank_angle, state.crank_speed)
+        n, crank = self.moving, (state.crank_angle, state.crank_speed)
         now = state.place[:n], state.rate[:n], state.acceleration[:n]
         turns = state.crank_acceleration + 1.0, state.crank_acceleration
         more, same = (imbalance(self.system.piston, self.system.mechanism, load, *now, *crank, turn)[4] for turn in turns)
@@ -238,8 +238,8 @@ class PistonInBore:
         """
         c, load, state, crank, window = self._last
         if self._linear is None:
-            n = self.flexible.stop
+            n = self.moving
             self._linear = linearise(self.system, load, state.place[:n], state.rate[:n], state.acceleration[:n], crank,
                                      c.rate, c.place)
             self.jacobian_evaluations += 1
-        return response(self.system, window, c.rate, c.place, self._linear, pressure_force, friction_force)
+        return response(self.system, window, c, self._linear, pressure_force, friction_force)

@@ -1,4 +1,5 @@
-"""Reduce bodies and put everything about them into a folder: `piston-cosim reduce`, and as a library."""
+"""Reduce bodies and put everything about them into a folder; recover displacement and stress on their meshes: the commands
+`reduce` and `recover`, and as a library."""
 
 import csv
 import shutil
@@ -9,8 +10,10 @@ import numpy as np
 from master.fmi.errors import BadInput
 
 from .build import reduced_bodies
+from .finite_element import von_mises
 from .mode_pictures import draw_modes
 from .report import CLASSES, mass_properties, mode_table, write_modes
+from .report import recover as recovered
 
 
 ANATOMY = ("points", "tets", "skin", "shapes", "young", "poisson", "rigid_mass", "seconds", "peak_memory")
@@ -47,13 +50,47 @@ def reduce(options, folder, output, progress=print):
     return [_written(name, path, Path(output)) for name, path in reduced_bodies(options, folder, progress).items()]
 
 
+def recover(options, folder, modal_coordinate, path, progress=print):
+    """Displacement and stress of the bodies of a build table at an instant, as VTU files on their meshes.
+
+    Parameters
+    ----------
+    options, folder, progress
+        As for `reduce`.
+    modal_coordinate : ndarray, shape (k,)
+        Of piston, then block [kg^1/2 m], as the FMU's output of that name.
+    path : Path
+        The files' names begin with it.
+
+    Returns
+    -------
+    list of dict
+        One a body: name, file, largest_displacement [m], largest_stress (von Mises) [Pa], None for a body of matrices.
+
+    Raises
+    ------
+    BadInput
+        As `reduce`, and if the bodies have other numbers of modes.
+    """
+    files, out, first = reduced_bodies(options, folder, progress), [], 0
+    bodies = {name: _whole(file) for name, file in files.items()}
+    modes = [len(body["omega"]) for body in bodies.values()]
+    if sum(modes) != len(modal_coordinate):
+        raise BadInput(f"{len(modal_coordinate)} modal coordinates; the bodies have {' + '.join(map(str, modes))} modes")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for (name, body), count in zip(bodies.items(), modes):
+        file = path.with_name(f"{path.name}-{name}.vtu")
+        displacement, stress = recovered(body, modal_coordinate[first:first + count], file)
+        first += count
+        out.append({"name": name, "file": file, "largest_displacement": float(np.linalg.norm(displacement, axis=1).max()),
+                    "largest_stress": None if stress is None else float(von_mises(stress).max())})
+    return out
+
+
 def _written(name, path, output):
     """Files of one body, and what is to be said about it."""
     files = [output / f"{name}{ending}" for ending in (".npz", "-modes.csv", "-modes.vtu", "-modes.png")]
-    with np.load(path) as stored:
-        if lacking := [key for key in ANATOMY if key not in stored]:
-            raise BadInput(f"{path.name} lacks {', '.join(lacking)}: an FMU can be built of it, pictures and recovery cannot")
-        body = dict(stored)
+    body = _whole(path)
     output.mkdir(parents=True, exist_ok=True)
     if path != files[0].resolve():
         shutil.copyfile(path, files[0])
@@ -70,3 +107,11 @@ def _written(name, path, output):
             "elements": len(body["tets"]), "degrees_of_freedom": 3 * len(body["points"]), "mass": mass, "centre": centre.tolist(),
             "inertia": inertia.tolist(), "seconds": float(body["seconds"]), "peak_memory": int(body["peak_memory"]),
             "modes": table}
+
+
+def _whole(path):
+    """A reduced body with its mesh and mode shapes."""
+    with np.load(path) as stored:
+        if lacking := [key for key in ANATOMY if key not in stored]:
+            raise BadInput(f"{path.name} lacks {', '.join(lacking)}: an FMU can be built of it, pictures and recovery cannot")
+        return dict(stored)

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from master.fmi.errors import BadInput
 from master.fmi.quantities import Quantity
@@ -168,9 +168,18 @@ class Block(Body):
     orders: list[Order] = []
 
 
+class Band(BaseModel):
+    """Modal damping ratio from a frequency on, to the next band."""
+
+    model_config = STRICT
+    above: Annotated[Quantity("Hz"), Field(ge=0)]
+    ratio: Annotated[Quantity("1"), Field(ge=0, le=2)]
+
+
 class Bodies(BaseModel):
-    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `start`: a file of
-    `piston-cosim snapshot` (`start_state.read_start`); it takes the place of the parameters start_*."""
+    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `damping_bands` take the place
+    of the parameters damping_ratio, high_frequency_damping_ratio and damping_transition_frequency; `start`, a file of
+    `piston-cosim snapshot` (`start_state.read_start`), that of the parameters start_*."""
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
@@ -179,6 +188,14 @@ class Bodies(BaseModel):
     gas: Gas | None = None
     speed: Speed | None = None
     start: str | None = None
+    damping_bands: list[Band] = []
+
+    @field_validator("damping_bands")
+    @classmethod
+    def _rising(cls, bands):
+        if bands and (bands[0].above != 0.0 or any(a.above >= b.above for a, b in zip(bands, bands[1:]))):
+            raise ValueError("the first band begins at 0 Hz, and the others above the one before")
+        return bands
 
     @model_validator(mode="after")
     def _any(self):
@@ -236,6 +253,7 @@ def read_options(options, folder, kind=Build):
         faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
     faults += [_found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder) for name in ("gas", "speed")
                if resolved[name] and resolved[name]["file"]]
+    resolved["damping_bands"] = [(band["above"], band["ratio"]) for band in resolved["damping_bands"]]
     if any(faults):
         raise BadInput([fault for fault in faults if fault])
     return resolved
@@ -258,4 +276,5 @@ def _sentence(fault):
         return f"{path}: unknown key"
     if fault["type"] == "missing":
         return f"{path}: is missing"
-    return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}"
+    units = " in SI units" if isinstance(fault["input"], str) and fault["type"].startswith(("greater", "less")) else ""
+    return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}{units}"

@@ -182,7 +182,7 @@ def size_of(arrow, a):
 def solve_coupled(arrow, coupling, right):
     """Solution x of the whole tangent, modes coupled, to 1e-13 of its size.
 
-    Eq. (S1):  x <- x + arrow^-1 (right - (arrow + coupling) x)
+    Eq. (S1):  x <- arrow^-1 (right - coupling x)
 
     The coupling is small (Eq. (R4)), so that each pass gains about four digits, at the price of a product with it; a
     factorisation would cost as much as hundreds of passes.
@@ -196,18 +196,21 @@ def solve_coupled(arrow, coupling, right):
     Returns
     -------
     ndarray, shape (2 + k,)
-        NaN where it does not converge.
+        Starts with NaN where it does not converge.
     """
-    x, change = solve(arrow, right), right.copy()
+    x, left = solve(arrow, right), right.copy()
     for _ in range(40):
-        change[:2] = 0.0
-        change[2:] = coupling @ x[2:]                                                                           # Eq. (S1)
-        fresh = solve(arrow, right - change)
-        done = size_of(arrow, fresh - x) <= 1e-26 * size_of(arrow, fresh)
+        push = coupling @ x[2:]
+        for k in range(len(push)):
+            left[2 + k] = right[2 + k] - push[k]                                                                # Eq. (S1)
+        fresh = solve(arrow, left)
+        for k in range(len(x)):
+            x[k] = fresh[k] - x[k]
+        if size_of(arrow, x) <= 1e-26 * size_of(arrow, fresh):
+            return fresh
         x = fresh
-        if done:
-            return x
-    return np.full(len(right), np.nan)
+    x[0] = np.nan
+    return x
 
 
 @compiled()

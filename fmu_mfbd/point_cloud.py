@@ -4,7 +4,7 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, QhullError
 
 from .mesh import GEOMETRY, Mesh, MeshFault, to_body_axes
 
@@ -74,13 +74,16 @@ def _table(path):
 def triangulate(points, view):
     """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left out.
 
-    A gap: a side four times as long as the median one.
+    A gap: a side four times as long as the median one. Nodes in one line span nothing.
     """
     if view == FROM_ABOVE:
         flat, copies = points[:, [2, 0]], np.arange(len(points))        # z, x: triangles turn about +y
     else:
         flat, copies = _unrolled(points, view)
-    triangles = Delaunay(flat).simplices
+    try:
+        triangles = Delaunay(flat).simplices
+    except QhullError:
+        return np.empty((0, 3), dtype=np.int64)
     corner = flat[triangles]
     sides = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
     kept = sides.max(axis=1) <= 4.0 * np.median(sides)

@@ -96,6 +96,7 @@ def reduce_piston(options, grid, progress=print, factors=factorise):
     gas /= -gas[:, 1].sum()                                             # unit resultant along -y
     inertia = [np.tile([0.0, 1.0, 0.0], (len(position), 1)), np.tile([1.0, 0.0, 0.0], (len(position), 1)), position @ Z.T]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
+    faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
     body = _held(mesh, K, M, "pin_bore", options, factors)
     del K                                                               # the body holds what of it is needed
     modes, omega, kind = _modes(mesh, body, options, "skirt", radial, expected_pressure(angle, grid[1]), loads, progress)
@@ -127,6 +128,7 @@ def reduce_block(options, grid, progress=print, factors=factorise):
     angle, _ = cell_centres(*grid, 0.0, 1.0)
     heights = np.linspace(*_ends(mesh, "bore", options["bore_lower"], options["bore_upper"]), options["stations"])
     radius, radial, axial = _film_surface(mesh, "bore", angle, heights)
+    faults_of_modes(mesh, options, "bolts", "bore", len(angle) * len(heights))
     body = _held(mesh, K, M, "bolts", options, factors)
     del K
     modes, omega, kind = _modes(mesh, body, options, "bore", radial, expected_pressure(angle, len(heights)),
@@ -190,9 +192,14 @@ def _film_surface(mesh, name, angle, height):
 
 
 def _ends(mesh, name, low, high):
-    """Lowest and highest height of a surface [m], unless given."""
+    """Lowest and highest height of a surface [m], unless given; those must lie on it, but for a hundredth of its length."""
     height = mesh.points[mesh.nodes(name), 1]
-    return float(height.min() if low is None else low), float(height.max() if high is None else high)
+    least, most = float(height.min()), float(height.max())
+    low, high, slack = least if low is None else low, most if high is None else high, (most - least) / 100
+    if low < least - slack or high > most + slack:
+        raise MeshFault([f"{name}_lower, {name}_upper = {low:g}, {high:g} m: surface '{name}' reaches from {least:g} to "
+                         f"{most:g} m"])
+    return low, high
 
 
 def _modes(mesh, body, options, surface, radial, weight, loads, progress):
@@ -215,6 +222,27 @@ def _modes(mesh, body, options, surface, radial, weight, loads, progress):
     modes, omega, kind = symmetric_modes(body, body.full(modes), omega, mesh.points)
     kept = np.setdiff1d(np.arange(count), np.asarray(options["modes_off"], dtype=int) - 1)
     return modes[:, kept], omega[kept], kind[kept]
+
+
+def faults_of_modes(mesh, options, held, surface, grid_points):
+    """Refuse, before anything is factorised, supports that let the body move and more modes than there are shapes.
+
+    Raises
+    ------
+    MeshFault
+        Names the surface, or the number of modes that can be.
+    """
+    count, faults = options["modes"], []
+    loose = 6 - np.linalg.matrix_rank(rigid_motions(mesh.points[mesh.nodes(held)] - mesh.points.mean(axis=0)), tol=1e-9)
+    if loose:
+        faults.append(f"surface '{held}' has {len(mesh.nodes(held))} nodes that leave the body {loose} rigid motions")
+    most = {"craig_bampton": 3 * (len(mesh.points) - len(mesh.nodes(held))) - 2,
+            "characteristic_constraint_modes": 3 * len(np.setdiff1d(mesh.nodes(surface), mesh.nodes(held))) - 2,
+            "pressure_modes": grid_points - 2}[options["basis"]]
+    if count > most:
+        faults.append(f"modes = {count}: {options['basis']} of this body on this grid gives at most {most}")
+    if count and faults:
+        raise MeshFault(faults)
 
 
 def _held(mesh, K, M, surface, options, factors):

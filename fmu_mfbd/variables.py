@@ -104,6 +104,7 @@ def parameters():
         parameter("damping_ratio", "1", "Modal damping ratio below the transition frequency", 0.02, 0.0, 2.0),
         parameter("high_frequency_damping_ratio", "1", "Modal damping ratio above it", 0.5, 0.0, 2.0),
         parameter("damping_transition_frequency", "Hz", "Where the strong damping begins", 20e3, 0.0, 1e9),
+        parameter("quasi_static_frequency", "Hz", "Modes above it follow their load without inertia", 1e9, 0.0, 1e9),
         parameter("rayleigh_mass_factor", "1/s", "Further damping proportional to mass", 0.0, 0.0, 1e6),
         parameter("rayleigh_stiffness_factor", "s", "Further damping proportional to stiffness", 0.0, 0.0, 1.0),
         parameter("spectral_radius", "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0)]

@@ -169,18 +169,20 @@ class ReportTable(Table):
 class Study(Table):
     """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
 
-    `set` changes the case in all of them; `curves` over `x` are scored against the reference's.
+    `set` changes the case in all of them; `curves` over `x`, if any, are scored against the reference's.
     """
 
     title: str
     set: dict[str, Any] = {}
     points: dict[str, dict[str, Any]]
     reference: str
-    x: Port
-    curves: list[Port]
+    x: Port | None = None
+    curves: list[Port] = []
 
     @model_validator(mode="after")
-    def reference_exists(self):
+    def consistent(self):
+        if self.curves and not self.x:
+            raise ValueError("curves need an x")
         if self.reference not in self.points:
             raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
         return self

@@ -27,6 +27,7 @@ COMMANDS = {
     "study": "Run a study of a case: cost, and distance from its reference run.",
     "sweep": "Run a case over values of its keys.",
     "reduce": "Reduce bodies from meshes or matrices; their modes as tables and pictures.",
+    "recover": "Displacement and stress on the meshes at chosen instants of a run.",
     "build": "Build the FMU of one participant of a case.",
     "info": "Print what an FMU offers.",
     "check": "Compare an FMU with the lubrication contract.",

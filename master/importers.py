@@ -1,11 +1,11 @@
-"""Independent importers tried on an FMU, each in a process of its own: who, which version, what was seen.
+"""Independent importers tried on FMUs, each in a process of its own: who, which version, what was seen.
 
-    python -m master.importers X.fmu OUTPUT [PYTHON ...]
-
-OUTPUT is the Real output to compare; PYTHON are further interpreters: their version runs the FMU too, and so do the
+`piston-cosim verify importers` tries them on the body FMU and on the coupled FMU of the numerical example. Further
+interpreters are named by PISTON_COSIM_PYTHONS, separated by colons: their version of Python runs the FMUs too, and so do the
 importers installed there.
 """
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +44,50 @@ with EcosSimulation(structure=structure, step_size=step) as simulation:
     simulation.init()
     simulation.step(steps)
     seen(simulation.get_real("one::" + output))"""),
+    "fmpy simulate": ("fmpy", """
+import csv, subprocess, tempfile
+from pathlib import Path
+table = Path(tempfile.mkdtemp()) / "out.csv"
+words = ["simulate", fmu, "--stop-time", str(steps * step), "--output-interval", str(step), "--output-variables", output,
+         "--output-file", str(table)]
+done = subprocess.run([sys.executable, "-m", "fmpy", *words], capture_output=True, text=True)
+assert done.returncode == 0, done.stderr
+*_, last = csv.reader(table.read_text().splitlines())
+seen(float(last[1]))"""),
+    "fmuloader": ("fmuloader", """
+from pathlib import Path
+from xml.etree import ElementTree
+from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
+reference = int(next(v for v in root.iter("ScalarVariable") if v.get("name") == output).get("valueReference"))
+one = Fmi2Slave(fmu, model_identifier=root.find("CoSimulation").get("modelIdentifier"))
+one.instantiate("one", Fmi2Type.CO_SIMULATION, guid=root.get("guid"))
+one.setup_experiment(start_time=0.0)
+one.enter_initialization_mode()
+one.exit_initialization_mode()
+for k in range(steps):
+    one.do_step(k * step, step)
+seen(one.get_real([reference])[0])
+one.terminate()
+one.free_instance()"""),
+    "OMSimulator": ("OMSimulator", """
+from OMSimulator import OMSimulator
+oms = OMSimulator()
+for status in (oms.newModel("m"), oms.addSystem("m.s", oms.system_wc), oms.addSubModel("m.s.one", fmu)):
+    assert status == 0, status
+oms.setStopTime("m", steps * step)
+oms.setFixedStepSize("m.s", step)
+for status in (oms.instantiate("m"), oms.initialize("m"), oms.simulate("m")):
+    assert status == 0, status
+seen(oms.getReal("m.s.one." + output)[0])"""),
+    "PyFMI": ("PyFMI", """
+from pyfmi import load_fmu
+one = load_fmu(fmu)
+one.setup_experiment()
+one.initialize()
+for k in range(steps):
+    assert one.do_step(k * step, step) == 0
+seen(float(one.get(output)[0]))"""),
     "fmu-manipulation-toolbox": ("fmu_manipulation_toolbox", """
 import subprocess
 from pathlib import Path
@@ -81,6 +125,11 @@ seen(value.value)"""),
 }
 
 
+REFERENCE = "Python alone (ctypes)"
+ROUNDING = 1e-10  # relative; importers that count time in whole nanoseconds differ in the last bits of the time
+NOT_INSTALLED = "not installed"
+
+
 def try_importers(fmu, output, pythons=(sys.executable,)):
     """What each importer saw.
 
@@ -91,7 +140,7 @@ def try_importers(fmu, output, pythons=(sys.executable,)):
     output : str
         Real output to read after the last step.
     pythons : iterable of path
-        Interpreters; each importer is tried in the ones it is installed in.
+        Interpreters; each importer is tried in the ones it is installed in, and named once if it is in none.
 
     Yields
     ------
@@ -100,35 +149,82 @@ def try_importers(fmu, output, pythons=(sys.executable,)):
     """
     from .participant import unpack
 
-    folder = unpack(fmu)
+    folder, absent = unpack(fmu), dict.fromkeys(SCRIPTS)
     for python in pythons:
         version = _ask(python, "import platform; print(platform.python_version())")
         for importer, (package, script) in SCRIPTS.items():
             known = _ask(python, f"import importlib.metadata as m; print(m.version({package!r}))") if package else "-"
-            if not known.startswith("failed"):
+            if not known.startswith(FAILED):
+                absent.pop(importer, None)
                 yield importer, known, version, _ask(python, COMMON + script, fmu, folder, STEPS, STEP, output)
+    for importer in absent:
+        yield importer, "-", "-", NOT_INSTALLED
+
+
+FAILED = "failed"
 
 
 def _ask(python, script, *arguments):
     """What the script says it saw, else the last line printed; "failed" with the last line of the error."""
     done = subprocess.run([str(python), "-c", script, *map(str, arguments)], capture_output=True, text=True, timeout=600, cwd="/")
     if done.returncode:
-        return f"failed ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
+        return f"{FAILED} ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
     lines = done.stdout.strip().splitlines() or ["nothing"]
     return next((line.removeprefix(MARK) for line in lines if line.startswith(MARK)), lines[-1])
 
 
-def main():
-    """Print the table for an FMU."""
-    from rich.console import Console
+def judged(rows):
+    """Each row with its verdict: what Python alone sees every importer must see; checkers, no problem.
+
+    Parameters
+    ----------
+    rows : iterable of tuple of str
+        From `try_importers`, of one FMU.
+
+    Returns
+    -------
+    list of tuple
+        Verdict, then the row: "ok", "FAIL", or "-" where the importer is not installed, or the FMU says what its Python lacks.
+    """
+    rows = list(rows)
+    reference = next(float(seen) for importer, _, _, seen in rows if importer == REFERENCE and not seen.startswith(FAILED))
+
+    def verdict(seen):
+        if seen == NOT_INSTALLED or "-m pip install" in seen:
+            return "-"
+        try:
+            return "ok" if abs(float(seen) - reference) <= ROUNDING * abs(reference) else "FAIL"
+        except ValueError:
+            return "ok" if seen == "no problem" else "FAIL"
+
+    return [(verdict(row[-1]), *row) for row in rows]
+
+
+def shipped(say):
+    """The FMUs that other tools load, small: (title, path, output to look at)."""
+    from .case import check_case, find_case, read_tree
+    from .export import export_fmu
+    from .system import open_system
+
+    path = find_case("numerical_example")
+    small = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]),
+             ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+    case = check_case(read_tree(path, small), path)
+    bodies = open_system(case, path.parent, say).participants["bodies"].path
+    return [("body FMU", bodies, "lateral_displacement"),
+            ("coupled FMU", export_fmu(case, path.parent, say), "lateral_displacement")]
+
+
+def verify_importers(console, say):
+    """Print what every importer sees of the shipped FMUs; returns how many failed."""
     from rich.table import Table
 
-    path, output, *pythons = sys.argv[1:]
-    table = Table("importer", "version", "Python", f"seen ({output} after {STEPS} steps)", box=None)
-    for row in try_importers(Path(path).resolve(), output, (sys.executable, *pythons)):
-        table.add_row(*row)
-    Console(width=160).print(table)
-
-
-if __name__ == "__main__":
-    main()
+    pythons = [sys.executable, *filter(None, os.environ.get("PISTON_COSIM_PYTHONS", "").split(":"))]
+    failed, table = 0, Table("", "FMU", "importer", "version", "Python", f"seen after {STEPS} steps", box=None)
+    for title, fmu, output in shipped(say):
+        for verdict, *row in judged(try_importers(fmu, output, pythons)):
+            failed += verdict == "FAIL"
+            table.add_row(verdict, f"{title}, {output}", *row)
+    console.print(table)
+    console.print(f"{failed} failed")
+    return failed

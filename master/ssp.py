@@ -1,7 +1,8 @@
-"""A case as a System Structure and Parameterization package (SSP 1.0), and back.
+"""A case as a System Structure and Parameterization package (SSP), and back.
 
-Components are the built FMUs, connectors the scalars that cross the interface, parameters one SSV a component. What SSP
-has no words for (tolerances, coupling, macro step, records) travels in an annotation that other tools pass over.
+Components are the built FMUs, connectors what crosses the interface, parameters one SSV a component. FMI 2.0 FMUs make an SSP
+1.0 with a connector for every scalar; with an FMI 3.0 FMU it is an SSP 2.0, whose connectors are arrays with dimensions. What
+SSP has no words for (tolerances, coupling, macro step, records) travels in an annotation that other tools pass over.
 """
 
 import json
@@ -39,14 +40,38 @@ def export_ssp(tree, system, path):
         The case opened.
     path : Path
         The SSP to write.
+
+    Raises
+    ------
+    BadInput
+        If a wire joins an array with scalars: an FMU of FMI 3.0 with one of FMI 2.0.
     """
-    members = {"SystemStructure.ssd": _xml(_structure(tree, system))}
+    mixed = [f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; take one version on both"
+             for c in system.connections if c.shape and len({_has_arrays(system.participants[end[0]]) for end in
+                                                             (c.source, c.target)}) > 1]
+    if mixed:
+        raise BadInput(mixed)
+    version = "2.0" if any(map(_has_arrays, system.participants.values())) else "1.0"
+    members = {"SystemStructure.ssd": _xml(_structure(tree, system, version))}
     for name, participant in system.participants.items():
         members[f"resources/{name}.fmu"] = participant.path.read_bytes()
-        members[f"resources/{name}.ssv"] = _xml(_parameters(participant, system.parameters[name]))
+        members[f"resources/{name}.ssv"] = _xml(_parameters(participant, system.parameters[name], version))
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
+
+
+def _has_arrays(participant):
+    """Whether the FMU has true arrays, one value reference for all elements: FMI 3.0."""
+    return any(field.shape and len(field.references) == 1 for field in participant.fields.values())
+
+
+TYPES_3 = {"Real": "Float64", "Integer": "Int32", "String": "String"}
+
+
+def _type(participant, field):
+    """Name of a variable's type in the FMU's version of FMI."""
+    return TYPES_3[field.type] if _has_arrays(participant) else field.type
 
 
 def _xml(root):
@@ -56,15 +81,15 @@ def _xml(root):
     return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
-def _structure(tree, system):
-    root = Element(_q("ssd:SystemStructureDescription"), {"name": "case", "version": "1.0", "generationTool": VENDOR})
+def _structure(tree, system, version):
+    root = Element(_q("ssd:SystemStructureDescription"), {"name": "case", "version": version, "generationTool": VENDOR})
     top = SubElement(root, _q("ssd:System"), {"name": "case", "description": tree["title"]})
     elements = SubElement(top, _q("ssd:Elements"))
     for name, participant in system.participants.items():
         _component(elements, participant, {end[1] for c in system.connections for end in (c.source, c.target) if end[0] == name})
     connections = SubElement(top, _q("ssd:Connections"))
     for c in system.connections:
-        for index in _indices(c.shape):
+        for index in [""] if _has_arrays(system.participants[c.source[0]]) else _indices(c.shape):
             SubElement(connections, _q("ssd:Connection"), {
                 "startElement": c.source[0], "startConnector": c.source[1] + index,
                 "endElement": c.target[0], "endConnector": c.target[1] + index})
@@ -89,22 +114,24 @@ def _component(parent, participant, names):
         "name": participant.name, "type": "application/x-fmu-sharedlibrary", "source": f"resources/{participant.name}.fmu"})
     connectors = SubElement(node, _q("ssd:Connectors"))
     for name in sorted(names):
-        field = participant.fields[name]
-        for index in _indices(field.shape):
+        field, arrays = participant.fields[name], _has_arrays(participant)
+        for index in [""] if arrays else _indices(field.shape):
             connector = SubElement(connectors, _q("ssd:Connector"), {"name": name + index, "kind": field.causality})
-            SubElement(connector, _q("ssc:Real"), {} if field.unit == "1" else {"unit": field.unit})
+            SubElement(connector, _q(f"ssc:{_type(participant, field)}"), {} if field.unit == "1" else {"unit": field.unit})
+            for size in field.shape if arrays else ():
+                SubElement(connector, _q("ssc:Dimension"), {"size": str(size)})
     bindings = SubElement(node, _q("ssd:ParameterBindings"))
     SubElement(bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{participant.name}.ssv"})
 
 
-def _parameters(participant, values):
-    root = Element(_q("ssv:ParameterSet"), {"version": "1.0", "name": participant.name})
+def _parameters(participant, values, version):
+    root = Element(_q("ssv:ParameterSet"), {"version": version, "name": participant.name})
     parameters = SubElement(root, _q("ssv:Parameters"))
     for name, value in values.items():
         field = participant.fields[name]
         node = SubElement(parameters, _q("ssv:Parameter"), {"name": name})
         unit = {"unit": field.unit} if field.type == "Real" and field.unit != "1" else {}
-        SubElement(node, _q(f"ssv:{field.type}"), {"value": str(value), **unit})
+        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": str(value), **unit})
     return root
 
 

@@ -44,10 +44,13 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
     table = studies.study_table(chosen, checked, rows, runs)
     distances = [key for row in table for key in row if key.startswith("rms ")]
     console.print(_shown(table, f"{chosen.title}: cost", studies.COST))
-    console.print(_shown(table, f"rms distance from {chosen.reference} / its range", list(dict.fromkeys(distances))))
+    if distances:
+        console.print(_shown(table, f"rms distance from {chosen.reference} / its range", list(dict.fromkeys(distances))))
     console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
-    curves = studies.draw_study(chosen, checked, table, runs, folder / "study.png")
-    for picture in (curves, *draw(checked, runs, folder)):
+    drawn = [studies.draw_cost(f"{chosen.title}: cost", table, folder / "cost.png")]
+    if chosen.curves:
+        drawn.append(studies.draw_study(chosen, checked, table, runs, folder / "study.png"))
+    for picture in (*drawn, *draw(checked, runs, folder)):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
 
 

@@ -7,9 +7,12 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput
+from ..importers import verify_importers
 from ..verify import PARTS
 from ..verify import verify as compute
-from .common import console
+from .common import console, say
+
+IMPORTERS = "importers"
 
 
 def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=())] = False):
@@ -20,12 +23,17 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
     Parameters
     ----------
     parts
-        ehd, mfbd, master; all of them by default.
+        ehd, mfbd, master; all of them by default. Or importers: what each independent importer that is installed sees of the
+        FMUs, here and in the Pythons that PISTON_COSIM_PYTHONS names, separated by colons.
     all_
         The slow studies too (minutes).
     """
-    unknown = [part for part in parts if part not in PARTS]
+    unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
     if unknown:
-        raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join(PARTS)}")
-    if compute(parts or tuple(PARTS), all_, Console(width=max(console.width, 190))):
+        raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join((*PARTS, IMPORTERS))}")
+    figures, wide = [part for part in parts or PARTS if part != IMPORTERS], Console(width=max(console.width, 190))
+    failed = compute(figures, all_, wide) if figures else 0
+    if IMPORTERS in parts:
+        failed += verify_importers(wide, say)
+    if failed:
         sys.exit(1)

@@ -22,5 +22,5 @@ def method_of(coupling):
     if coupling.method in ("aitken", "constant"):
         return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
     secants = {"iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit, coupling.filter),
-               "iqn_imvj": MultiVector(coupling.windows), "iqn_ageing": Ageing()}[coupling.method]
+               "iqn_imvj": MultiVector(coupling.windows, coupling.filter_limit), "iqn_ageing": Ageing()}[coupling.method]
     return QuasiNewton(secants, coupling.relaxation, coupling.mixing, coupling.max_iterations, coupling.probing)

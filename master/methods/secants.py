@@ -98,7 +98,7 @@ class MultiVector:
     Eq. (C5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
 
     B is never formed: its steps act one after the other, newest first, each on what the newer ones left of r. Steps older
-    than `windows` are forgotten.
+    than `windows` are forgotten. Of a step's pairs, dependent ones are dropped (QR2, see `LeastSquares`) by `limit`.
 
     References
     ----------
@@ -106,13 +106,10 @@ class MultiVector:
     """
 
     windows: int = 50
+    limit: float = 1e-3
 
     def memory(self):
         return MultiVectorMemory(self)
-
-
-DEPENDENT = 1e-6
-"""Of two pairs of one macro step with less than this share of new direction, the older goes: above round-off of differences."""
 
 
 @dataclass
@@ -144,7 +141,7 @@ class MultiVectorMemory:
         return change, rest
 
     def _decomposed(self):
-        chosen, q, triangle = filtered([v for v, _ in self.now], DEPENDENT, "QR2")
+        chosen, q, triangle = filtered([v for v, _ in self.now], self.way.limit, "QR2")
         return [(q, triangle, np.array([self.now[k][1] for k in chosen]).T)] if chosen else []
 
     def close(self):

@@ -82,3 +82,9 @@ def test_thinned_oil_halves_couette_stress_at_the_critical_shear_rate():
     assert friction[1] == pytest.approx(0.5 * friction[0], rel=1e-6)  # the high-shear ratio
 
 
+
+
+@pytest.mark.parametrize("row", roughness.COEFFICIENTS, ids=[f"{gamma:.3g}" for gamma in roughness.PEKLENIK])
+def test_branches_of_the_shear_flow_factor_meet(row):
+    near = row[3] * 5.0 ** row[4] * np.exp(-row[5] * 5.0 + row[6] * 25.0)
+    assert near == pytest.approx(row[7] * np.exp(-1.25), rel=1e-3)  # exponents are printed to 0.01, amplitudes to 0.001

@@ -25,7 +25,7 @@ def matrix():
 
 # Ageing's noise of 1e-6 a pair leaves that share, times the condition of the pairs, unexplained
 @pytest.mark.parametrize("way, tolerance", [(LeastSquares(limit=1e-9), 1e-9), (LeastSquares(limit=1e-9, rule="QR1"), 1e-9),
-                                            (MultiVector(), 1e-9), (Ageing(noise=1e-12), 1e-6)])
+                                            (MultiVector(limit=1e-9), 1e-9), (Ageing(noise=1e-12), 1e-6)])
 def test_as_many_pairs_as_dimensions_give_the_newton_update(way, tolerance, matrix):
     r = np.arange(1.0, N + 1)
     change, rest = taught(way, matrix, N).update(r, [slice(0, N)])

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from master.case import check_case, find_case, read_tree
+from master.commands.export import built
+from master.fmi.compiler import compiler
 from master.fmi.errors import BadInput
 from master.recorder import Results
 from master.run import run
@@ -70,3 +72,44 @@ def test_no_ssp_is_bad_input(tmp_path):
     (tmp_path / "no.ssp").write_text("no")
     with pytest.raises(BadInput, match="is no SSP"):
         read_tree(tmp_path / "no.ssp")
+
+
+@pytest.fixture(scope="module")
+def arrays(tmp_path_factory):
+    """The same case with FMI 3.0 FMUs."""
+    if not compiler():
+        pytest.skip("no C compiler")
+    path = tmp_path_factory.mktemp("ssp3") / "case.ssp"
+    case = check_case(read_tree(PATH, SMALL), PATH)
+    export_ssp(read_tree(PATH, SMALL), open_system(built(case, PATH.parent), PATH.parent, print), path)
+    return path
+
+
+def test_arrays_read_back_run_to_the_same_values(arrays, tmp_path):
+    one, three = results(PATH, SMALL, tmp_path / "one.h5"), results(arrays, (), tmp_path / "three.h5")
+    for port in ("bodies.lateral_displacement", "ehd.minimum_film_thickness", "ehd.friction_power"):
+        np.testing.assert_array_equal(one.series(port)[0], three.series(port)[0])
+
+
+def test_array_connectors_have_dimensions(arrays):
+    with zipfile.ZipFile(arrays) as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+        values = ElementTree.fromstring(archive.read("resources/ehd.ssv"))
+    assert root.get("version") == values.get("version") == "2.0"
+    connector = next(c for c in root.iter(f"{{{SPACE['ssd']}}}Connector") if c.get("name") == "film_thickness")
+    kind, *sizes = connector
+    assert (kind.tag, kind.get("unit")) == (f"{{{SPACE['ssc']}}}Float64", "m")
+    assert [size.get("size") for size in sizes] == ["12", "10"]
+    assert len(list(root.iter(f"{{{SPACE['ssd']}}}Connection"))) == 4
+    assert {node[0].tag.split("}")[1] for node in values.iter(f"{{{SPACE['ssv']}}}Parameter")} <= {"Float64", "Int32", "String"}
+
+
+def test_arrays_and_scalars_are_not_mixed(tmp_path):
+    if not compiler():
+        pytest.skip("no C compiler")
+    case = check_case(read_tree(PATH, SMALL), PATH)
+    both = built(case, PATH.parent).participants
+    mixed = case.model_copy(update={"participants": case.participants | {"ehd": both["ehd"]}})
+    with pytest.raises(BadInput, match="one side alone") as refusal:
+        export_ssp(read_tree(PATH, SMALL), open_system(mixed, PATH.parent, print), tmp_path / "mixed.ssp")
+    assert len(refusal.value.faults) == 4

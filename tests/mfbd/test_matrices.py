@@ -220,3 +220,16 @@ def test_held_or_misordered_matrices_are_refused(original, tmp_path, monkeypatch
     table = {"mesh": "block.inp", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS}
     with pytest.raises(BadInput, match="K.mtx: the stiffness resists rigid motions"):
         reduced(table, tmp_path, monkeypatch)
+
+
+def test_supports_in_one_line_are_refused(original, tmp_path, monkeypatch):
+    mesh, K, M = original
+    line = np.flatnonzero(np.isclose(mesh.points[:, 0], 0.0) & np.isclose(mesh.points[:, 2], 36e-3))
+    lines, bore = ["node,x,y,z,sets"], mesh.nodes("bore")
+    for k, point in enumerate(mesh.points):
+        lines.append(f"{k},{','.join(f'{x:.12g}' for x in point)},{'bolts' * (k in line)} {'bore' * (k in bore)}")
+    (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
+    mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
+    mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")
+    with pytest.raises(BadInput, match=f"surface 'bolts' has {len(line)} nodes that leave the body 1 rigid motions"):
+        reduced({"mesh": "nodes.csv", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS}, tmp_path, monkeypatch)

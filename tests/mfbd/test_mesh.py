@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from fmu_mfbd.build import reduced_bodies
 from fmu_mfbd.mesh import MeshFault, read_mesh
+from master.fmi.errors import BadInput
 
 SKIRT, HELD, CROWN = ("cylinder", 28e-3, -16e-3, 8e-3), ("cylinder", 24e-3, -9e-3, 9e-3), ("plane", 20e-3)
 
@@ -55,3 +57,34 @@ def test_linear_elements_get_edge_nodes_with_a_warning(original, tmp_path):
 def test_left_handed_axes_are_refused(bodies):
     with pytest.raises(MeshFault, match="not a right-handed set"):
         read_mesh(bodies[0] / "piston.msh", {}, axes=("-x", "y", "z"))
+
+
+FAULTS = {
+    "modes of the grid": ({"modes": 191}, "modes = 191: pressure_modes of this body on this grid gives at most 190"),
+    "edges": ({"skirt_upper": "60 mm"}, "skirt_lower, skirt_upper = -0.016, 0.06 m: surface 'skirt' reaches from -0.016 to 0.008"),
+    "units": ({"mesh_unit": "1 mm"}, "the body is 5.6e-05 m long; mesh_unit should say"),
+    "density": ({"density": "2.7 kg/m^3"}, "greater than or equal to 500 in SI units"),
+    "no mesh": ({"mesh": "words.msh"}, "words.msh: no mesh that can be read"),
+    "not reduced": ({"mesh": None, "reduced": "words.msh"}, "words.msh is no .npz file"),
+    "shell": ({"mesh": "shell.inp"}, "no tetrahedra .found triangle"),
+    "surface": ({"mesh": "block.msh"}, "surface 'pin_bore' is missing or empty .the file names bolts, bore"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_are_named_before_anything_is_solved(name, coarse, monkeypatch, tmp_path):
+    """No factorisation may begin."""
+    from fmu_mfbd import solver
+
+    def never(K):
+        raise AssertionError("factorised")
+
+    monkeypatch.setattr(solver, "factorise", never)
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    change, message = FAULTS[name]
+    folder, options = coarse
+    (folder / "words.msh").write_text("no mesh")
+    meshio.write(folder / "shell.inp", meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]))
+    table = {key: value for key, value in (options["piston"] | change).items() if value is not None}
+    with pytest.raises(BadInput, match=message):
+        reduced_bodies({"grid": [16, 12], "piston": table}, folder, lambda text: None)

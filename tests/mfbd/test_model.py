@@ -53,7 +53,13 @@ def assembled(reduced, **values):
     return assemble(piston, block, options, {v.name: v.start for v in parameters()} | values)
 
 
-@pytest.mark.parametrize("which", ["model", "rubbing"])
+@pytest.fixture
+def followers(reduced):
+    """As `model`, about half the modes of each body static."""
+    return assembled(reduced, crank_offset=1e-3, quasi_static_frequency=22e3)
+
+
+@pytest.mark.parametrize("which", ["model", "rubbing", "followers"])
 def test_directional_derivative_against_differences(which, request):
     """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with unit changes."""
     model = request.getfixturevalue(which)
@@ -69,7 +75,9 @@ def test_directional_derivative_against_differences(which, request):
         assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
 
 
-def test_work_is_the_same_on_the_grid_and_in_the_coordinates(model):
+@pytest.mark.parametrize("which", ["model", "followers"])
+def test_work_is_the_same_on_the_grid_and_in_the_coordinates(which, request):
+    model = request.getfixturevalue(which)
     for steps in (1, 5, 20):
         assert run(model, steps)[1]["interface_work_error"] <= 1e-13
 
@@ -218,12 +226,23 @@ def test_free_crank_turns_against_its_load(reduced):
     assert out["crank_torque"] == -50.0
 
 
-def test_damping_by_ratio_band_and_rayleigh():
-    from fmu_mfbd.assembly import damping
+def test_damping_by_ratio_band_and_rayleigh(bodies):
+    from fmu_mfbd.assembly import damping, damping_bands
+    from fmu_mfbd.options import read_options
+    from fmu_mfbd.variables import parameters
+    from master.fmi.errors import BadInput
 
-    omega = 2 * np.pi * np.array([1e3, 3e4])
-    np.testing.assert_allclose(damping(omega, 0.02, 0.5, 2e4, 0.0, 0.0), [0.04 * omega[0], omega[1]])
-    np.testing.assert_allclose(damping(omega, 0.0, 0.0, 2e4, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    omega = 2 * np.pi * np.array([1e3, 2e4, 3e4])
+    two = damping_bands({v.name: v.start for v in parameters()}, {"damping_bands": []})
+    np.testing.assert_allclose(damping(omega, two, 0.0, 0.0), [0.04 * omega[0], omega[1], omega[2]])
+    folder, options = bodies
+    text = [{"above": "0 Hz", "ratio": 0.01}, {"above": "5 kHz", "ratio": 0.02}, {"above": "25 kHz", "ratio": 1.0}]
+    bands = read_options(options | {"damping_bands": text}, folder)["damping_bands"]
+    np.testing.assert_allclose(damping_bands({}, {"damping_bands": bands}), [(0, 0.01), (5e3, 0.02), (25e3, 1.0)])
+    np.testing.assert_allclose(damping(omega, bands, 0.0, 0.0) / omega, [0.02, 0.04, 2.0])
+    np.testing.assert_allclose(damping(omega, [(0.0, 0.0)], 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    with pytest.raises(BadInput, match="the first band begins at 0 Hz"):
+        read_options(options | {"damping_bands": text[1:]}, folder)
 
 
 def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
@@ -236,3 +255,21 @@ def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
         state, nearby, at_rest = (model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest))
     error, apart = (np.abs(s.place[:2] - state.place[:2]) for s in (nearby, at_rest))
     assert np.all(error < 1e-2 * apart)
+
+
+def test_static_modes_are_where_moving_ones_go(reduced):
+    """A load that rises and falls in 4.4 ms, slow for modes above 22 kHz: with and without inertia they are at the same place."""
+    moving, static = (assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02) for f in (1e9, 22e3))
+    k, m = len(static.system.piston.stiffness), len(moving.system.piston.stiffness)
+    fast = np.r_[k:m, m + len(static.system.block.stiffness):m + len(moving.system.block.stiffness)]
+    assert k < m and len(fast) > m - k                                   # there are some in both bodies
+    F, f = forces(moving, size=20.0)
+    F, places = F + np.roll(F, 8, axis=0), []                            # from both sides: it deforms, it hardly pushes
+    for model in (moving, static):
+        state, out = model.start(0.3, 0.0, 0.0, Inputs(SPEED, 0.0, 0 * F, 0 * f))
+        for step in range(1, 60):
+            share = np.sin(np.pi * step / 80) ** 2
+            state, out = model.advance(state, Inputs(SPEED, 3e6 * share, share * F, share * f), STEP)
+        places.append(out["modal_coordinate"])
+    # (load's frequency / mode's)^2 is 1e-4, 2 damping ratio (load's frequency / mode's) 4e-4; ringing adds 1e-3
+    np.testing.assert_allclose(places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max())

@@ -100,3 +100,36 @@ def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
         np.testing.assert_array_equal(one.solve(2 * load), load)
     remembering.forget()
     assert not list(tmp_path.iterdir())
+
+
+def test_recovery_at_an_instant(coarse, cache, tmp_path):
+    """From a results file with the modal coordinates of one mode of the block: its shape, and stresses that go with it."""
+    import json
+
+    import h5py
+    import meshio
+
+    from fmu_mfbd.build import reduced_bodies
+    from master.case import find_case, read_tree
+
+    folder, options = coarse
+    (folder / "case.toml").touch()
+    tree = read_tree(find_case("numerical_example"))
+    tree["participants"]["bodies"]["build"] = options
+    coordinates = np.zeros((3, 22))
+    coordinates[1, 12 + 1] = 1e-7
+    with h5py.File(tmp_path / "run.h5", "w", libver="latest") as file:
+        file.attrs.update(case=json.dumps(tree), title="")
+        file["time"] = file["fields/time"] = [0.0, 1e-3, 2e-3]
+        file["fields/bodies/modal_coordinate"] = coordinates
+        file["fields/bodies/modal_coordinate"].attrs.update(unit="1", description="")
+    call = [sys.executable, "-m", "master", "recover", "run.h5", "--case", str(folder)]
+    done = subprocess.run([*call, "--time", "1.1 ms"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "t = 1 ms  piston: displacement up to 0 um, von Mises stress up to 0 MPa" in done.stdout
+    shapes = np.load(reduced_bodies(options, folder, lambda text: None)["block"])["shapes"]
+    found = meshio.read(tmp_path / "run-1000us-block.vtu")
+    np.testing.assert_allclose(found.point_data["displacement"], 1e-7 * shapes[:, :, 1])
+    assert found.point_data["von_mises"].max() > 0
+    wrong = subprocess.run([*call, "--time", "1 kg"], cwd=tmp_path, capture_output=True, text=True)
+    assert wrong.returncode == 2

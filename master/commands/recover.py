@@ -1,0 +1,55 @@
+"""`piston-cosim recover`."""
+
+import importlib
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+
+from ..case import find_case
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
+from .common import console, open_runs, say
+from .reduce import OFFLINE, build_table
+
+PORT = "{}.modal_coordinate"
+
+
+def command(file: Path, *, time: Annotated[list[str], Parameter(negative=())], case: str | None = None,
+            output: Path | None = None):
+    """Displacement and stress of the flexible bodies at chosen instants of a run, on their meshes, as VTU files (ParaView).
+
+    Example: piston-cosim recover results/numerical_example/flexible.h5 --time "18 ms"
+
+    Parameters
+    ----------
+    file
+        Results file of a case that records modal_coordinate (record.fields).
+    time
+        The recorded instant nearest to this time; several allowed.
+    case
+        Case whose folder the paths of meshes start from; default the case named as the folder of the results.
+    output
+        Folder for the files; default the folder of the results.
+    """
+    _, runs = open_runs((file,))
+    (results,) = runs.values()
+    table = build_table(results.case)
+    participant = next(name for name, part in results.case["participants"].items() if part.get("build") == table)
+    port = PORT.format(participant)
+    if "fields/" + port.replace(".", "/") not in results.file:
+        raise BadInput(f"{file}: {port} was not recorded; the case must name it in record.fields")
+    try:
+        instants = [to_si(text, "s") for text in time]
+    except ValueError as error:
+        raise BadInput(str(error)) from None
+    folder = find_case(case or file.resolve().parent.name).parent
+    for wanted in instants:
+        coordinates, instant, _, _ = results.field(port, wanted)
+        begin = (output or file.parent) / f"{file.stem}-{1e6 * instant:.0f}us"
+        for body in importlib.import_module(OFFLINE).recover(table, folder, np.asarray(coordinates), begin, say):
+            stress = "" if body["largest_stress"] is None else f", von Mises stress up to {body['largest_stress'] / 1e6:.4g} MPa"
+            console.print(f"t = {1e3 * instant:.6g} ms  {body['name']}: displacement up to "
+                          f"{1e6 * body['largest_displacement']:.4g} um{stress}", highlight=False, soft_wrap=True)
+            console.print(f"file  {body['file']}", highlight=False, soft_wrap=True)
