@@ -123,14 +123,21 @@ def test_full_disk(whole, tmp_path):
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
 
 
-def test_faults_of_all_participants_are_heard_at_once(tmp_path):
+@pytest.mark.parametrize("isolated", ["false", "true"])
+def test_faults_of_all_participants_are_heard_at_once(tmp_path, isolated):
     """One cannot be repeated, the other refuses a parameter; nothing runs."""
     (tmp_path / "marker").touch()
-    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf"])
+    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf", f"participants.good.isolated={isolated}"])
     assert done.returncode == 2
     assert "bad: a step taken again from its saved state gives another x" in done.stderr
     assert "good: u = inf" in done.stderr
     assert not (tmp_path / "base.h5.partial").exists()
+
+
+def test_a_timeout_that_is_none_is_bad_input(tmp_path):
+    for timeout, words in (("5 kg", "timeout"), ("-1 s", "timeout = -1 s: must be positive")):
+        done = run(tmp_path, "", isolated=True, changes=[f"participants.bad.timeout={timeout}"])
+        assert done.returncode == 2 and words in done.stderr
 
 
 def test_fault_before_the_first_checkpoint_says_so(tmp_path):
