@@ -47,7 +47,8 @@ MASTER = [sys.executable, "-m", "master"]
 
 
 def call(*arguments, **settings):
-    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, **settings)
+    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, start_new_session=True,
+                          **settings)
 
 
 def write_case(folder, fault, isolated=False):
@@ -97,7 +98,8 @@ def test_recovers(whole, tmp_path, fault, isolated):
 @pytest.mark.parametrize("fault, isolated, words", [
     ("exception", False, "KeyError: 'bug'"), ("exception", True, "KeyError: 'bug'"),
     ("hang", True, "no answer to step within 3 s"), ("kill", True, "its process has ended (by SIGKILL)"),
-    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s")])
+    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s"),
+    ("interrupt", True, "interrupted at t = 1.24 s")])
 def test_stops_and_goes_on_with_the_same_bits(whole, tmp_path, fault, isolated, words):
     done = run(tmp_path, fault, isolated)
     assert done.returncode == 1, done.stderr

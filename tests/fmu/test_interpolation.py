@@ -93,7 +93,7 @@ class Stopped(Exception):
 
 def test_resumed_goes_on_along_the_same_course(tmp_path):
     """The values at the beginning of a step are part of the checkpoint."""
-    tree = read_tree(PATH, [("time.stop", "0.2 s"), ("record.checkpoint_every", 7)])
+    tree = read_tree(PATH, [("time.stop", "0.2 s"), ("record", {"checkpoint_every": 7})])
     case, output = check_case(tree, PATH), tmp_path / "run.h5"
 
     def stop(time, *others):
@@ -106,7 +106,7 @@ def test_resumed_goes_on_along_the_same_course(tmp_path):
     assert found.account.steps_done == 14
     run(open_system(case, PATH.parent, print), case, tree, output, begin_at=found)
     resumed = Results(output).series("left.displacement")[0]
-    np.testing.assert_array_equal(resumed, result_of(tmp_path, ("record.checkpoint_every", 0)))
+    np.testing.assert_array_equal(resumed, result_of(tmp_path, ("record", {"checkpoint_every": 0})))
 
 
 def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):
