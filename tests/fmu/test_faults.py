@@ -119,9 +119,14 @@ def goes_on_as_if_nothing_had_happened(done, folder, whole):
 
 def test_full_disk(whole, tmp_path):
     """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit fails as on a full disk."""
-    done = run(tmp_path, "", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY)))
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY))
+
+    done = run(tmp_path, "", preexec_fn=limit)
     assert done.returncode == 1, done.stderr
     assert "cannot be written" in done.stderr and "base.h5" in done.stderr
+    again = call("resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit)      # the disk is still full: nothing is lost
+    assert again.returncode == 1 and "cannot be written" in again.stderr
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
 
 
