@@ -46,7 +46,7 @@ class ParticipantTable(Table):
     build: dict[str, Any] = {}
     parameters: dict[str, str | bool | float | int] = {}
     isolated: bool = False
-    timeout: str = "60 s"
+    timeout: str = "120 s"
 
     @model_validator(mode="after")
     def one_origin(self):
