@@ -8,7 +8,7 @@ from .instant import Block, System
 from .modal_field import modal_field
 from .model import Crank, PistonInBore
 from .pin_friction import PinFriction
-from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape
+from .profile import barrel, fourier_bore, linear_growth, ovality, table_shape, tilt_about_x
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .surface import cell_centres
@@ -111,7 +111,7 @@ def assemble(piston, block, options, p):
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
-    gap = gap - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
+    gap = gap + tilt_about_x(angle, height, p["pin_tilt"]) - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
     gap = gap + sum(table_shape(table, angle, height) for table in options["piston"]["profiles"])
     radius = float(block["radius"])
     values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))

@@ -14,7 +14,7 @@ from .mesh import MeshFault
 from .options import SOURCES, Bodies, read_options
 from .reduction import cached, reduce_block, reduce_piston, save
 from .speed_table import speed_table
-from .start_state import read_start
+from .start_state import check_modes, read_start
 from .tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
 
 
@@ -43,7 +43,7 @@ def prepare(options, folder, progress):
         Every fault of the table; then every fault of the meshes.
     """
     resolved = read_options(options, folder)
-    shapes, over_angle = _tables(resolved)
+    shapes, tables = _tables(resolved)
     files = {name: _carried(name, path) for name, path in _reduced(resolved, progress).items()}
     for part in ("piston", "block"):
         for source in SOURCES:          # where it lay is no property of the FMU
@@ -51,8 +51,12 @@ def prepare(options, folder, progress):
         resolved[part]["profiles"] = shapes[part]
         with np.load(files[part]) as body:
             resolved[part]["modes"] = len(body["omega"])
-    start = resolved["start"] and _start(resolved["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
-    return resolved | over_angle | {"start": start} | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
+    if tables["start"]:
+        try:
+            check_modes(tables["start"], sum(resolved[part]["modes"] for part in ("piston", "block")))
+        except ValueError as error:
+            raise BadInput([str(error)]) from None
+    return resolved | tables | {"files": {name: path.name for name, path in files.items()}}, list(files.values())
 
 
 def reduced_bodies(options, folder, progress):
@@ -89,14 +93,6 @@ def _reduced(resolved, progress):
     if faults:
         raise BadInput(faults)
     return files
-
-
-def _start(path, modes):
-    """Motion at the start, or what is wrong with its file."""
-    try:
-        return read_start(path, modes)
-    except ValueError as error:
-        raise BadInput([str(error)]) from None
 
 
 NEEDED = {"piston": ("mass", "S", "I0", "T", "b", "B", "g", "G", "omega", "kind", "gas_force", "radial", "axial", "radius",
@@ -141,22 +137,22 @@ def _carried(name, path):
 
 
 def _tables(resolved):
-    """Measured shapes of both bodies; tables of gas and speed, by name: read before any long computation."""
-    faults, shapes, over_angle = [], {"piston": [], "block": []}, {}
+    """Measured shapes of both bodies; tables of gas and speed and the start, by name: read before any long computation."""
+    faults, shapes, tables = [], {"piston": [], "block": []}, {}
     for part, found in shapes.items():
         for table in resolved[part]["profiles"]:
             try:
                 found.append(profile_table(table["file"], table["angle_unit"], table["height_unit"], table["value_unit"]))
             except TableFault as error:
                 faults.append(str(error))
-    for name, read in (("gas", _gas), ("speed", _speed)):
+    for name, read in (("gas", _gas), ("speed", _speed), ("start", read_start)):
         try:
-            over_angle[name] = resolved[name] and read(resolved[name])
-        except TableFault as error:
+            tables[name] = resolved[name] and read(resolved[name])
+        except ValueError as error:
             faults.append(str(error))
     if faults:
         raise BadInput(faults)
-    return shapes, over_angle
+    return shapes, tables
 
 
 def _rows(name, part):

@@ -100,3 +100,23 @@ def fourier_bore(orders, angle):
 def linear_growth(height, lower, upper, at_lower, at_upper):
     """Radial growth that varies linearly between two heights [m], and beyond them likewise."""
     return at_lower + (at_upper - at_lower) * (height - lower) / (upper - lower)
+
+
+def tilt_about_x(angle, height, tilt):
+    """Gap of a skirt turned about the x axis, by a pin that is not square to the bore.
+
+    Eq. (P4):  gap = -tilt y' cos theta
+
+    Parameters
+    ----------
+    angle, height : ndarray, shapes (c,), (a,)
+        theta [rad], y' above A [m].
+    tilt : float
+        About +x [rad], small: the upper edge leans to +z.
+
+    Returns
+    -------
+    ndarray, shape (c, a)
+        Radial gap [m].
+    """
+    return -tilt * np.outer(np.cos(angle), height)                                                              # Eq. (P4)

@@ -42,7 +42,10 @@ def read_numbers(path, corner=False):
         cells = [cell.strip() for cell in (cells[1:] if corner and number == 1 else cells) if cell.strip()]
         try:
             values = [float(cell) for cell in cells]
+            finite = bool(np.isfinite(values).all())
         except ValueError:
+            finite = False
+        if not finite:
             if not rows.values:
                 continue
             raise TableFault(f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers") from None

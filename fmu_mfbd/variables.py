@@ -98,6 +98,8 @@ def parameters():
         parameter("crank_free", "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1),
         parameter("crank_inertia", "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4),
         parameter("load_torque", "N.m", "Torque that a free crank works against", 0.0, -1e5, 1e5),
+        parameter("pin_tilt", "rad", "Held rotation of pin and piston about +x: a pin that is not square to the bore's axis", 0.0,
+                  -0.01, 0.01),
         parameter("start_crank_angle", "rad", "Crank angle at the start", 0.0),
         parameter("start_lateral_displacement", "m", "Of A at the start", 0.0, -1e-3, 1e-3),
         parameter("start_rocking_angle", "rad", "At the start", 0.0, -0.05, 0.05),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_mfbd.assembly import assemble
+from fmu_mfbd.assembly import assemble, faults
 from fmu_mfbd.build import prepare
 from fmu_mfbd.model import Inputs
 from fmu_mfbd.profile import fourier_bore, ovality, table_shape
@@ -40,6 +40,7 @@ def test_gas_repeats_every_cycle(gas_file):
     (lambda lines: [*lines[:50], lines[48], *lines[50:]], "line 51: crank angle 94 does not rise"),
     (lambda lines: [*lines, "720, 3"], "does not close"),
     (lambda lines: [*lines[:9], "16, abc", *lines[10:]], "line 10: '16,abc' is not a row of numbers"),
+    (lambda lines: [*lines[:9], "16, nan", *lines[10:]], "line 10: '16,nan' is not a row of numbers"),
     (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns")])
 def test_bad_gas_tables_name_the_row(gas_file, change, message):
     gas_file.write_text("\n".join(change(gas_file.read_text().splitlines())))
@@ -158,6 +159,65 @@ def test_speed_table_takes_the_place_of_the_input(shaped):
     # 1 ms from 50 to 60 turns a second, then 1 ms at 60
     assert out["crank_angle"] == pytest.approx(0.2 + 2 * np.pi * (55e-3 + 60e-3), rel=1e-13)
     assert out["rotation_speed"] == pytest.approx(120 * np.pi) and state.crank_acceleration == 0.0
+
+
+SIZE = 7e-6
+EFFECTS = {
+    "radial_clearance": lambda angle, y, Y: SIZE + 0 * y,
+    "barrel": lambda angle, y, Y: SIZE * ((y + 4e-3) / 12e-3) ** 2,                     # skirt from -16 to 8 mm
+    "ovality": lambda angle, y, Y: SIZE / 2 * np.cos(angle) ** 2 + 0 * y,                # nothing at the thrust faces
+    "skirt_growth_lower": lambda angle, y, Y: -SIZE * (8e-3 - y) / 24e-3,
+    "skirt_growth_upper": lambda angle, y, Y: -SIZE * (y + 16e-3) / 24e-3,
+    "bore_growth_lower": lambda angle, y, Y: SIZE * (155e-3 - Y - y) / 105e-3,           # bore from 50 to 155 mm
+    "bore_growth_upper": lambda angle, y, Y: SIZE * (Y + y - 50e-3) / 105e-3,
+    "pin_tilt": lambda angle, y, Y: -SIZE * y * np.cos(angle),
+    "start_lateral_displacement": lambda angle, y, Y: -SIZE * np.sin(angle) + 0 * y,     # to the thrust side, which closes
+    "start_rocking_angle": lambda angle, y, Y: SIZE * y * np.sin(angle)}                  # about +z: the upper edge to -x
+"""What SIZE more of a parameter adds to the film thickness."""
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
+    options, piston, block = reduced
+    start, films = {v.name: v.start for v in parameters()}, []
+    for more in (0.0, SIZE):
+        values = start | {name: start[name] + more}
+        model = assemble(piston, block, options, values)
+        nothing = np.zeros(model.system.skirt.gap.shape)
+        out = model.start(0.5, values["start_lateral_displacement"], values["start_rocking_angle"],
+                          Inputs(314.0, 0.0, nothing, nothing))[1]
+        films.append(out["film_thickness"])
+    angle, y = model.system.skirt.angle[:, None], model.system.skirt.height
+    expected = EFFECTS[name](angle, y, out["piston_position"]) + 0 * angle
+    # round-off of films of 100 um
+    np.testing.assert_allclose(films[1] - films[0], expected, rtol=0, atol=1e-18)
+
+
+def test_two_profiles_and_two_orders_add_up(reduced):
+    options, piston, block = reduced
+    one = {"angle": [0.0, np.pi], "height": [0.0], "value": [[3e-6, 1e-6]]}
+    two = {"angle": [0.0], "height": [-16e-3, 10e-3], "value": [[0.0], [5e-6]]}
+    orders = [{"order": 2, "amplitude": 4e-6, "phase": 0.3}, {"order": 3, "amplitude": 2e-6, "phase": 0.0}]
+
+    def film(profiles, orders):
+        shaped = options | {"piston": options["piston"] | {"profiles": profiles}, "block": options["block"] | {"orders": orders}}
+        model = assemble(piston, block, shaped, {v.name: v.start for v in parameters()})
+        nothing = np.zeros(model.system.skirt.gap.shape)
+        return model.start(0.5, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
+
+    plain, apart = film([], []), [film([one], []), film([two], []), film([], orders[:1]), film([], orders[1:])]
+    together = film([one, two], orders)
+    assert all(np.ptp(f - plain) > 1e-6 for f in apart)
+    np.testing.assert_allclose(together - plain, sum(f - plain for f in apart), atol=1e-18)
+
+
+def test_a_free_crank_has_no_table(reduced):
+    options, piston, block = reduced
+    table = speed_table(inline_numbers("speed", [(0, 300), (1, 310)]), "time", 2 * np.pi, 1.0, 1.0)
+    values = {v.name: v.start for v in parameters()} | {"crank_free": 1}
+    assert faults(values, piston, block, options) == []
+    (fault,) = faults(values, piston, block, options | {"speed": table})
+    assert fault.startswith("crank_free = 1: must be 0 with a table of crank speed")
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
