@@ -142,7 +142,7 @@ def _schur(order, m, centre, back, ahead, west, east, station, before, previous,
         u, p = (-ahead[c, before], place[c]) if before >= 0 else (0.0, -1)
         if p >= 0:
             for r in range(n):
-                s[a, r] = u * previous[p, r] * weight[r]
+                s[a, r] = u * previous[p, r] * weight[r]  # Eq. (B2)
         else:
             for r in range(n):
                 s[a, r] = 0.0
@@ -189,21 +189,21 @@ def factorise(centre, back, ahead, west, east, ascending, first, columns, diagon
         invert_in_place(columns[k, :m], orders[k])  # Eq. (B4)
 
 
-@compiled
-def _multiply(columns, diagonal, order, m, b, out):
-    """out = S_j^-1 b."""
+@compiled(inline="always")
+def _multiply(columns, diagonals, orders, m, k, b, out):
+    """out = S_j^-1 b at the k-th station, which has m coupled cells."""
     n = b.size
     for r in range(n):
-        out[r] = diagonal[r] * b[r]
+        out[r] = diagonals[k, r] * b[r]
     whole = m - m % 4
     for a in range(0, whole, 4):
-        f0, f1, f2, f3 = b[order[a]], b[order[a + 1]], b[order[a + 2]], b[order[a + 3]]
+        f0, f1, f2, f3 = b[orders[k, a]], b[orders[k, a + 1]], b[orders[k, a + 2]], b[orders[k, a + 3]]
         for r in range(n):
-            out[r] += f0 * columns[a, r] + f1 * columns[a + 1, r] + f2 * columns[a + 2, r] + f3 * columns[a + 3, r]
+            out[r] += f0 * columns[k, a, r] + f1 * columns[k, a + 1, r] + f2 * columns[k, a + 2, r] + f3 * columns[k, a + 3, r]
     for a in range(whole, m):
-        f = b[order[a]]
+        f = b[orders[k, a]]
         for r in range(n):
-            out[r] += f * columns[a, r]
+            out[r] += f * columns[k, a, r]
 
 
 @compiled
@@ -230,13 +230,15 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
             for i in range(n):
                 b[i] = right[q, i, j]
                 if k > 0:
-                    b[i] -= back[i, j] * x[k - 1, i]
-            _multiply(columns[k], diagonals[k], orders[k], counts[k], b, x[k])
+                    b[i] -= back[i, j] * x[k - 1, i]  # Eq. (B3)
+            _multiply(columns, diagonals, orders, counts[k], k, b, y)
+            for i in range(n):
+                x[k, i] = y[i]
         for k in range(stations - 2, -1, -1):
             j = k if ascending else stations - 1 - k
             for i in range(n):
                 b[i] = ahead[i, j] * x[k + 1, i]
-            _multiply(columns[k], diagonals[k], orders[k], counts[k], b, y)
+            _multiply(columns, diagonals, orders, counts[k], k, b, y)
             for i in range(n):
                 x[k, i] -= y[i]
         for k in range(stations):

@@ -118,7 +118,7 @@ class Pardiso:
             self._call(self.RELEASE, np.zeros((self._matrix.shape[0], 1)))
 
 
-WIDEST_DENSE = 128  # cells across up to which dense blocks were faster than PARDISO, tests/bench/ehd_grids.py
+WIDEST_DENSE = 192  # cells across up to which dense blocks are faster than PARDISO, tests/bench/ehd_grids.py
 LARGEST_DENSE = 2e9  # bytes of dense blocks that are still acceptable where there is no PARDISO
 
 

@@ -42,8 +42,8 @@ def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0
         mask = GEOMETRY[rule[0]](points[:, None, :], *rule[1:]) if rule else np.array([name in names for names in sets])
         members[name] = np.flatnonzero(mask)
         if len(members[name]) < 3:
-            known = sorted(set().union(*sets))
-            faults.append(f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {', '.join(known) or 'none'})")
+            known = ", ".join(sorted(set().union(*sets))) or "none"
+            faults.append(f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {known})")
         else:
             faces[name] = members[name][triangulate(points[mask], VIEWS[name])]
     if faults:

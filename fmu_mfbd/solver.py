@@ -4,7 +4,9 @@ goes on where it was."""
 import hashlib
 import os
 import shutil
+import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -88,7 +90,7 @@ class Pardiso:
             self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
 
     def __del__(self):
-        if hasattr(self, "_upper"):         # PARDISO's own memory outlives the object otherwise
+        if hasattr(self, "_upper") and not sys.is_finalizing():         # PARDISO's own memory outlives the object otherwise
             self._call(self.RELEASE, np.zeros((1, 1)))
 
 
@@ -101,6 +103,11 @@ def factorise(K):
         return Pardiso(K)
     except ImportError:
         return SuperLU(K)
+
+
+def loads_together():
+    """Loads that the solver at hand answers in little more than the time of one: PARDISO reads its factors once for all."""
+    return Pardiso.AT_ONCE if find_spec("pypardiso") else 1
 
 
 class Remembering:

@@ -46,7 +46,7 @@ class ParticipantTable(Table):
     build: dict[str, Any] = {}
     parameters: dict[str, str | bool | float | int] = {}
     isolated: bool = False
-    timeout: str = "60 s"
+    timeout: str = "120 s"
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -122,16 +122,27 @@ class Record(Table):
 
 
 class Picture(Table):
-    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a panel each."""
+    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a panel each; section: `fields`
+    at a time along their first index, within `angles` of its circle, at the share `height` of their second."""
 
     file: str
     title: str
-    kind: Literal["lines", "map"]
+    kind: Literal["lines", "map", "section"]
     x: Port | None = None
     y: list[list[Port]] = []
     fields: list[Port] = []
     time: str | None = None
+    angles: tuple[str, str] = ("0 deg", "360 deg")
+    height: float = Field(0.5, ge=0, le=1)
     units: dict[str, str] = {}
+
+    @model_validator(mode="after")
+    def complete(self):
+        needed = ("x", "y") if self.kind == "lines" else ("fields", "time")
+        missing = [key for key in needed if not getattr(self, key)]
+        if missing:
+            raise ValueError(f"a picture of kind {self.kind!r} needs {' and '.join(missing)}")
+        return self
 
 
 class Loop(Table):

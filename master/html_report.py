@@ -42,7 +42,7 @@ def write_report(case, runs, folder, notes=""):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     pictures = [_save(figure, folder / Path(picture.file).stem, picture.title) for picture, figure in figures(case, runs)
-                if picture.kind == "lines"]
+                if picture.kind != "map"]
     pictures += [_save(draw_loop(case, runs, name), folder / f"loop_{name}", f"Loop: {name}") for name in case.report.loops]
     health = _save(draw_health(runs), folder / "coupling", "Iterations, derivative products and residual of every macro step")
     page = Environment(loader=PackageLoader("master"), autoescape=True).get_template("report.html").render(

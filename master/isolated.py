@@ -37,7 +37,7 @@ class IsolatedParticipant:
     """
 
     def __init__(self, participant, timeout):
-        self.description, self.timeout = participant, timeout
+        self.description, self.timeout = participant.description, timeout
         self.name, self.fields, self.path = participant.name, participant.fields, participant.path
         self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
         self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate

@@ -4,6 +4,7 @@
 <label>-convergence.log   a line for each sweep: residual / tolerance of every wire, converged where all are 1 or less
 """
 
+from contextlib import suppress
 from pathlib import Path
 
 ATTEMPT = "{:>6} {:>22} {:>22} {:>10} {:>15} {:>9}"
@@ -47,8 +48,10 @@ class CouplingLog:
         self.windows += failure is None
 
     def close(self):
-        self.iterations.close()
-        self.convergence.close()
+        """Close both; a line that a full disk did not take is lost, the run has heard of it."""
+        for file in (self.iterations, self.convergence):
+            with suppress(OSError):
+                file.close()
 
 
 def log_path(output, kind):

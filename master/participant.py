@@ -82,7 +82,7 @@ class FmuParticipant:
         self.folder = unpack(self.path)
         self.log = []
         root = self._model_description()
-        self._vectors, self._pairs, self._derivative = {}, {}, self._reserved_references(root)
+        self._vectors, self._pairs, self._courses, self._derivative = {}, {}, {}, self._reserved_references(root)
         self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in ("true", "1")
         self._fmu = None
 
@@ -177,11 +177,14 @@ class FmuParticipant:
         course : ndarray, shape (order + 1, *shape of the field), value first.
         """
         self.set(name, course[0])
-        count = self.fields[name].size * (len(course) - 1)
-        references = (ctypes.c_uint * count)(*self.fields[name].references * (len(course) - 1))
-        orders = (ctypes.c_int * count)(*np.repeat(np.arange(1, len(course)), self.fields[name].size))
+        highest, field = len(course) - 1, self.fields[name]
+        if (name, highest) not in self._courses:
+            orders = np.repeat(np.arange(1, highest + 1), field.size)
+            self._courses[name, highest] = ((ctypes.c_uint * orders.size)(*field.references * highest),
+                                            (ctypes.c_int * orders.size)(*orders))
+        references, orders = self._courses[name, highest]
         values = np.ascontiguousarray(course[1:], dtype=float)
-        self._fmu.fmi2SetRealInputDerivatives(self._fmu.component, references, count, orders, values.ctypes.data_as(REAL))
+        self._fmu.fmi2SetRealInputDerivatives(self._fmu.component, references, values.size, orders, values.ctypes.data_as(REAL))
 
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar."""

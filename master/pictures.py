@@ -41,7 +41,7 @@ def draw(case, runs, folder):
 def figures(case, runs):
     """Every picture of the case with its figure, one after the other; a figure is closed when the next is asked for."""
     for picture in case.pictures:
-        figure = draw_lines(picture, runs, case.window) if picture.kind == "lines" else draw_maps(picture, runs)
+        figure = draw_lines(picture, runs, case.window) if picture.kind == "lines" else KINDS[picture.kind](picture, runs)
         figure.suptitle(picture.title)
         yield picture, figure
         plt.close(figure)
@@ -119,3 +119,26 @@ def draw_maps(picture, runs):
             panel.set_ylabel("height / skirt length")
         figure.colorbar(shown, ax=list(row), label=labelled(port.split(".")[1].replace("_", " "), unit))
     return figure
+
+
+def draw_sections(picture, runs):
+    """One panel per field, runs in one panel: the field along the circumference at one height and instant."""
+    figure, panels = plt.subplots(len(picture.fields), 1, sharex=True, squeeze=False, layout="constrained",
+                                  figsize=(9, 1.2 + 2.6 * len(picture.fields)))
+    instant, span = to_si(picture.time, "s"), [np.degrees(to_si(text, "rad")) for text in picture.angles]
+    for panel, port in zip(panels[:, 0], picture.fields):
+        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
+            values, time, unit, _ = results.field(port, instant)
+            line, shown = scaled(values[:, min(int(picture.height * values.shape[1]), values.shape[1] - 1)], unit,
+                                 picture.units.get(port))
+            angle = 360 * (np.arange(line.size) + 0.5) / line.size
+            inside = (angle >= span[0]) & (angle <= span[1])
+            panel.plot(angle[inside], line[inside], ".-", color=colour, lw=1.2, ms=4, label=f"{label}, t = {time * 1e3:.2f} ms")
+        panel.set_ylabel(labelled(port.split(".")[1].replace("_", " "), shown))
+        panel.grid(alpha=0.3)
+    panels[0, 0].legend(fontsize="small", frameon=False)
+    panels[-1, 0].set_xlabel("angle from the pin axis [deg]; thrust side 90, anti-thrust side 270")
+    return figure
+
+
+KINDS = {"map": draw_maps, "section": draw_sections}

@@ -35,6 +35,12 @@ def writing(path):
         raise CannotWrite(f"{path} cannot be written: {error.strerror or error}") from error
 
 
+def reserve(path, size):
+    """Take room for a file of so many bytes on the disk; CannotWrite if it is not there."""
+    with writing(path), open(path, "ab", buffering=0) as file:
+        os.posix_fallocate(file.fileno(), 0, size)
+
+
 class Recorder:
     """Writes `<path>` as `<path>.partial` while the run goes on, `flush_every` rows at a time.
 
@@ -54,17 +60,20 @@ class Recorder:
         self.participants, self.record, self.flush_every = participants, record, flush_every
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
+        taken_over = self.partial.stat().st_size if rows else 0
+        reserve(fresh, ROOM + taken_over)       # a full disk is found here: a write that fails is more than HDF5 can cope with
         self.file = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
         self.scalars = {name: [f for f in p.fields.values() if f.causality == "output" and not f.shape and f.type != "String"]
                         for name, p in participants.items()}
         self.rows = rows
         self._make_datasets()
+        self._waiting, self._reserved, self._need = {}, 0, ROOM + self._largest_growth()
+        self._reserve(fresh, taken_over)
         if rows:
             self._take_over()
         os.replace(fresh, self.partial)
         self.file.swmr_mode = True
-        self._waiting, self._reserved, self._need = {}, 0, ROOM + self._largest_growth()
 
     def _make_datasets(self):
         self._series("time", "s", "end of the macro step")
@@ -106,18 +115,17 @@ class Recorder:
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
         return sum(count * item.dtype.itemsize * int(np.prod(item.chunks)) for count, item in zip(waiting, datasets))
 
-    def _reserve(self):
-        """Take the room for what comes next on the disk before HDF5 needs it: after a write that fails HDF5 cannot even close."""
-        end = self.file.id.get_filesize() + self._need
+    def _reserve(self, path, more=0):
+        """Take room for what comes next, and `more` bytes, before HDF5 needs it: after a failed write it cannot even close."""
+        end = self.file.id.get_filesize() + self._need + more
         if end > self._reserved:
             self._reserved = end + self._need
-            with writing(self.partial), open(self.partial, "r+b", buffering=0) as file:
-                os.posix_fallocate(file.fileno(), 0, self._reserved)
+            reserve(path, self._reserved)
 
     def flush(self):
         """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time are lost then."""
         waiting, self._waiting = self._waiting, {}
-        self._reserve()
+        self._reserve(self.partial)
         for name, rows in waiting.items():
             dataset = self.file[name]
             dataset.resize(dataset.shape[0] + len(rows), axis=0)

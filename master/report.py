@@ -18,20 +18,29 @@ def short(value, unit):
     return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"
 
 
+REFRESH = 0.2
+"""Seconds from one progress line to the next: units of handy size take a millisecond to find."""
+
+
 @contextmanager
 def watching(console, label):
     """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step was done."""
-    columns = (TextColumn("{task.description}", table_column=Column(min_width=len(label))), BarColumn(8), TextColumn("{task.fields[state]}"))
-    with Progress(*columns, console=console, refresh_per_second=5) as progress:
+    name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
+    columns = (name, BarColumn(8), TextColumn("{task.fields[state]}"))
+    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
         task = progress.add_task(label, total=1.0, state="")
 
         def watch(time, stop, solution, monitored):
-            watch.first = watch.first or clock.perf_counter()
+            now = clock.perf_counter()
+            watch.first = watch.first or now
+            if now < watch.next and time < stop:
+                return
+            watch.next = now + REFRESH
             parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
             parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
             progress.update(task, completed=time / stop, state="  ".join(parts))
 
-        watch.first = None
+        watch.first, watch.next = None, 0.0
         yield watch
 
 

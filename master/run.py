@@ -125,7 +125,8 @@ class March:
         for reduction in account.reductions:
             reduction.add(values)
         account.spent["recording"] += clock.perf_counter() - begin
-        account.work.add(time, solution.x, self.stepper.interface.read())
+        if account.work.pairs:
+            account.work.add(time, solution.x, self.stepper.interface.read())
         self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
 
     def keep(self):

@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from .case import check_case, find_case, read_tree
+from .compare import score
 from .recorder import Results
 from .run import run
 from .stepping import StepFailed
@@ -88,12 +89,28 @@ def slow_checks():
                   "ageing secants; probes of the first steps not counted")
     yield at_most(case, "film, with against without derivatives [m]", float(np.max(np.abs(aged["films"] - flexible["films"]))), 1e-9,
                   "the tolerance of the film", "both converge to it in every step")
+    yield from convergence_checks()
     yield from adaptive_checks()
+
+
+def convergence_checks():
+    """What the numerical example's grid, step, modes and tolerance are worth: rms distance from finer ones, first turn."""
+    case = check_case(read_tree(path := find_case("numerical_example"), ()), path)
+    for name, standard, finer, share in (("grid", "40 x 40", "80 x 80", 0.05), ("step", "1 deg", "0.25 deg", 0.01),
+                                         ("modes", "pressure_modes 40", "pressure_modes 60", 0.01),
+                                         ("tolerance", "1 nm", "0.1 nm", 1e-6)):
+        study = case.studies[name]
+        runs = [summary_of("numerical_example", *study.set.items(), *study.points[point].items(), ("time.stop", "360 deg"),
+                           look=lambda results: {port: (results.series(study.x)[0], results.series(port)[0]) for port in study.curves})
+                for point in (standard, finer)]
+        for port in study.curves:
+            yield at_most(f"Numerical example, {name} {standard}", f"{port.split('.')[1]}: rms distance from {finer} / range",
+                          score(*runs[0][port], *runs[1][port])["rms"], share, "finer run", "first or second order, with a margin of two")
 
 
 def films(results):
     """All recorded film thicknesses of a run."""
-    return {"films": np.array([results.field("bodies.film_thickness", time)[0] for time in results.field_times])}
+    return {"films": results.file["fields/bodies/film_thickness"][:]}
 
 
 def adaptive_checks():

@@ -1,8 +1,8 @@
 """Parametric meshes of a piston and of a finned cylinder block by gmsh (running a case does not need it).
 
 One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that the mesh is symmetric to the
-last bit about the thrust plane z = 0 and about x = 0. Lengths are millimetres here, metres in the files. Axes: x thrust, y towards
-the head, z along the pin; the piston's origin is pin point A, the block's lies on the crank axis.
+last bit about the thrust plane z = 0 and about x = 0. Lengths are millimetres here, metres in the files. Axes: x thrust, y
+towards the head, z along the pin; the piston's origin is pin point A, the block's lies on the crank axis.
 """
 
 import gzip

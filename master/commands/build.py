@@ -1,7 +1,9 @@
 """`piston-cosim build`."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from ..case import check_case, find_case, read_tree
 from ..fmi.builder import build_fmu
@@ -10,7 +12,7 @@ from .common import console, parse_grid, say
 
 
 def command(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
-            fmi: Literal["2.0", "3.0"] = "2.0"):
+            fmi: Literal["2.0", "3.0"] = "2.0", no_fields: Annotated[bool, Parameter(negative=())] = False):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -27,6 +29,8 @@ def command(participant: str, *, case: str = "numerical_example", grid: str | No
         Where to put the FMU; without it the path in the cache is printed.
     fmi
         Version of the standard.
+    no_fields
+        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that choke on thousands of scalars.
     """
     path = find_case(case)
     checked = check_case(read_tree(path), path)
@@ -36,6 +40,8 @@ def command(participant: str, *, case: str = "numerical_example", grid: str | No
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)
+    if no_fields:
+        table.build["no_fields"] = True
     fmu = build_fmu(table.package, table.build, path.parent, say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())

@@ -58,7 +58,8 @@ def print_body(body):
     centre, inertia = (np.array(body[key]) for key in ("centre", "inertia"))
     console.print(f"\n[bold]{body['name']}[/]  {body['nodes']} nodes, {body['elements']} elements, "
                   f"{body['degrees_of_freedom']} degrees of freedom", highlight=False)
-    console.print(f"mass {body['mass']:.6g} kg, centre of mass ({', '.join(f'{1e3 * x:.4g}' for x in centre)}) mm", highlight=False)
+    console.print(f"mass {body['mass']:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
+                  highlight=False)
     console.print("inertia about it  " + "  ".join(f"{name} {inertia[at]:.5g}" for name, at in zip(
         ("xx", "yy", "zz", "xy", "yz", "zx"), ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)))) + " kg m2", highlight=False)
     console.print(f"reduced in {body['seconds']:.1f} s, peak memory of the process {body['peak_memory'] / 1e9:.2f} GB",

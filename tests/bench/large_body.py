@@ -52,8 +52,8 @@ def main(cells):
         begin = time.perf_counter()
 
         def say(text):
-            print(f"{time.perf_counter() - begin:7.0f} s {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9:6.2f} GB  "
-                  f"{text}", flush=True)
+            peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
+            print(f"{time.perf_counter() - begin:7.0f} s {peak:6.2f} GB  {text}", flush=True)
 
         body = np.load(cached(reduce_block, options, (40, 40), Path(folder) / "cache", say))
         say("done")

@@ -31,7 +31,7 @@ def refuse():
 calls = []
 FAULTS = {"discard": refuse, "exception": lambda: {}["bug"], "hang": lambda: clock.sleep(1e6),
           "kill": lambda: os.kill(os.getpid(), signal.SIGKILL), "crash": lambda: ctypes.string_at(0),
-          "interrupt": lambda: os.kill(os.getpid(), signal.SIGINT)}
+          "interrupt": lambda: os.killpg(0, signal.SIGINT)}      # as Ctrl-C does: every process of the run hears it
 
 
 class Cell(FieldSlave):

@@ -47,7 +47,8 @@ MASTER = [sys.executable, "-m", "master"]
 
 
 def call(*arguments, **settings):
-    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, **settings)
+    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, start_new_session=True,
+                          **settings)
 
 
 def write_case(folder, fault, isolated=False):
@@ -97,7 +98,8 @@ def test_recovers(whole, tmp_path, fault, isolated):
 @pytest.mark.parametrize("fault, isolated, words", [
     ("exception", False, "KeyError: 'bug'"), ("exception", True, "KeyError: 'bug'"),
     ("hang", True, "no answer to step within 3 s"), ("kill", True, "its process has ended (by SIGKILL)"),
-    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s")])
+    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s"),
+    ("interrupt", True, "interrupted at t = 1.24 s")])
 def test_stops_and_goes_on_with_the_same_bits(whole, tmp_path, fault, isolated, words):
     done = run(tmp_path, fault, isolated)
     assert done.returncode == 1, done.stderr
@@ -117,20 +119,32 @@ def goes_on_as_if_nothing_had_happened(done, folder, whole):
 
 def test_full_disk(whole, tmp_path):
     """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit fails as on a full disk."""
-    done = run(tmp_path, "", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY)))
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY))
+
+    done = run(tmp_path, "", preexec_fn=limit)
     assert done.returncode == 1, done.stderr
     assert "cannot be written" in done.stderr and "base.h5" in done.stderr
+    again = call("resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit)      # the disk is still full: nothing is lost
+    assert again.returncode == 1 and "cannot be written" in again.stderr
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
 
 
-def test_faults_of_all_participants_are_heard_at_once(tmp_path):
+@pytest.mark.parametrize("isolated", ["false", "true"])
+def test_faults_of_all_participants_are_heard_at_once(tmp_path, isolated):
     """One cannot be repeated, the other refuses a parameter; nothing runs."""
     (tmp_path / "marker").touch()
-    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf"])
+    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf", f"participants.good.isolated={isolated}"])
     assert done.returncode == 2
     assert "bad: a step taken again from its saved state gives another x" in done.stderr
     assert "good: u = inf" in done.stderr
     assert not (tmp_path / "base.h5.partial").exists()
+
+
+def test_a_timeout_that_is_none_is_bad_input(tmp_path):
+    for timeout, words in (("5 kg", "timeout"), ("-1 s", "timeout = -1 s: must be positive")):
+        done = run(tmp_path, "", isolated=True, changes=[f"participants.bad.timeout={timeout}"])
+        assert done.returncode == 2 and words in done.stderr
 
 
 def test_fault_before_the_first_checkpoint_says_so(tmp_path):

@@ -10,6 +10,7 @@ from fmpy.validation import validate_fmu
 from numpy.polynomial import Polynomial
 
 from master.case import check_case, find_case, read_tree
+from master.checkpoint import Checkpoint
 from master.fmi.builder import build_fmu_of_file
 from master.fmi.errors import BadInput
 from master.interpolated import InterpolatedParticipant, hermite, linear
@@ -84,6 +85,28 @@ def test_isolated_gives_the_same_bits_and_newton_the_same_motion(tmp_path):
     np.testing.assert_array_equal(result_of(tmp_path, ("participants.left.isolated", True)), here)
     # twenty steps, each converged to 1e-12 m
     np.testing.assert_allclose(result_of(tmp_path, ("coupling.method", "newton")), here, atol=1e-10)
+
+
+class Stopped(Exception):
+    """Raised by a test in the middle of a run."""
+
+
+def test_resumed_goes_on_along_the_same_course(tmp_path):
+    """The values at the beginning of a step are part of the checkpoint."""
+    tree = read_tree(PATH, [("time.stop", "0.2 s"), ("record", {"checkpoint_every": 7})])
+    case, output = check_case(tree, PATH), tmp_path / "run.h5"
+
+    def stop(time, *others):
+        if time > 0.165:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        run(open_system(case, PATH.parent, print), case, tree, output, stop)
+    found = Checkpoint.read(Checkpoint.path(output))
+    assert found.account.steps_done == 14
+    run(open_system(case, PATH.parent, print), case, tree, output, begin_at=found)
+    resumed = Results(output).series("left.displacement")[0]
+    np.testing.assert_array_equal(resumed, result_of(tmp_path, ("record", {"checkpoint_every": 0})))
 
 
 def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):

@@ -116,3 +116,9 @@ def test_command_line_values():
         parse_grid("60")
     with pytest.raises(BadInput):
         parse_change("novalue")
+
+
+def test_a_picture_lacks_what_its_kind_needs(case_file):
+    path = case_file(GOOD + '[[pictures]]\nfile = "a.png"\ntitle = "A"\nkind = "section"\nfields = ["a.h"]\n')
+    with pytest.raises(BadInput, match="kind 'section' needs time"):
+        check_case(read_tree(path), path)

@@ -133,3 +133,20 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     assert found.point_data["von_mises"].max() > 0
     wrong = subprocess.run([*call, "--time", "1 kg"], cwd=tmp_path, capture_output=True, text=True)
     assert wrong.returncode == 2
+
+
+def test_ties_by_option(coarse, cache):
+    """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs hold less than a clamp."""
+    from fmu_mfbd.build import reduced_bodies
+
+    folder, options = coarse
+    piston, block = (options[name] | {"modes": 6, "basis": "craig_bampton"} for name in ("piston", "block"))
+    tables = [{"piston": piston | {"tie": tie}} for tie in ("rbe2", "rbe3_per_boss", "rbe3")]
+    tables += [{"block": block | {"tie": "springs", "spring_stiffness": f"{k} N/m"}} for k in (1e14, 1e9, 1e7)]
+    tables += [{"block": block}]
+    rbe2, per_boss, rbe3, stiff, middle, soft, clamp = (
+        np.load(next(iter(reduced_bodies({"grid": [16, 12]} | table, folder, lambda text: None).values())))["omega"]
+        for table in tables)
+    assert rbe2[0] > per_boss[0] and np.all(rbe2 > per_boss) and np.all(per_boss >= rbe3 * (1 - 1e-9)) and per_boss[0] > rbe3[0]
+    assert clamp == pytest.approx(stiff, rel=2e-3)
+    assert np.all(stiff > middle) and np.all(middle > soft)

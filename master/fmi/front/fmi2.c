@@ -183,6 +183,18 @@ EXPORT int fmi2GetStatus(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetIntegerStatus(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetStringStatus(Instance *I) { return not_offered(I, __func__); }
 
+/* model exchange: importers that bind every function of the standard want to find the names */
+EXPORT int fmi2EnterEventMode(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2NewDiscreteStates(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2EnterContinuousTimeMode(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2CompletedIntegratorStep(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2SetTime(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2SetContinuousStates(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetDerivatives(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetEventIndicators(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetContinuousStates(Instance *I) { return not_offered(I, __func__); }
+EXPORT int fmi2GetNominalsOfContinuousStates(Instance *I) { return not_offered(I, __func__); }
+
 EXPORT int fmi2GetBooleanStatus(Instance *I, int kind, int *value)
 {
     enum { TERMINATED = 3 };
