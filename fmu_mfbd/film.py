@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import compiled, compiled_sums
+from .compiled import compiled
 from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
@@ -266,7 +266,7 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
     return FilmForces(lateral, axial, moment, piston, block)
 
 
-@compiled_sums()
+@compiled()
 def resultants(skirt, pressure_force, friction_force):
     """Forces of the film on the piston along x and y, and moment about A."""
     lateral, axial, moment = 0.0, 0.0, 0.0
@@ -346,7 +346,7 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     return thickness, velocity, lift, power, size
 
 
-@compiled_sums()
+@compiled()
 def _work(push, drag, opening_rate, velocity, slope, guided_rate):
     """A line's share of lift, power and size, see `film_now`."""
     lift, power, size = 0.0, 0.0, 0.0
