@@ -142,7 +142,7 @@ def _schur(order, m, centre, back, ahead, west, east, station, before, previous,
         u, p = (-ahead[c, before], place[c]) if before >= 0 else (0.0, -1)
         if p >= 0:
             for r in range(n):
-                s[a, r] = u * previous[p, r] * weight[r]
+                s[a, r] = u * previous[p, r] * weight[r]  # Eq. (B2)
         else:
             for r in range(n):
                 s[a, r] = 0.0
@@ -230,7 +230,7 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
             for i in range(n):
                 b[i] = right[q, i, j]
                 if k > 0:
-                    b[i] -= back[i, j] * x[k - 1, i]
+                    b[i] -= back[i, j] * x[k - 1, i]  # Eq. (B3)
             _multiply(columns, diagonals, orders, counts[k], k, b, y)
             for i in range(n):
                 x[k, i] = y[i]

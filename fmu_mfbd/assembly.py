@@ -85,8 +85,8 @@ def parted(piston, strong, limit):
     """The piston with the modes up to `limit` [rad/s], and the faster ones, which follow statically; `strong`: see `damping`."""
     omega, k = piston["omega"], np.count_nonzero(piston["omega"] <= limit)
     shares = (piston["T"][:, :k], piston["b"][:k], piston["B"][:k, :k], piston["g"][:k], piston["G"][:k, :k])
-    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *map(np.ascontiguousarray, shares), omega[:k] ** 2,
-                        damping(omega[:k], *strong))
+    body = FlexibleBody(float(piston["mass"]), piston["S"], float(piston["I0"]), *map(np.ascontiguousarray, shares),
+                        omega[:k] ** 2, damping(omega[:k], *strong))
     rest = (piston["T"][:, k:], piston["b"][k:], piston["g"][k:])
     return body, StaticModes(omega[k:] ** 2, *map(np.ascontiguousarray, rest))
 
@@ -111,7 +111,8 @@ def assemble(piston, block, options, p):
     low, high, offset = float(piston["skirt_lower"]), float(piston["skirt_upper"]), options["piston"]["pin_offset"]
     angle, height = cell_centres(*options["grid"], low, high)
     gap = p["radial_clearance"] + barrel(height, low, high, p["barrel"]) + ovality(angle, p["ovality"])[:, None]
-    gap = gap + tilt_about_x(angle, height, p["pin_tilt"]) - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
+    gap = gap - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
+    gap = gap + tilt_about_x(angle, height, p["pin_tilt"])
     gap = gap + sum(table_shape(table, angle, height) for table in options["piston"]["profiles"])
     radius = float(block["radius"])
     values = (piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial"))

@@ -1,7 +1,7 @@
 """The flexible piston on its crank in Exudyn: an independent multibody code, the same mesh, modes, mechanism and forces.
 
-The piston's frame A rides on a rigid rod whose other end goes round with the crank at constant speed. Springs hold A laterally and
-against turning, where the oil film would; a gas force that comes and goes presses on the crown. No gravity and no damping.
+The piston's frame A rides on a rigid rod whose other end goes round with the crank at constant speed. Springs hold A laterally
+and against turning, where the oil film would; a gas force that comes and goes presses on the crown. No gravity, no damping.
 """
 
 from typing import NamedTuple
@@ -156,7 +156,8 @@ def exudyn_motion(points, K, M, modes, mechanism, gas_shape, drive, step, steps,
     mbs.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, turned],
                                             offsetUserFunction=lambda mbs, t, number, offset: w * t,
                                             offsetUserFunction_t=lambda mbs, t, number, offset: w))
-    kept = [mbs.AddSensor(item.SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=exu.OutputVariableType.Coordinates))
+    what = exu.OutputVariableType.Coordinates
+    kept = [mbs.AddSensor(item.SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=what))
             for node in (frame, piston["nGenericODE2"])]
     mbs.Assemble()
     settings = exu.SimulationSettings()

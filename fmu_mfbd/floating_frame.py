@@ -1,4 +1,9 @@
-"""Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces and their exact tangent."""
+"""Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces and their exact tangent.
+
+References
+----------
+[Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge University Press, 2013.
+"""
 
 from typing import NamedTuple
 

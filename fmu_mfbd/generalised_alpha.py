@@ -1,4 +1,10 @@
-"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of motion here."""
+"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of motion here.
+
+References
+----------
+[ChungHulbert1993] J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375.
+[ArnoldBruels2007] M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185-202.
+"""
 
 from typing import NamedTuple
 

@@ -257,7 +257,8 @@ def response(system, window, c, linear, pressure_force, friction_force):
     """
     skirt, bore, n = system.skirt, system.bore, 2 + len(system.piston.stiffness)
     forces = generalised(skirt, bore, window, pressure_force, friction_force)
-    rubbing = -linear.friction_x * forces.lateral - linear.friction_y * forces.axial    # the pin carries less of what the film does
+    # the pin carries what the film does not
+    rubbing = -linear.friction_x * forces.lateral - linear.friction_y * forces.axial
     right = np.empty(n)
     right[0] = forces.lateral + linear.slope * forces.axial - linear.turn_place * rubbing
     right[1] = forces.moment + rubbing

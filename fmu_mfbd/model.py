@@ -25,6 +25,8 @@ class State:
         Since the start [s].
     crank_angle, crank_speed, crank_acceleration : float
         [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
+    crank_jerk : float
+        By which the acceleration of a free crank changed over the last step [rad/s3]; 0 for another.
     place, rate, acceleration, auxiliary : ndarray, shape (n,)
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives in time, and the
         time integrator's auxiliary acceleration.
@@ -34,6 +36,7 @@ class State:
     crank_angle: float
     crank_speed: float
     crank_acceleration: float
+    crank_jerk: float
     place: np.ndarray
     rate: np.ndarray
     acceleration: np.ndarray
@@ -86,12 +89,19 @@ class Crank:
         return crank_motion(self.table, angle, 0.0, 0.0) if self.table else (angle, speed, 0.0)
 
     def turn(self, state, step, speed):
-        """Angle, speed and acceleration a step [s] after a state, `speed` being the input's at its end."""
+        """Angle, speed and acceleration a step [s] after a state, `speed` being the input's at its end.
+
+        Eq. (M3), free:  phi + h w + h^2 w'/2 + h^3 w''/6,   w + h w' + h^2 w''/2,   w' + h w''        order 2 in the step
+        """
         if self.table:
             return crank_motion(self.table, state.crank_angle, state.time, step)
-        turn = state.crank_acceleration if self.free else (speed - state.crank_speed) / step
-        end = state.crank_speed + step * turn if self.free else speed
-        return state.crank_angle + step * (state.crank_speed + end) / 2, end, turn
+        if self.free:
+            turn = state.crank_acceleration + step * state.crank_jerk                                           # Eq. (M3)
+            end = state.crank_speed + step * (state.crank_acceleration + turn) / 2
+            mean = state.crank_speed + step * (2 * state.crank_acceleration + turn) / 6
+            return state.crank_angle + step * mean, end, turn
+        turn = (speed - state.crank_speed) / step
+        return state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
 
 
 class PistonInBore:
@@ -157,8 +167,8 @@ class PistonInBore:
     def advance(self, state, inputs, step):
         """One step of the generalised-alpha method; equations hold at its end, with the forces given for its end.
 
-        The crank follows its table; without one it turns with constant acceleration over the step: what the input's change asks
-        for, or, free, what its torques ask for at the start of the step (order 1 in the step, for this slow motion alone).
+        The crank follows its table; without one it turns with constant acceleration over the step, which the input's change asks
+        for; free, it goes on as its torques asked for up to the start of the step (Eq. (M3)).
 
         Parameters
         ----------
@@ -177,8 +187,11 @@ class PistonInBore:
         NotConverged
         """
         c = coefficients(step, self.spectral_radius)
-        return self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), state.time + step,
-                            self.crank.turn(state, step, inputs.crank_speed), inputs)
+        end, outputs = self._settle(c, (state.place, state.rate, state.acceleration, state.auxiliary), state.time + step,
+                                    self.crank.turn(state, step, inputs.crank_speed), inputs)
+        if self.crank.free:
+            end = replace(end, crank_jerk=(end.crank_acceleration - state.crank_acceleration) / step)
+        return end, outputs
 
     def _settle(self, c, before, time, crank, inputs):
         """State and outputs whose accelerations balance the forces, a step after the motion `before`."""
@@ -189,7 +202,7 @@ class PistonInBore:
                                f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += 1
-        state = State(time, *crank, now.place, now.rate, now.acceleration, now.auxiliary)
+        state = State(time, *crank, 0.0, now.place, now.rate, now.acceleration, now.auxiliary)
         self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)
         if self.crank.free:

@@ -1,6 +1,10 @@
 """Equation of motion of the flexible piston on its crank, in minimal coordinates [x_A, rocking angle, modal coordinates].
 
 A's height and the rod's angle follow from x_A and the crank angle, so that there are no constraints and nothing drifts.
+
+References
+----------
+[Deuflhard2011] P. Deuflhard, Newton Methods for Nonlinear Problems, Springer, 2011.
 """
 
 from typing import NamedTuple

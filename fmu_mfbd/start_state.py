@@ -49,5 +49,5 @@ def check_modes(start, modes):
     """Raise ValueError unless a start belongs to bodies of so many modes, piston and block together."""
     for key in FIELDS:
         if len(start[key]) != modes:
-            raise ValueError(f"start: {len(start[key])} values of {key} where these bodies have {modes} modes; a run keeps them if "
-                             "its case names them in record.fields")
+            raise ValueError(f"start: {len(start[key])} values of {key} where these bodies have {modes} modes; a run keeps them "
+                             "if its case names them in record.fields")

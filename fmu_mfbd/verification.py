@@ -386,8 +386,8 @@ def exudyn_checks():
         other = exudyn_motion(mesh.points, K, M, modes, mechanism, gas_shape, *run)
         difference, case = np.abs(own - other), f"Piston against Exudyn, {step * 1e6:g} us"
         apart.append(difference[:, 0].max())
-        yield figure(case, f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]", apart[-1], 0.0, bound,
-                     "at most", "independent code", "the published differences at these steps")
+        yield figure(case, f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]", apart[-1], 0.0,
+                     bound, "at most", "independent code", "differences that two such codes had before at these steps")
         for name, columns in (("rocking angle", slice(1, 2)), ("modal coordinates", slice(2, None))):
             sizes = [np.linalg.norm(values[:, columns], axis=1).max() for values in (difference, own)]
             yield figure(case, f"{name}, relative difference [-]", sizes[0] / sizes[1], 0.0, 2e-4 * (step / 1e-5) ** 2, "at most",

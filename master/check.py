@@ -129,12 +129,14 @@ def swap(tree, name, path):
         left_out.extend(f"{table}.{key}" for key, port in entries.items() if not known(port))
         return {key: port for key, port in entries.items() if known(port)}
 
-    given = tree["participants"][name].get("parameters", {})
+    table = tree["participants"][name]
+    given = table.get("parameters", {})
     parameters = kept(f"participants.{name}.parameters", {key: f"{name}.{key}" for key in given})
     record = tree.get("record", {})
     swapped = tree | {
         "participants": tree["participants"] | {
-            name: {"fmu": str(Path(path).resolve()), "parameters": {key: given[key] for key in parameters}}},
+            name: {"fmu": str(Path(path).resolve()), "parameters": {key: given[key] for key in parameters},
+                   **{key: table[key] for key in ("isolated", "timeout") if key in table}}},
         "record": record | {"fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))},
         "summary": kept("summary", tree.get("summary", {})), "monitor": kept("monitor", tree.get("monitor", {})),
         "pictures": [p for p in (_picture(picture, known, left_out) for picture in tree.get("pictures", [])) if p]}

@@ -7,7 +7,8 @@ import numpy as np
 
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
-from .common import console, open_runs
+from ..recorder import Results
+from .common import console
 
 
 def command(file: Path, *, participant: str, output: Path, time: str | None = None):
@@ -27,10 +28,12 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
     time
         The recorded instant nearest to this time; without it the last one at which fields were recorded.
     """
-    _, runs = open_runs((file,))
-    (results,) = runs.values()
-    if participant not in results.file:
-        raise BadInput(f"--participant {participant}: {file} has {', '.join(n for n in results.file if n in results.case['participants'])}")
+    try:
+        results = Results(file)
+    except (OSError, KeyError) as error:
+        raise BadInput(f"{file}: no results of a run: {error}") from None
+    if participant not in results.case["participants"]:
+        raise BadInput(f"--participant {participant}: {file} has {', '.join(results.case['participants'])}")
     instants = results.file["fields/time"][:]
     if not len(instants):
         instants = results.time

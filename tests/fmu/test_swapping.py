@@ -80,6 +80,14 @@ def run_with(fmu, folder):
     return summary, Results(output), left_out
 
 
+def test_a_swapped_fmu_stays_isolated(template):
+    """`--lubrication X.fmu --set participants.ehd.isolated=true`: what a foreign FMU is best run with."""
+    changes = [("participants.ehd.isolated", True), ("participants.ehd.timeout", "5 s")]
+    tree, _ = swap(read_tree(PATH, [*SMALL, *changes]), "ehd", template)
+    table = check_case(tree, PATH).participants["ehd"]
+    assert table.isolated and table.timeout == "5 s" and table.fmu == str(template)
+
+
 def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_path):
     """Without derivatives: Newton on differences of two steps; every step converges."""
     results = {}

@@ -160,7 +160,8 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
     c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
-    arrow, coupling = tangent(body, mechanism, load, place, rate, a, phi, w, 2e3, c1, c2), mode_coupling(body, a[1], rate[1], c1, c2)
+    arrow = tangent(body, mechanism, load, place, rate, a, phi, w, 2e3, c1, c2)
+    coupling = mode_coupling(body, a[1], rate[1], c1, c2)
     matrix = whole(arrow, coupling)
     right = rng.standard_normal(n)
     np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)

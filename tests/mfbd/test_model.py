@@ -178,7 +178,7 @@ def test_crank_at_varying_given_speed(model):
 
 
 def test_free_crank_keeps_the_energy(reduced):
-    """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls with the step (order 1)."""
+    """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls with the step (order 2)."""
     from fmu_mfbd.assembly import assemble
     from fmu_mfbd.variables import parameters
 
@@ -200,10 +200,10 @@ def test_free_crank_keeps_the_energy(reduced):
             levels.append(0.5 * 2e-4 * state.crank_speed**2 + 0.5 * mass * (out["piston_velocity"] ** 2 + state.rate[0] ** 2)
                           + 0.5 * float(piston["I0"]) * state.rate[1] ** 2)
             speeds.append(state.crank_speed)
-        drift.append(max(levels) / levels[0] - 1)
+        drift.append(np.abs(np.array(levels) / levels[0] - 1).max())
         swing.append(np.ptp(speeds))
     assert swing[1] > 50.0                                   # the crank really gives and takes
-    assert drift[1] < 0.02 and drift[1] < 0.6 * drift[0]
+    assert drift[1] < 2e-5 and drift[1] < 0.26 * drift[0]
 
 
 def test_a_seized_pin_turns_the_piston_with_the_rod(reduced, model):

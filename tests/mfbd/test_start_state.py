@@ -20,8 +20,8 @@ def write(tmp_path):
     return at
 
 
-@pytest.mark.parametrize("angle, reduced", [(0.25, 0.25), (8 * np.pi + 0.5, 0.5), (6 * np.pi, -2 * np.pi), (-2 * np.pi, -2 * np.pi),
-                                            (3 * np.pi, -np.pi)])
+@pytest.mark.parametrize("angle, reduced", [(0.25, 0.25), (8 * np.pi + 0.5, 0.5), (6 * np.pi, -2 * np.pi),
+                                            (-2 * np.pi, -2 * np.pi), (3 * np.pi, -np.pi)])
 def test_whole_cycles_are_left_out(write, angle, reduced):
     found = read_start(write(WHOLE | {"crank_angle": angle}))
     assert found["crank_angle"] == pytest.approx(reduced) and set(found) == {*SCALARS, *FIELDS}
