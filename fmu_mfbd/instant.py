@@ -60,7 +60,7 @@ class Balance(NamedTuple):
     work_error : float
         Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe
         the same work, so that anything above round-off is an error in the transfer of forces.
-    evaluations, size : int, float
+    evaluations, tangents, size : int, int, float
         Of `settle`.
     """
 
@@ -80,6 +80,7 @@ class Balance(NamedTuple):
     torque: float
     work_error: float
     evaluations: int
+    tangents: int
     size: float
 
 
@@ -113,7 +114,7 @@ def balance(system, c, motion_before, crank, gas, pressure_force, friction_force
     for k in range(len(push)):
         push[k] += gas * system.gas_force[k]
     load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push[:n - 2])
-    own, pin_x, pin_y, moment, torque, evaluations, size = settle(
+    own, pin_x, pin_y, moment, torque, evaluations, tangents, size = settle(
         system.piston, mechanism, load, before[0][:n], before[1][:n], motion_before[2][:n], crank[0], crank[1], crank[2], c.rate,
         c.place)
     end, speed, acceleration, auxiliary = _modes_after(system, c, motion_before[0], before, own, push, forces.block, crank)
@@ -130,7 +131,7 @@ def balance(system, c, motion_before, crank, gas, pressure_force, friction_force
         sizes += abs(force * speed[k])
     error = abs(power - work) / sizes if sizes > 0.0 else 0.0
     return Balance(end, speed, acceleration, auxiliary, window, load, thickness, velocity, Y, climb, pin_x, pin_y - lift,
-                   moment, torque - lift * lever0, error, evaluations, size)
+                   moment, torque - lift * lever0, error, evaluations, tangents, size)
 
 
 @compiled()

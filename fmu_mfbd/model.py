@@ -201,7 +201,7 @@ class PistonInBore:
             raise NotConverged(f"piston motion at crank angle {crank[0]:.6g} rad: relative change of "
                                f"the accelerations stays at {now.size:.3g}")
         self.residual_evaluations += now.evaluations
-        self.jacobian_evaluations += 1
+        self.jacobian_evaluations += now.tangents
         state = State(time, *crank, 0.0, now.place, now.rate, now.acceleration, now.auxiliary)
         self._last, self._linear = (c, now.load, state, crank, now.window), None
         outputs = self._outputs(now, crank)

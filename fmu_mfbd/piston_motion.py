@@ -243,8 +243,8 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     acceleration : ndarray, shape (2 + k,)
     pin_x, pin_y, moment, torque : float
         As for `imbalance`.
-    evaluations : int
-        Of the residual; 0 if it did not converge.
+    evaluations, tangents : int
+        How often residual (0 if it did not converge) and tangent were made.
     size : float
         Last change of the accelerations in the norm of the inertia; relative if it did not converge.
     """
@@ -252,12 +252,12 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     a, end, speed = guess.copy(), np.empty(n), np.empty(n)
     _move(end, speed, place, rate, a, c1, c2)
     arrow = tangent(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
-    change, size, total, share = np.zeros(n), 0.0, 0.0, 1.0
+    change, size, total, share, tangents = np.zeros(n), 0.0, 0.0, 1.0, 1
     for evaluation in range(1, 80):
         residual, pin_x, pin_y, moment, torque = imbalance(body, mechanism, load, end, speed, a,
                                                            crank_angle, crank_speed, crank_acceleration)
         if evaluation > 1 and size <= 1e-11 * total:
-            return a, pin_x, pin_y, moment, torque, evaluation, size
+            return a, pin_x, pin_y, moment, torque, evaluation, tangents, size
         fresh = solve(arrow, residual)
         left = np.sqrt(size_of(arrow, fresh))
         if evaluation > 1 and left > (1 - share / 4) * size:
@@ -268,12 +268,13 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
             if evaluation > 1 and left > 0.1 * size:
                 arrow = tangent(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
                 fresh = solve(arrow, residual)
+                tangents += 1
             change, share = fresh, 1.0
             for k in range(n):
                 a[k] -= change[k]
             size, total = np.sqrt(size_of(arrow, change)), np.sqrt(size_of(arrow, a))
         _move(end, speed, place, rate, a, c1, c2)
-    return a, pin_x, pin_y, moment, torque, 0, size / total
+    return a, pin_x, pin_y, moment, torque, 0, tangents, size / total
 
 
 @compiled()

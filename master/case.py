@@ -83,8 +83,9 @@ class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
     method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants; methods/secants.py); aitken,
-    or constant relaxation.
+    or constant relaxation; explicit: one sweep a macro step, not iterated, and what is off by more than its tolerance counted.
     order : the order in which the participants step; the wires that run against it are the unknowns.
+    parallel : Jacobi's order in place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others.
     mixing : share taken of what the secants leave unexplained.
@@ -95,8 +96,9 @@ class Coupling(Table):
     halvings : how often a macro step that fails may be halved.
     """
 
-    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant"] = "newton"
+    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit"] = "newton"
     order: list[str]
+    parallel: bool = False
     predictor: int = Field(2, ge=0, le=2)
     max_iterations: int = Field(20, ge=1)
     relaxation: float = Field(0.5, gt=0, le=1)

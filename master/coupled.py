@@ -51,7 +51,8 @@ class Coupled(FieldSlave):
             parameters[owner][name] = values[exposed]
         participants = {name: LocalParticipant(name, self._slave(name, place)) for name, place in options["participants"].items()}
         connections = tuple(_connection(entry) for entry in options["connections"])
-        self.system = System(participants, tuple(options["order"]), connections, parameters, np.inf, options["step"])
+        self.system = System(participants, tuple(options["order"]), connections, parameters, np.inf, options["step"],
+                             parallel=options["coupling"]["parallel"])
         start(self.system)
         coupling = SimpleNamespace(**options["coupling"])
         self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings, order=coupling.predictor)

@@ -7,7 +7,8 @@ class Interface:
     """Vector layout of all connections.
 
     The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of wires that run against
-    the stepping order: the unknowns of a sequential sweep (`feedback_wires`: the slice of each among them). Norms are scaled: element / nominal of its wire.
+    the stepping order: the unknowns of a sequential (Gauss-Seidel) sweep (`feedback_wires`: the slice of each among them).
+    Norms are scaled: element / nominal of its wire.
 
     Parameters
     ----------
@@ -15,10 +16,13 @@ class Interface:
         In stepping order.
     connections : sequence of Connection
 
+    parallel : bool
+        Jacobi's order: every participant reads the iterate alone, all wires are unknowns.
+
     `trail` holds the measures of every wire since it was last cleared, a list for each sweep that was measured.
     """
 
-    def __init__(self, participants, connections):
+    def __init__(self, participants, connections, parallel=False):
         self.participants, self.connections, self.trail = participants, connections, []
         sizes = [int(np.prod(c.shape)) for c in connections]
         ends = np.cumsum(sizes, dtype=int)
@@ -26,7 +30,7 @@ class Interface:
         self.size = int(ends[-1]) if sizes else 0
         self.nominal = np.repeat([c.nominal for c in connections], sizes)
         position = {name: k for k, name in enumerate(participants)}
-        against = [position[c.target[0]] <= position[c.source[0]] for c in connections]
+        against = [parallel or position[c.target[0]] <= position[c.source[0]] for c in connections]
         self.feedback = np.repeat(against, sizes)
         lengths = [size for size, back in zip(sizes, against) if back]
         self.feedback_wires = [slice(end - size, end) for end, size in zip(np.cumsum(lengths, dtype=int), lengths)]

@@ -32,7 +32,9 @@ def rollback_faults(participant, step):
     except FMICallException as error:
         return [f"{participant.name}: its state cannot be saved and restored: {error}"]
     different = [name for name, value in first.items() if value != second[name]]
-    return [f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"] if different else []
+    if not different:
+        return []
+    return [f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"]
 
 
 def _outcome(participant, saved, step):

@@ -174,10 +174,11 @@ def monitored(case, system, values):
 
 
 def summarise(account, control, wall_time):
-    """The summary of a finished run: no step is ever accepted unconverged, so a run that finishes has none."""
+    """The summary of a finished run; only `explicit` coupling accepts a step unconverged."""
     counters = account.counters
     controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
-    return {"steps": counters.steps, "unconverged_steps": 0, "halved_steps": counters.halved_steps, **controlled,
+    return {"steps": counters.steps, "unconverged_steps": counters.unconverged_steps,
+            "halved_steps": counters.halved_steps, **controlled,
             "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
             "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
             "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),

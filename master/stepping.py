@@ -25,10 +25,12 @@ class Counters:
     residual_evaluations: int = 0
     jacobian_evaluations: int = 0
     derivative_products: int = 0
+    unconverged_steps: int = 0
 
     def accept(self, solution):
         self.steps += 1
         self.iterations.append(solution.iterations)
+        self.unconverged_steps += solution.history[-1] > 1.0
         self.residual_evaluations += solution.iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
@@ -78,7 +80,8 @@ class Stepper:
 
     def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2,
                  attempted=lambda time, step, trail, failure: None, control=None):
-        self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections)
+        self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections,
+                                   system.parallel)
         self.method, self.halvings, self.accepted, self.attempted, self.control = method, halvings, accepted, attempted, control
         self.counters, self.failures, self.memory = Counters(), [], method.memory()
         self.predictor = Predictor(order)

@@ -111,7 +111,8 @@ def draw_cost(title, table, path):
     """Bars of what each run has cost, a panel per counter, in the order of the study."""
     rows = [row for row in table if row.get(COST[0], "") != ""][::-1]
     counted = [key for key in COST if any(row[key] for row in rows)]
-    figure, panels = plt.subplots(1, len(counted), sharey=True, squeeze=False, layout="constrained", figsize=(14, 1.2 + 0.32 * len(rows)))
+    figure, panels = plt.subplots(1, len(counted), sharey=True, squeeze=False, layout="constrained",
+                                  figsize=(14, 1.2 + 0.32 * len(rows)))
     for panel, key, colour in zip(panels[0], counted, PALETTE):
         bars = panel.barh([row["run"] for row in rows], [row[key] for row in rows], color=colour)
         panel.bar_label(bars, fmt="{:,.4g}", padding=3, fontsize="small")

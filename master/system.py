@@ -49,7 +49,8 @@ def open_system(case, folder, progress):
     if faults:
         raise BadInput(faults)
     connections += _slopes(case, participants, connections, clock[1])
-    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, *clock, str(folder))
+    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, *clock, str(folder),
+                  case.coupling.parallel)
 
 
 def _participant(name, table, folder, progress):

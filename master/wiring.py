@@ -44,7 +44,8 @@ def _rms(values):
 class System:
     """Participants in the order they start, stepping order, connections, parameters in SI, times, folder of the case.
 
-    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro steps [s].
+    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro steps [s];
+    parallel : Jacobi's order, every participant reads what the others said in the sweep before.
     """
 
     participants: dict
@@ -55,6 +56,7 @@ class System:
     step: float
     smallest_step: float = 0.0
     folder: str = ""
+    parallel: bool = False
 
 
 def start(system, trial=lambda participant: []):

@@ -92,4 +92,5 @@ def pair():
                 h.copy(), {"film": h.copy(), "force": 0 * h})
     connections = (Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
                    Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None))
-    return SimpleNamespace(participants={"film": film, "mass": mass}, order=("film", "mass"), connections=connections)
+    return SimpleNamespace(participants={"film": film, "mass": mass}, order=("film", "mass"), connections=connections,
+                           parallel=False)

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from master.interface import Interface
-from master.methods import (Ageing, LeastSquares, MacroStep, MultiVector, Newton, NotConverged, QuasiNewton, Relaxation,
+from master.methods import (Ageing, Explicit, LeastSquares, MacroStep, MultiVector, Newton, NotConverged, QuasiNewton, Relaxation,
                             step_length)
 from master.methods.filtering import filtered
 from master.stepping import Predictor, Stepper, StepFailed
@@ -19,8 +19,8 @@ def closed_form(h0, step):
     return brentq(from_force, h0 * 1e-3, h0, xtol=1e-18, rtol=1e-14)
 
 
-def solve(pair, method):
-    interface = Interface(pair.participants, pair.connections)
+def solve(pair, method, parallel=False):
+    interface = Interface(pair.participants, pair.connections, parallel)
     saved = {name: p.save() for name, p in pair.participants.items()}
     return method.solve(MacroStep(interface, 0.0, STEP, saved), interface.read(), method.memory())
 
@@ -65,6 +65,30 @@ def test_fixed_point_methods_agree_with_newton(pair, method):
     relaxed = solve(pair, method).x
     assert np.allclose(relaxed[:PADS], newton[:PADS], atol=2e-9, rtol=0)  # each is within 1e-9 m of the fixed point
     assert np.allclose(relaxed[PADS:], newton[PADS:], atol=1e-3, rtol=0)  # 1e-9 m times the film's stiffness
+
+
+@pytest.mark.parametrize("method", [Newton(), Newton(differences=True), QuasiNewton(Ageing(), probing=True)])
+def test_jacobi_order_has_the_same_fixed_point(pair, method):
+    saved = {name: p.save() for name, p in pair.participants.items()}
+    sequential = solve(pair, Newton()).x
+    for name, p in pair.participants.items():
+        p.restore(saved[name])
+    parallel = solve(pair, method, True).x
+    assert np.allclose(parallel[:PADS], sequential[:PADS], atol=2e-9, rtol=0)  # each is within 1e-9 m of the fixed point
+
+
+def test_in_jacobi_order_nobody_reads_what_was_just_computed(pair):
+    interface = Interface(pair.participants, pair.connections, True)
+    x = interface.read()
+    used, _, _ = interface.sweep(x, 0.0, STEP, {name: p.save() for name, p in pair.participants.items()})
+    assert interface.feedback.all() and np.array_equal(used, x)
+
+
+def test_explicit_coupling_sweeps_once_and_counts_what_is_off(pair):
+    stepper = Stepper(pair, Explicit(), 0)
+    stepper.advance(0.0, STEP)
+    assert stepper.counters.iterations == [1]
+    assert stepper.counters.unconverged_steps == 1  # this pair amplifies an error by 200
 
 
 def test_step_length_limits_the_thinnest_film(pair):
