@@ -5,7 +5,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .solver import factorise, loads_together
+from .solver import factorise
 
 
 class Elastic:
@@ -182,57 +182,10 @@ def pressure_modes(body, radial, weight, modes, extra_loads):
     spread = radial.T.tocsr()
     extra = body.solve(extra_loads[:, : modes // 2]) if extra_loads.shape[1] and modes > 1 else np.empty((body.K.shape[0], 0))
     count = modes - extra.shape[1]
-    patterns = largest_eigenvectors(lambda p: radial @ body.solve(spread @ p), radial.shape[0], count,
-                                    block=loads_together())
-    shapes = body.solve(spread @ patterns)                                                                      # Eq. (B2)
+    compliance = LinearOperator((radial.shape[0],) * 2, matvec=lambda p: radial @ body.solve(spread @ p.ravel()), dtype=float)
+    _, patterns = eigsh(compliance, count, v0=_start(radial.shape[0]), tol=1e-8)
+    shapes = body.solve((spread @ patterns))                                                                     # Eq. (B2)
     return np.hstack([shapes, extra])
-
-
-def largest_eigenvectors(apply, size, count, tolerance=1e-8, block=1):
-    """Eigenvectors to the largest eigenvalues of a symmetric positive operator, by block Lanczos with full orthogonalisation.
-
-    Eq. (B7):  V = [Q, A Q, A^2 Q, ...] orthonormalised,   V^T A V s = mu s,   x = V s,   until |A x - mu x| <= tolerance mu + 1e-14 mu_1
-
-    In blocks where a solver answers many loads in little more than the time of one (`solver.loads_together`).
-
-    Parameters
-    ----------
-    apply : callable
-        (size, k) -> (size, k).
-    size, count : int
-        count < size.
-    tolerance : float
-        Relative residual [-], above the round-off of the largest eigenvalue.
-    block : int
-        Vectors at a time.
-
-    Returns
-    -------
-    ndarray, shape (size, count)
-        Orthonormal, largest eigenvalue first.
-
-    References
-    ----------
-    [GolubVanLoan2013] ch. 10. Checked against dense eigenvectors in tests/mfbd/test_bases.py.
-    """
-    start = np.random.default_rng(1).standard_normal((size, min(block, size)))      # fixed: the same bytes every time
-    V, A = np.empty((size, 0)), np.empty((size, 0))
-    new, due = la.qr(start, mode="economic")[0], min(count + 16, size)
-    while True:
-        V, A = np.hstack([V, new]), np.hstack([A, apply(new)])
-        if V.shape[1] >= due:
-            T = V.T @ A
-            mu, s = la.eigh((T + T.T) / 2)
-            mu, s = mu[::-1][:count], s[:, ::-1][:, :count]                                                     # Eq. (B7)
-            residual = np.linalg.norm(A @ s - V @ (s * mu), axis=0)
-            if V.shape[1] == size or np.all(residual <= tolerance * mu + 1e-14 * mu[0]):
-                return V @ s
-            due = min(due + 16, size)
-        rest = A[:, -new.shape[1]:]
-        for _ in range(2):                              # twice is enough to be orthogonal to round-off
-            rest = rest - V @ (V.T @ rest)
-        new = la.qr(rest, mode="economic")[0][:, :size - V.shape[1]]
-        new = la.qr(new - V @ (V.T @ new), mode="economic")[0]
 
 
 def expected_pressure(angle, n_axial):

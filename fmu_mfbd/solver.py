@@ -6,7 +6,6 @@ import os
 import shutil
 import sys
 import time
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -103,11 +102,6 @@ def factorise(K):
         return Pardiso(K)
     except ImportError:
         return SuperLU(K)
-
-
-def loads_together():
-    """Loads that the solver at hand answers in little more than the time of one: PARDISO reads its factors once for all."""
-    return Pardiso.AT_ONCE if find_spec("pypardiso") else 1
 
 
 class Remembering:

@@ -3,7 +3,8 @@
     python tests/bench/large_body.py [CELLS_AROUND CELLS_ACROSS CELLS_ALONG]
 
 A cylinder of 56.5 mm bore in a square of 86 mm, 100 mm long, structured in 10-node tetrahedra; needs the extra `large`. Measured
-once on two cores: see the docstring of `main`.
+once, on two cores that four sessions shared (load 5 to 7) and with one load a call of PARDISO: 1 020 240 degrees of freedom,
+60 pressure modes in 3465 s, of which 170 s assembly, 1220 s factorisation, the rest 216 solutions; peak memory 17.4 GB.
 """
 
 import resource
