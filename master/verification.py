@@ -39,7 +39,8 @@ def checks():
     yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations, quadratic predictor",
                   tube_iterations(("coupling.predictor", 2)), 700, "design target", "a better start saves iterations")
     yield at_most("Elastic tube, 100 windows", "iterations with ageing secants",
-                  tube_iterations(("coupling.method", "iqn_ageing")), 846, "preCICE's reference log: 846", "secants that are trusted less the older they are need no filter")
+                  tube_iterations(("coupling.method", "iqn_ageing")), 846, "preCICE's reference log: 846",
+                  "secants that are trusted less the older they are need no filter")
     yield from oscillator_checks()
 
 
@@ -89,7 +90,8 @@ def slow_checks():
     yield at_most(case, "mean iterations without derivatives", aged["mean_iterations"], 8.0, "design target",
                   "ageing secants; probes of the first steps not counted")
     apart = float(np.max(np.abs(aged["films"] - flexible["films"])))
-    yield at_most(case, "film, with against without derivatives [m]", apart, 1e-9, "the tolerance of the film", "both converge to it in every step")
+    yield at_most(case, "film, with against without derivatives [m]", apart, 1e-9, "the tolerance of the film",
+                  "both converge to it in every step")
     yield from convergence_checks()
     yield from adaptive_checks()
 

@@ -30,7 +30,8 @@ def command(participant: str, *, case: str = "numerical_example", grid: str | No
     fmi
         Version of the standard.
     no_fields
-        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that choke on thousands of scalars.
+        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that choke on thousands of
+        scalars.
     """
     path = find_case(case)
     checked = check_case(read_tree(path), path)
