@@ -29,7 +29,7 @@ class PinFriction(NamedTuple):
 def friction_moment(friction, pin_x, pin_y, slip):
     """Moment of the pin on the piston, and how it changes.
 
-    Eq. (F1):  M = -lever |F| tanh(slip/w_0) - viscous slip
+    Eq. (J1):  M = -lever |F| tanh(slip/w_0) - viscous slip
 
     Regularised dry friction: below about w_0 the pin creeps instead of sticking.
 
@@ -47,7 +47,7 @@ def friction_moment(friction, pin_x, pin_y, slip):
         About +z [N m]; slopes against pin_x, pin_y [m] and slip [N m s/rad].
     """
     size, share = np.hypot(pin_x, pin_y), np.tanh(slip / friction.speed)
-    moment = -friction.lever * size * share - friction.viscous * slip                                          # Eq. (F1)
+    moment = -friction.lever * size * share - friction.viscous * slip                                          # Eq. (J1)
     by_force = -friction.lever * share / size if size > 0.0 else 0.0
     by_slip = -friction.lever * size * (1 - share * share) / friction.speed - friction.viscous
     return moment, by_force * pin_x, by_force * pin_y, by_slip

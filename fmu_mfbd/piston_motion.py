@@ -43,7 +43,7 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
     Eq. (M1):  x_A:   e . (R F + m_pin A'') + rod + M psi_x - (load_x + Y_x load_y) = 0       e = (1, Y_x),  A'' = (x_A'', Y'')
                angle: frame moment - M - moment = 0,   modes: frame modal force - modal = 0
     with F, the frame's rows (Eq. (R1) to (R3)) at a = R^T A'', R the rotation by the rocking angle; M, the moment of pin friction
-    (Eq. (F1)); psi, the rod's angle.
+    (Eq. (J1)); psi, the rod's angle.
 
     Parameters
     ----------
