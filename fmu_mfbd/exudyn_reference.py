@@ -100,73 +100,97 @@ def exudyn_motion(points, K, M, modes, mechanism, gas_shape, drive, step, steps,
     """
     import exudyn as exu
     import exudyn.itemInterface as item
+
+    system = exu.SystemContainer().AddSystem()
+    lever, turn, pin, A = _start(mechanism, drive)
+    piston = _exudyn_piston(exu, system, (points, K, M, modes), A, lever * drive.crank_speed, gas_shape, drive)
+    _held(item, system, piston["nRigidBody"], drive)
+    _crank_and_rod(item, system, piston["nRigidBody"], mechanism, drive, (lever, turn, pin, A))
+    sensors = [system.AddSensor(item.SensorNode(nodeNumber=node, storeInternal=True,
+                                                outputVariableType=exu.OutputVariableType.Coordinates))
+               for node in (piston["nRigidBody"], piston["nGenericODE2"])]
+    system.Assemble()
+    system.SolveDynamic(_settings(exu, step, steps, spectral_radius))
+    frame, modal = (system.GetSensorStoredData(sensor) for sensor in sensors)
+    return np.column_stack([frame[:, 1], frame[:, 6], modal[:, 1:]])
+
+
+def _start(mechanism, drive):
+    """dY/d(crank angle) [m], the rod's turning speed [rad/s], and where crank pin and A are at the start [m]."""
+    phi, r = drive.crank_angle, mechanism.crank_radius
+    Y, _, lever = height(mechanism, 0.0, phi)
+    turn = rod_turn(mechanism, 0.0, 0.0, phi, drive.crank_speed)[0]
+    return lever, turn, np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]), np.array([mechanism.offset, Y, 0.0])
+
+
+def _exudyn_piston(exu, system, mesh, A, speed, gas_shape, drive):
+    """The flexible piston with its gas force, moving along y with `speed` [m/s]; Exudyn's dictionary of what it made."""
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
+    points, K, M, modes = mesh
     fem = FEMinterface()
     fem.nodes, fem.massMatrix, fem.stiffnessMatrix = {"Position": points}, M.tocsr(), K.tocsr()
     fem.modeBasis, fem.surface = {"matrix": modes, "type": "NormalModes"}, [{"Name": "none", "Trigs": np.zeros((0, 3), int)}]
-    container = exu.SystemContainer()
-    mbs = container.AddSystem()
-    phi, w = drive.crank_angle, drive.crank_speed
-    Y, _, lever = height(mechanism, 0.0, phi)
-    turn = rod_turn(mechanism, 0.0, 0.0, phi, w)[0]
-    r = mechanism.crank_radius
-    crank_pin, A = np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]), np.array([mechanism.offset, Y, 0.0])
 
-    def force(mbs, time, number, q, rate):
+    def force(system, time, number, q, rate):
         F = drive.gas(time)
         return [0.0, -F, 0.0, 0.0, 0.0, 0.0, *(F * gas_shape)]
 
     interface = ObjectFFRFreducedOrderInterface(fem, rigidBodyNodeType="NodeType.RotationRxyz")
-    piston = interface.AddObjectFFRFreducedOrderWithUserFunctions(exu, mbs, positionRef=A, initialVelocity=[0.0, lever * w, 0.0],
-                                                                  UFforce=force)
-    frame = piston["nRigidBody"]
-    ground = mbs.AddNode(item.NodePointGround())
-    fixed = mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
-    free = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=frame, coordinate=k)) for k in range(6)]
-    for k in (2, 3, 4):                                         # planar motion
-        mbs.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, free[k]]))
+    return interface.AddObjectFFRFreducedOrderWithUserFunctions(exu, system, positionRef=A, initialVelocity=[0.0, speed, 0.0],
+                                                                UFforce=force)
+
+
+def _fixed(item, system):
+    """A marker that does not move."""
+    return system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0))
+
+
+def _held(item, system, frame, drive):
+    """The piston's frame in the plane, on its two springs."""
+    fixed = _fixed(item, system)
+    free = [system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=frame, coordinate=k)) for k in range(6)]
+    for k in (2, 3, 4):
+        system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, free[k]]))
     for k, stiffness in ((0, drive.lateral_stiffness), (5, drive.turning_stiffness)):
-        mbs.AddObject(item.CoordinateSpringDamper(markerNumbers=[fixed, free[k]], stiffness=stiffness))
-    # crank without mass in the plane, its angle prescribed; rod with its own
-    centre = crank_pin + mechanism.rod_centre * (A - crank_pin)
-    tilt = np.arctan2(-(A - crank_pin)[0], (A - crank_pin)[1])
-    length, k = mechanism.rod_length, mechanism.rod_centre
-    pin_speed = w * np.array([-r * np.cos(phi), -r * np.sin(phi)])
-    centre_speed = (1 - k) * pin_speed + k * np.array([0.0, lever * w])
-    bodies = {}
-    for name, place, angle, speed, spin, mass, inertia in (
-            ("crank", np.zeros(3), phi, np.zeros(2), w, 1.0, 1e-3),
-            ("rod", centre, tilt, centre_speed, turn, mechanism.rod_mass, mechanism.rod_inertia)):
-        node = mbs.AddNode(item.NodeRigidBody2D(referenceCoordinates=[*place[:2], angle], initialVelocities=[*speed, spin]))
-        bodies[name] = node, mbs.AddObject(item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia))
-    earth = mbs.AddObject(item.ObjectGround())
+        system.AddObject(item.CoordinateSpringDamper(markerNumbers=[fixed, free[k]], stiffness=stiffness))
 
-    def joint(first, at_first, second, at_second):
-        markers = [mbs.AddMarker(item.MarkerBodyPosition(bodyNumber=body, localPosition=at))
-                   for body, at in ((first, at_first), (second, at_second))]
-        mbs.AddObject(item.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
 
-    joint(earth, [0.0, 0.0, 0.0], bodies["crank"][1], [0.0, 0.0, 0.0])
-    joint(bodies["crank"][1], [0.0, r, 0.0], bodies["rod"][1], [0.0, -k * length, 0.0])
-    eye = mbs.AddMarker(item.MarkerBodyPosition(bodyNumber=bodies["rod"][1], localPosition=[0.0, (1 - k) * length, 0.0]))
-    pin = mbs.AddMarker(item.MarkerNodePosition(nodeNumber=frame))
-    mbs.AddObject(item.SphericalJoint(markerNumbers=[eye, pin], constrainedAxes=[1, 1, 0]))
-    turned = mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=bodies["crank"][0], coordinate=2))
-    mbs.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, turned],
-                                            offsetUserFunction=lambda mbs, t, number, offset: w * t,
-                                            offsetUserFunction_t=lambda mbs, t, number, offset: w))
-    what = exu.OutputVariableType.Coordinates
-    kept = [mbs.AddSensor(item.SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=what))
-            for node in (frame, piston["nGenericODE2"])]
-    mbs.Assemble()
+def _crank_and_rod(item, system, frame, mechanism, drive, start):
+    """Crank with its angle prescribed (its inertia does not matter), rod with its own, and the three joints."""
+    (lever, turn, pin, A), w, r = start, drive.crank_speed, mechanism.crank_radius
+    length, share, rod = mechanism.rod_length, mechanism.rod_centre, A - pin
+    pin_speed = w * np.array([-pin[1], pin[0]])
+    centre_speed = (1 - share) * pin_speed + share * np.array([0.0, lever * w])
+    crank_node, crank = _body(item, system, np.zeros(3), drive.crank_angle, np.zeros(2), w, 1.0, 1e-3)
+    _, rod_body = _body(item, system, pin + share * rod, np.arctan2(-rod[0], rod[1]), centre_speed, turn, mechanism.rod_mass,
+                        mechanism.rod_inertia)
+
+    def at(body, y):
+        return system.AddMarker(item.MarkerBodyPosition(bodyNumber=body, localPosition=[0.0, y, 0.0]))
+
+    ground = system.AddObject(item.ObjectGround())
+    for ends in ((at(ground, 0.0), at(crank, 0.0)), (at(crank, r), at(rod_body, -share * length)),
+                 (at(rod_body, (1 - share) * length), system.AddMarker(item.MarkerNodePosition(nodeNumber=frame)))):
+        system.AddObject(item.SphericalJoint(markerNumbers=list(ends), constrainedAxes=[1, 1, 0]))
+    turned = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=crank_node, coordinate=2))
+    system.AddObject(item.CoordinateConstraint(markerNumbers=[_fixed(item, system), turned],
+                                               offsetUserFunction=lambda system, t, number, offset: w * t,
+                                               offsetUserFunction_t=lambda system, t, number, offset: w))
+
+
+def _body(item, system, place, angle, speed, spin, mass, inertia):
+    """A rigid body in the plane: its node and object."""
+    node = system.AddNode(item.NodeRigidBody2D(referenceCoordinates=[*place[:2], angle], initialVelocities=[*speed, spin]))
+    return node, system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia))
+
+
+def _settings(exu, step, steps, spectral_radius):
     settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, step * steps
-    settings.timeIntegration.generalizedAlpha.spectralRadius = spectral_radius
-    settings.timeIntegration.newton.relativeTolerance = settings.timeIntegration.newton.absoluteTolerance = 1e-10
+    integration = settings.timeIntegration
+    integration.numberOfSteps, integration.endTime, integration.verboseMode = steps, step * steps, 0
+    integration.generalizedAlpha.spectralRadius = spectral_radius
+    integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-10
     settings.solutionSettings.writeSolutionToFile = False
     settings.solutionSettings.sensorsWritePeriod = step
-    settings.timeIntegration.verboseMode = 0
-    mbs.SolveDynamic(settings)
-    frame_history, modal_history = (mbs.GetSensorStoredData(sensor) for sensor in kept)
-    return np.column_stack([frame_history[:, 1], frame_history[:, 6], modal_history[:, 1:]])
+    return settings
