@@ -45,6 +45,7 @@ with EcosSimulation(structure=structure, step_size=step) as simulation:
     seen(simulation.get_real("one::" + output))"""),
     "fmpy simulate": ("fmpy", """
 import csv, subprocess, tempfile
+from pathlib import Path
 table = Path(tempfile.mkdtemp()) / "out.csv"
 words = ["simulate", fmu, "--stop-time", str(steps * step), "--output-interval", str(step), "--output-variables", output,
          "--output-file", str(table)]
@@ -53,6 +54,7 @@ assert done.returncode == 0, done.stderr
 *_, last = csv.reader(table.read_text().splitlines())
 seen(float(last[1]))"""),
     "fmuloader": ("fmuloader", """
+from pathlib import Path
 from xml.etree import ElementTree
 from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
 root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
@@ -87,12 +89,14 @@ for k in range(steps):
 seen(float(one.get(output)[0]))"""),
     "fmu-manipulation-toolbox": ("fmu_manipulation_toolbox", """
 import subprocess
+from pathlib import Path
 done = subprocess.run([str(Path(sys.executable).parent / "fmutool"), "-input", fmu, "-check"], capture_output=True, text=True)
 words = done.stdout + done.stderr
 bad = [line for line in words.splitlines() if line.startswith(("ERROR", "WARNING"))]
 seen(bad or "no problem")"""),
     "Python alone (ctypes)": (None, """
 import ctypes, urllib.parse
+from pathlib import Path
 from xml.etree import ElementTree
 root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
 name = root.find("CoSimulation").get("modelIdentifier")
