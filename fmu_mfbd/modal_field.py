@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import compiled_sums
+from .compiled import compiled
 
 SIGNS = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
 """Sign of a class at theta, pi - theta, -theta, pi + theta; class 2 x + z, x and z 1 where odd across x = 0, z = 0."""
@@ -63,7 +63,7 @@ def mirrors(angles):
     return np.stack([i, angles // 2 - 1 - i, angles - 1 - i, angles // 2 + i])
 
 
-@compiled_sums()
+@compiled()
 def read(field, first, rows, coordinates):
     """Displacement on some rows of the grid.
 
@@ -92,7 +92,7 @@ def read(field, first, rows, coordinates):
     return _unfold(field, sums, rows)
 
 
-@compiled_sums()
+@compiled()
 def read_both(field, first, rows, place, rate):
     """Displacement and its rate in one pass over the table, which is what a reading costs; both as `read` gives them."""
     start, count = first * field.part, rows * field.part
@@ -108,14 +108,14 @@ def read_both(field, first, rows, place, rate):
     return _unfold(field, sums, rows), _unfold(field, rates, rows)
 
 
-@compiled_sums()
+@compiled()
 def _four(field, group, start, count):
     """Values of the four modes of a group on some points."""
     table, k, stop = field.table, 4 * group, start + count
     return table[k, start:stop], table[k + 1, start:stop], table[k + 2, start:stop], table[k + 3, start:stop]
 
 
-@compiled_sums()
+@compiled()
 def _places(field, coordinates):
     """Modal coordinates in the order of the table."""
     out = np.zeros(len(field.mode))
@@ -125,7 +125,7 @@ def _places(field, coordinates):
     return out
 
 
-@compiled_sums()
+@compiled()
 def _unfold(field, sums, rows):
     """All angles (rows, angles) from the sums of each symmetry class."""
     part = field.part
@@ -142,7 +142,7 @@ def _unfold(field, sums, rows):
     return out
 
 
-@compiled_sums()
+@compiled()
 def spread(field, first, force):
     """Modal forces of forces at the points of some rows: the transpose of `read`.
 
