@@ -47,7 +47,7 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
     if distances:
         console.print(_shown(table, f"rms distance from {chosen.reference} / its range", list(dict.fromkeys(distances))))
     console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
-    drawn = [studies.draw_cost(f"{chosen.title}: cost", table, folder / "cost.png")]
+    drawn = [studies.draw_cost(chosen.title, table, folder / "cost.png")]
     if chosen.curves:
         drawn.append(studies.draw_study(chosen, checked, table, runs, folder / "study.png"))
     for picture in (*drawn, *draw(checked, runs, folder)):
