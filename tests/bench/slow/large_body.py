@@ -1,6 +1,6 @@
 """A block of about a million degrees of freedom reduced to 60 modes: time and peak memory, in a process of its own.
 
-    python tests/bench/large_body.py [CELLS_AROUND CELLS_ACROSS CELLS_ALONG]
+    python tests/bench/slow/large_body.py [CELLS_AROUND CELLS_ACROSS CELLS_ALONG]
 
 A cylinder of 56.5 mm bore in a square of 86 mm, 100 mm long, structured in 10-node tetrahedra; needs the extra `large`. Measured
 once, on two cores that four sessions shared (load 5 to 7) and with one load a call of PARDISO: 1 020 240 degrees of freedom,
