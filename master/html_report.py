@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import io
+import csv
 import json
 from datetime import datetime, timezone
 from itertools import cycle
@@ -21,7 +22,7 @@ FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, inst
 LEVELS = 65535
 
 
-def write_report(case, runs, folder, notes=""):
+def write_report(case, runs, folder, notes="", studies=()):
     """Write `<folder>/report.html` and the figures.
 
     Parameters
@@ -33,6 +34,8 @@ def write_report(case, runs, folder, notes=""):
     folder : Path
     notes : str
         Text shown as it is, for example the case's README with the sources of its numbers.
+    studies : sequence of Path
+        Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
 
     Returns
     -------
@@ -48,11 +51,27 @@ def write_report(case, runs, folder, notes=""):
     page = Environment(loader=PackageLoader("master"), autoescape=True).get_template("report.html").render(
         case=case, runs=[judged(case, label, results) for label, results in runs.items()], pictures=pictures, health=health,
         data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes,
+        studies=[study_rows(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"))
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def study_rows(path):
+    """Name of a study's folder, headings and rows of its table as text: numbers to four digits."""
+    with open(path, newline="") as file:
+        header, *rows = csv.reader(file)
+    words = [name.split(".")[-1].replace("_", " ") for name in header]
+    return path.parent.name, words, [[_digits(value) for value in row] for row in rows]
+
+
+def _digits(text):
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text
 
 
 def judged(case, label, results):

@@ -1,12 +1,17 @@
 """`piston-cosim report`."""
 
 from pathlib import Path
+from typing import Annotated
 
+from cyclopts import Parameter
+
+from ..fmi.errors import BadInput
 from ..html_report import write_report
 from .common import console, open_runs
 
 
-def command(*files: Path, output: Path = Path("report"), notes: Path | None = None):
+def command(*files: Path, output: Path = Path("report"), notes: Path | None = None,
+            study: Annotated[list[Path], Parameter(negative=())] = []):
     """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
 
     Example: piston-cosim report results/fired_motorcycle/flexible.h5 results/fired_motorcycle/rigid.h5 --output report
@@ -19,7 +24,12 @@ def command(*files: Path, output: Path = Path("report"), notes: Path | None = No
         Folder for report.html and the figures.
     notes
         Text file shown on the page, for example the case's README with the sources of its numbers.
+    study
+        Tables of studies to show, results/study_CASE_NAME/study.csv; several allowed.
     """
     case, runs = open_runs(files)
-    page = write_report(case, runs, output, notes.read_text() if notes else "")
+    missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
+    if missing:
+        raise BadInput(missing)
+    page = write_report(case, runs, output, notes.read_text() if notes else "", study)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)

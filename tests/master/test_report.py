@@ -96,3 +96,11 @@ def test_page_lives_in_a_browser(case, results, tmp_path):
     shown = html.unescape(re.search(r'<span id="words">(.*?)</span>', seen)[1])
     assert shown.startswith("t = ") and "y " in shown  # the script ran through to its last line
     assert seen.count("<canvas") == 3  # body, colour scale, map
+
+
+def test_study_tables_are_shown(case, results, tmp_path):
+    table = tmp_path / "study_x_grid" / "study.csv"
+    table.parent.mkdir()
+    table.write_text("run,rms bodies.lateral_displacement\n20 x 20,0.012345678\n")
+    page = write_report(case, {"run": results}, tmp_path / "report", studies=[table]).read_text()
+    assert "Convergence and cost: study_x_grid" in page and "<td>0.01235</td>" in page and "<th>lateral displacement</th>" in page
