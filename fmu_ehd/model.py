@@ -34,6 +34,8 @@ class State:
     unknown_before: np.ndarray
     content: np.ndarray
     deflection: np.ndarray
+    content_before: np.ndarray = None
+    step_before: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class LubricationModel:
         film = self._film(sliding_velocity, values, slopes, velocity_slopes, unknown, np.ones(self.grid.shape), around)
         _, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0)
-        return State(unknown, unknown, values[0].copy(), np.zeros(self.grid.shape)), outputs
+        return State(unknown, unknown, values[0].copy(), np.zeros(self.grid.shape), values[0].copy(), np.zeros(())), outputs
 
     def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
         """One step from `state` to the given film and velocity.
@@ -151,13 +153,19 @@ class LubricationModel:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = surroundings(self.parameters, conditions) if conditions else self._given
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
+        macro, old = step, state
+        if state.step_before > 0.0:
+            w = step / state.step_before
+            share = w * w / (1.0 + 2.0 * w)
+            state = replace(state, content=state.content + share * (state.content - state.content_before))
+            step = step * (1.0 + w) / (1.0 + 2.0 * w)
         find = self._coated if self._compliance > 0.0 else self._bare
         film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
         film = self._film(sliding_velocity, *parts, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
-        return State(solution.unknown, state.unknown, solution.content, deflection), outputs
+        return State(solution.unknown, state.unknown, solution.content, deflection, old.content, np.asarray(macro)), outputs
 
     def tangent(self, dfilm_thickness, dsliding_velocity):
         """Change of the forces at the end of the last step for changed inputs there, its state at the beginning held.
