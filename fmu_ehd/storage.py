@@ -1,0 +1,65 @@
+"""The storage term of the film, of second order in time: variable-step BDF2 in the shape of a backward Euler step.
+
+Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta (c_n - c_{n-1}),   H_e = H - beta H_n          at the end of the step
+Eq. (T2):  beta = w^2 / (1 + 2 w),   w = min(H / H_n, 2)
+Eq. (T3):  beta <= c_n / (c_{n-1} - c_n)  in every cell that lost oil, so that c_e >= 0
+Eq. (T4):  G = beta G_n + H_e Q                                                      what any sum over the film keeps
+
+c = f s content of a cell [m] (film fraction x stored film), c_n and c_{n-1} at the beginning of the step and one step before,
+H and H_n this step and the last one [s]; G growth of the oil in the film during a step [m3], Q inflow over all edges at its
+end [m3/s].
+
+Eq. (T1) is exact for a content linear in time with every beta, for a quadratic one with that of Eq. (T2), which gives BDF2;
+beta = 0 is backward Euler. So the balance of a cell is that of a backward Euler step of length H_e from the content c_e, and
+matrix, cavitation and tangent are what they are there. BDF2 is A-stable with constant steps, and zero-stable while steps grow by
+less than 1 + sqrt(2) [Hairer1993]: from w = 2 on beta stays what it is there, and such a step is of first order. The first step
+after a start is backward Euler (H_n = 0, c_{n-1} = c_n), which costs no order.
+
+Film fractions cannot become negative if c_e does not (the matrix is an M-matrix), so Eq. (T3) keeps them so. It takes effect
+where a cell lost more than three quarters of its oil in one of two equal steps. beta is one number for the whole film: with one
+for each cell, what flows over a face would count differently on both its sides, and oil would get lost. No bound from above
+is needed: a cell that is given more than its film holds fills and passes the surplus on by its pressure.
+
+Oil is conserved to round-off in the sense of Eq. (T4) whatever the steps: without flow over the edges the content stays
+constant, and the growth over many steps is the sum of the inflows Q, each times H_e (1 + beta' + beta' beta'' + ...) with the
+beta of the steps that follow; these weights add up to the time that has passed.
+
+References
+----------
+[Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, section
+III.5 (variable-step BDF and their stability).
+"""
+
+from .compiled import compiled
+
+LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
+
+
+@compiled
+def euler_step(content, content_before, step, step_before):
+    """Content and length of the backward Euler step that equals the step of second order, Eqs. (T1) to (T3).
+
+    Parameters
+    ----------
+    content, content_before : ndarray, shape (n_c, n_a)
+        c_n at the beginning of the step, c_{n-1} one step before [m], >= 0.
+    step, step_before : float
+        H > 0 and H_n >= 0 [s]; H_n = 0 where there was no step, with c_{n-1} = c_n.
+
+    Returns
+    -------
+    content : ndarray, shape (n_c, n_a)
+        c_e [m], >= 0.
+    step : float
+        H_e [s], 0.6 H to H.
+    share : float
+        beta [-], 0 to 0.8.
+    """
+    ratio = min(step / step_before, LARGEST_RATIO)
+    share = ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
+    for i in range(content.shape[0]):
+        for j in range(content.shape[1]):
+            loss = content_before[i, j] - content[i, j]
+            if share * loss > content[i, j]:
+                share = max(content[i, j], 0.0) / loss  # Eq. (T3)
+    return content + share * (content - content_before), step - share * step_before, share  # Eq. (T1)
