@@ -156,7 +156,7 @@ class LubricationModel:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = surroundings(self.parameters, conditions) if conditions else self._given
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
-        content, euler_step, _ = storage.euler_step(state.content, state.content_before, step, state.step_before)
+        content, euler_step = storage.euler_step(state.content, state.content_before, step, state.step_before)
         find = self._coated if self._compliance > 0.0 else self._bare
         film_thickness, parts, solution, deflection = find(state, content, film_thickness, sliding_velocity, guess, around,
                                                             euler_step)
