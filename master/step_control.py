@@ -1,12 +1,19 @@
-"""How long the next macro step is: by an embedded estimate of the local error, and by how hard the last step was."""
+"""How long the next macro step is: by an embedded estimate of the local error, and by how hard the last step was.
 
-from dataclasses import dataclass
+References
+----------
+[Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, sections II.4
+(step size control) and III.5 (variable-step BDF).
+"""
+
+from dataclasses import dataclass, field
 from math import ceil
 
 import numpy as np
 
 SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.9, 0.2, 2.0
-"""Of the new step: aim below the allowed error; never change by more than these factors at once."""
+"""Of the new step: aim below the allowed error; never change by more than these factors at once. BDF2 is zero-stable only while
+steps grow by less than 1 + sqrt(2)."""
 HARD = 12
 """A step that took this many iterations is not followed by a longer one."""
 
@@ -15,26 +22,32 @@ HARD = 12
 class StepControl:
     """Macro step from the local error of the wires that have one allowed.
 
-    Eq. (S1):  e = max |x - x_lin| / allowed  H / (H + H_last),   x_lin through the last two accepted vectors
-    Eq. (S2):  H' = H min(2, max(0.2, 0.9 e^(-1/2)))
+    Eq. (A1):  e = max over wires of rms(x - x_quad) / allowed  H (H + H_1) / ((2 H + H_1) (H + H_1 + H_2)),
+               x_quad through the last three accepted vectors, H_1 and H_2 the steps between them, newest first
+    Eq. (A2):  H' = H min(2, max(0.2, 0.9 e^(-1/3)))
 
-    |x - x_lin| is H (H + H_last) / 2 times the second derivative, so e is the local error H^2 |x''| / 2 of backward Euler,
-    the order of the lubrication step. A step with e > 1 is rolled back and taken again with H', unless it is the smallest
-    already: that one is accepted and counted.
+    x - x_quad is H (H + H_1) (H + H_1 + H_2) x'''/6, so e is the local error of variable-step BDF2 over the allowed one:
+    H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), that is 2/9 H^3 |x'''| in equal steps. Every method of second order has a local error
+    proportional to H^3 x''', and the participants here are of second order; for one of first order the estimate is too small.
+    The mean over a wire follows the motion of a field; its maximum follows the few elements where something switches.
+
+    A step with e > 1 is rolled back and taken again with H', unless it is the smallest already: that one is accepted and
+    counted. The first two steps have no estimate: the smallest one, and at most twice that.
 
     Parameters
     ----------
-    allowed : ndarray, shape (n,)
-        Local error allowed per element of the interface vector; infinite where none is watched.
+    watched : list of (slice, float)
+        Part of the interface vector and the rms local error allowed in it, in the unit of its wire, > 0.
     smallest : float
         Macro step [s] to begin with, and never to go below.
     """
 
-    allowed: np.ndarray
+    watched: list
     smallest: float
     step: float = 0.0
     error: float = 0.0
     at_smallest: int = 0
+    past: list = field(default_factory=list)
 
     def length(self, remaining):
         """Next macro step [s], and whether it ends the remaining time, which is cut into equal parts."""
@@ -47,25 +60,33 @@ class StepControl:
         Parameters
         ----------
         past : list of (float, ndarray)
-            Accepted times [s] and vectors before the step, newest last.
+            Accepted times [s] and vectors before the step, newest last; that one is all that is read.
         time, step : float
             Start and length of the step [s].
         solution : Solution
         """
-        self.error = self._error(past, time + step, solution.x)
+        self._keep(*past[-1])
+        self.error = self._error(time + step, solution.x)
         factor = LARGEST_FACTOR if self.error == 0.0 else \
-            min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error**-0.5))                                # Eq. (S2)
+            min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error**(-1 / 3)))                            # Eq. (A2)
         self.step = step * (min(factor, 1.0) if solution.iterations >= HARD else factor)
         small = step <= self.smallest * (1 + 1e-9)
         self.at_smallest += small and self.error > 1.0
         return small or self.error <= 1.0
 
-    def _error(self, past, time, x):
-        if len(past) < 2:
+    def _keep(self, time, x):
+        """Keep an accepted vector, once however often the step after it is tried; the predictor may keep fewer than three."""
+        if not self.past or time > self.past[-1][0]:
+            self.past = [*self.past, (time, x)][-3:]
+
+    def _error(self, time, x):
+        if len(self.past) < 3:
             return 0.0
-        (before, older), (last, newer) = past[-2:]
-        linear = newer + (time - last) / (last - before) * (newer - older)
-        return float(np.max(np.abs(x - linear) / self.allowed)) * (time - last) / (time - before)               # Eq. (S1)
+        (t3, x3), (t2, x2), (t1, x1) = self.past
+        slope, slope_before = (x1 - x2) / (t1 - t2), (x2 - x3) / (t2 - t3)
+        apart = x - x1 - (time - t1) * (slope + (time - t2) * (slope - slope_before) / (t1 - t3))
+        share = (time - t1) * (time - t2) / ((2 * time - t1 - t2) * (time - t3))
+        return share * max(float(np.sqrt(np.mean(apart[part]**2))) / allowed for part, allowed in self.watched)  # Eq. (A1)
 
     def halve(self, step):
         """After a step that failed: the next one is half as long; False if that is below the smallest."""
@@ -75,7 +96,7 @@ class StepControl:
 
 def step_control(connections, smallest):
     """StepControl of the wires with a `local_error`; None if no wire has one: every step is as long as asked then."""
-    if all(c.local_error is None for c in connections):
-        return None
-    allowed = [np.full(int(np.prod(c.shape)), np.inf if c.local_error is None else c.local_error) for c in connections]
-    return StepControl(np.concatenate(allowed), smallest)
+    ends = np.cumsum([int(np.prod(c.shape)) for c in connections], dtype=int)
+    watched = [(slice(int(end) - int(np.prod(c.shape)), int(end)), c.local_error)
+               for c, end in zip(connections, ends) if c.local_error is not None]
+    return StepControl(watched, smallest) if watched else None

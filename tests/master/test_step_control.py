@@ -1,0 +1,153 @@
+"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and that a resumed run goes on alike."""
+
+import pickle
+from io import BytesIO
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from master.freezing import ArrayPickler, freeze, thaw
+from master.methods import Newton
+from master.step_control import HARD, LARGEST_FACTOR, SAFETY, SMALLEST_FACTOR, StepControl, step_control
+from master.stepping import Stepper
+
+ALLOWED = 1e-3
+
+
+def control(smallest=1e-6):
+    """Of the first two of three elements."""
+    return StepControl([(slice(0, 2), ALLOWED)], smallest)
+
+
+def vector(value):
+    """Both watched elements alike, and one that is not watched and jumps about."""
+    return np.array([value, value, 1e9 * np.sin(1e9 * value)])
+
+
+def offer(chosen, function, last, step, iterations=2):
+    """Whether a step that follows the function exactly is accepted."""
+    return chosen.accepts([(last, vector(function(last)))], last, step, SimpleNamespace(x=vector(function(last + step)),
+                                                                                        iterations=iterations))
+
+
+def estimate(function, times):
+    """Estimated local error of the last of four times."""
+    chosen = control()
+    for last, time in zip(times[:-1], times[1:]):
+        offer(chosen, function, last, time - last)
+    return chosen.error * ALLOWED
+
+
+def bdf2_error(function, slope, times):
+    """What a BDF2 step from exact values is off by: the parabola through them and the end that has the slope there."""
+    (t2, t1, t), (x2, x1) = times, (function(times[0]), function(times[1]))
+    line = x1 + (t - t1) * (x1 - x2) / (t1 - t2)
+    bend = (slope(t) - (x1 - x2) / (t1 - t2)) / (2 * t - t1 - t2)       # x'(t) = secant + bend (2 t - t_1 - t_2)
+    return abs(line + bend * (t - t1) * (t - t2) - function(t))
+
+
+@pytest.mark.parametrize("steps", [(1.0, 1.0, 1.0), (0.3, 0.2, 0.4), (0.2, 0.4, 0.1)])
+def test_estimate_is_the_local_error_of_bdf2(steps):
+    times = 0.7 + np.concatenate([[0.0], np.cumsum(steps)])
+    exact = bdf2_error(lambda t: t**3, lambda t: 3 * t**2, times[1:])
+    assert estimate(lambda t: t**3, times) == pytest.approx(exact, rel=1e-10)        # a cubic: exact but for round-off
+    if len(set(steps)) == 1:
+        assert exact == pytest.approx(2 / 9 * 6, rel=1e-10)
+
+
+def test_estimate_is_of_third_order_and_nothing_for_a_parabola():
+    errors = [estimate(np.exp, h * np.arange(4.0)) for h in (0.02, 0.01, 0.005)]
+    # the third derivative changes by three steps of a relative 0.005 to 0.02 in between
+    assert np.diff(np.log2(errors)) == pytest.approx([-3, -3], abs=0.05)
+    assert errors[-1] == pytest.approx(bdf2_error(np.exp, np.exp, 0.005 * np.arange(1.0, 4.0)), rel=0.02)
+    assert estimate(lambda t: 1 + 2 * t + 3 * t**2, [0.0, 0.3, 0.5, 0.6]) < 1e-12
+
+
+def march(chosen, function, stop):
+    """Lengths of the accepted steps up to a time."""
+    time, lengths = 0.0, []
+    while time < stop:
+        if offer(chosen, function, time, step := max(chosen.step, chosen.smallest)):
+            time += step
+            lengths.append(step)
+    return np.array(lengths)
+
+
+def test_constant_third_derivative_gives_constant_steps():
+    lengths = march(control(1e-3), lambda t: t**3, 5.0)
+    # Eq. (A2) stands still where e = 0.9^3: 2/9 H^3 6 = 0.9^3 allowed
+    assert lengths[-10:] == pytest.approx(SAFETY * (ALLOWED * 9 / 12) ** (1 / 3), rel=1e-9)
+
+
+def test_no_step_is_more_than_twice_the_last():
+    lengths = march(control(), lambda t: t**2, 1.0)
+    assert lengths[1:] / lengths[:-1] == pytest.approx(LARGEST_FACTOR)
+
+
+def test_after_a_hard_step_none_is_longer():
+    chosen = control()
+    offer(chosen, np.exp, 0.0, 0.01, iterations=HARD)
+    assert chosen.step == 0.01
+
+
+def test_a_jump_is_rejected_until_the_step_is_the_smallest():
+    chosen, jump, step = control(1e-4), lambda t: 10.0 * (t > 0.3 + 1e-9), 0.1
+    for last in (0.0, 0.1, 0.2):
+        assert offer(chosen, jump, last, step)
+    tried = []
+    while not offer(chosen, jump, 0.3, step):
+        tried.append(step)
+        step = max(chosen.step, chosen.smallest)
+    # the same three vectors before it, however often it was tried
+    assert [time for time, _ in chosen.past] == [0.1, 0.2, 0.3]
+    assert tried[1] == pytest.approx(SMALLEST_FACTOR * tried[0]) and np.all(np.diff(tried) < 0)
+    assert step == 1e-4 and chosen.at_smallest == 1
+
+
+def test_remaining_time_is_cut_into_equal_steps():
+    chosen = control(0.1)
+    chosen.step = 0.4
+    assert chosen.length(1.0) == (pytest.approx(1 / 3), False)
+    assert chosen.length(0.4) == (0.4, True)
+
+
+def test_each_wire_has_its_own_allowed_error(pair):
+    assert step_control(pair.connections, 1e-6) is None
+    film, force = pair.connections
+    both = [film.__class__(**vars(film) | {"local_error": 1e-8}), force.__class__(**vars(force) | {"local_error": 0.1})]
+    chosen = step_control(both, 1e-6)
+    assert chosen.watched == [(slice(0, 7), 1e-8), (slice(7, 14), 0.1)]
+    x = lambda t: np.repeat([1e-6 * t**3, 5 * t**3], 7)  # noqa: E731
+    for last in (0.0, 1.0, 2.0):
+        chosen.accepts([(last, x(last))], last, 1.0, SimpleNamespace(x=x(last + 1), iterations=2))
+    assert chosen.error == pytest.approx(2 / 9 * 6 * max(1e-6 / 1e-8, 5 / 0.1))
+
+
+def frozen(saved):
+    """Bytes of a toy's saved state."""
+    buffer = BytesIO()
+    ArrayPickler(buffer).dump(saved)
+    return buffer.getvalue()
+
+
+def adaptive(pair, order):
+    watched = StepControl([(slice(0, 7), 1e-9)], 1e-6)
+    return Stepper(pair, Newton(), 3, control=watched, order=order)
+
+
+@pytest.mark.parametrize("order", [0, 2])
+def test_stepping_keeps_the_error_whatever_the_predictor_and_resumes_with_the_same_bits(pair, monkeypatch, order):
+    toy = type(pair.participants["mass"]).__mro__[1]
+    monkeypatch.setattr(toy, "serialise", lambda self, saved: frozen(saved), raising=False)
+    monkeypatch.setattr(toy, "deserialise", lambda self, data: pickle.loads(data), raising=False)
+    stepper = adaptive(pair, order)
+    stepper.advance(0.0, 1e-3)
+    middle = freeze(stepper)
+    stepper.advance(1e-3, 1e-3)
+    assert 10 < stepper.counters.steps < 2000                   # neither two long steps nor all of the smallest
+    end = freeze(stepper)
+    again = adaptive(pair, order)
+    thaw(again, middle)
+    again.advance(1e-3, 1e-3)
+    assert freeze(again) == end
