@@ -27,9 +27,10 @@ class StepControl:
     Eq. (A2):  H' = H min(2, max(0.2, 0.9 e^(-1/3)))
 
     x - x_quad is H (H + H_1) (H + H_1 + H_2) x'''/6, so e is the local error of variable-step BDF2 over the allowed one:
-    H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), that is 2/9 H^3 |x'''| in equal steps. Every method of second order has a local error
-    proportional to H^3 x''', and the participants here are of second order; for one of first order the estimate is too small.
-    The mean over a wire follows the motion of a field; its maximum follows the few elements where something switches.
+    H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), in equal steps 2/9 H^3 |x'''|. Any method of second order has a local error
+    proportional to H^3 x''' while steps change little, so this serves participants of second order; for one of first order the
+    estimate is too small. The mean over a wire follows the motion of the whole field, a maximum would follow the few elements
+    where something switches.
 
     A step with e > 1 is rolled back and taken again with H', unless it is the smallest already: that one is accepted and
     counted. The first two steps have no estimate: the smallest one, and at most twice that.

@@ -1,5 +1,6 @@
 """Figures of the coupling methods, on whole runs through FMUs: rows for `piston-cosim verify master`."""
 
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -118,20 +119,45 @@ def films(results):
 
 
 def adaptive_checks():
-    """The fired engine with steps by local error and in steps of 1 deg, each against steps of 1/8 deg."""
-    fine, fixed, adaptive = (summary_of("fired_motorcycle", *changes, ("record.every", 100000), look=curve) for changes in (
-        (("time.step", "0.125 deg"),), (), (("time.step", "20 deg"), ("wires.0.local_error", "0.15 um"))))
-    case = "Fired engine, two cycles, local error of the film 0.15 um"
+    """The fired engine with steps by local error and in steps of 1 deg: each curve's error against steps of 0.125 deg.
+
+    From 30 deg on, because the start from rest rings elastic modes that no step resolves: in the first 5 deg the highest pressure
+    still differs by a quarter of its range between steps of 1/32 and 1/64 deg.
+    """
+    case = check_case(read_tree(path := find_case("fired_motorcycle"), ()), path)
+    study = case.studies["step"]
+    fine, fixed, adaptive = (summary_of("fired_motorcycle", *study.set.items(), *study.points[point].items(),
+                                        look=partial(curves, study.curves)) for point in (study.reference, "1 deg", "adaptive"))
+    case = "Fired engine, two cycles, steps by local error"
     yield at_most(case, "macro steps / those of 1 deg", adaptive["steps"] / fixed["steps"], 0.5, "design target",
                   "long steps between the slaps")
-    worst = [np.max(np.abs(run["curve"][1] - np.interp(run["curve"][0], *fine["curve"]))) for run in (adaptive, fixed)]
-    yield at_most(case, "largest error of lateral displacement / that of 1 deg", worst[0] / worst[1], 1.0, "steps of 1/8 deg",
-                  "the same accuracy at the slaps")
+    yield at_most(case, "sweeps, of rejected steps too / those of 1 deg",
+                  adaptive["residual_evaluations"] / fixed["residual_evaluations"], 1.0, "steps of 1 deg",
+                  "fewer steps cost less")
+    ours, theirs = (distances(run, fine, fine["time"][-1] * 30 / 1440) for run in (adaptive, fixed))
+    for port in study.curves:
+        for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port]):
+            yield at_most(case, f"{kind} error of {port.split('.')[1]} / that of 1 deg", own / other, 1.0, "steps of 0.125 deg",
+                          "as accurate with half the steps")
 
 
-def curve(results):
-    """Times and lateral displacement of a run."""
-    return {"curve": (results.time, results.series("bodies.lateral_displacement")[0])}
+def distances(run, fine, begin):
+    """Largest and root mean square difference of every curve from a finer run, at the run's own times from `begin` [s] on.
+
+    Eq. (V2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
+    """
+    late = run["time"] >= begin
+    time, found = run["time"][late], {}
+    for port, values in run["curves"].items():
+        apart = values[late] - np.interp(time, fine["time"], fine["curves"][port])
+        mean_square = np.sum(np.diff(time) * (apart[1:]**2 + apart[:-1]**2)) / 2 / (time[-1] - time[0])
+        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)                                               # Eq. (V2)
+    return found
+
+
+def curves(ports, results):
+    """Times and some scalar outputs of a run."""
+    return {"time": results.time, "curves": {port: results.series(port)[0] for port in ports}}
 
 
 WITHOUT_DERIVATIVES = (("coupling.method", "iqn_ageing"), ("coupling.probing", True), ("coupling.max_iterations", 60))

@@ -1,4 +1,4 @@
-"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and that a resumed run goes on alike."""
+"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and resuming."""
 
 import pickle
 from io import BytesIO
