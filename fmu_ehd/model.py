@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import asperity, coating, friction
+from . import asperity, coating, friction, storage
 from .cavitation import NotConverged
 from .film_step import FilmStep
 from .films import FlowFilm, rough_film, smooth_film, thin
@@ -18,22 +18,26 @@ BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
 @dataclass(frozen=True)
 class State:
-    """All that a step needs from the past, each an ndarray of shape (n_c, n_a).
+    """All that a step needs from the past; arrays of shape (n_c, n_a).
 
     Parameters
     ----------
     unknown, unknown_before : ndarray
         Signed unknown of the last two steps: its extrapolation starts the next step, so a repeat takes the same path.
-    content : ndarray
-        film_fraction x film of the flow [m].
+    content, content_before : ndarray
+        film_fraction x stored film at the end of the last two steps [m], `storage`.
     deflection : ndarray
         Of the coating [m].
+    step_before : float
+        Length of the last step [s]; 0 at the start.
     """
 
     unknown: np.ndarray
     unknown_before: np.ndarray
     content: np.ndarray
+    content_before: np.ndarray
     deflection: np.ndarray
+    step_before: float
 
 
 @dataclass(frozen=True)
@@ -119,7 +123,8 @@ class LubricationModel:
         film = self._film(sliding_velocity, values, slopes, velocity_slopes, unknown, np.ones(self.grid.shape), around)
         _, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0)
-        return State(unknown, unknown, values[0].copy(), np.zeros(self.grid.shape)), outputs
+        content = values[0].copy()
+        return State(unknown, unknown, content, content, np.zeros(self.grid.shape), 0.0), outputs
 
     def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
         """One step from `state` to the given film and velocity.
@@ -151,13 +156,15 @@ class LubricationModel:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = surroundings(self.parameters, conditions) if conditions else self._given
         guess = 2.0 * state.unknown - state.unknown_before > 0.0
+        content, euler_step = storage.euler_step(state.content, state.content_before, step, state.step_before)
         find = self._coated if self._compliance > 0.0 else self._bare
-        film_thickness, parts, solution, deflection = find(state, film_thickness, sliding_velocity, guess, around, step)
+        film_thickness, parts, solution, deflection = find(state, content, film_thickness, sliding_velocity, guess, around,
+                                                            euler_step)
         film = self._film(sliding_velocity, *parts, solution.pressure, solution.film_fraction, around)
         self._last, outputs = self._outputs(film, film_thickness)
         outputs |= dict(flow_lower_edge=float(solution.edge_flow[0]), flow_upper_edge=float(solution.edge_flow[1]),
                         mass_imbalance=solution.mass_imbalance, solver_iterations=solution.iterations)
-        return State(solution.unknown, state.unknown, solution.content, deflection), outputs
+        return State(solution.unknown, state.unknown, solution.content, state.content, deflection, step), outputs
 
     def tangent(self, dfilm_thickness, dsliding_velocity):
         """Change of the forces at the end of the last step for changed inputs there, its state at the beginning held.
@@ -220,14 +227,14 @@ class LubricationModel:
 
     # ---- ways to a film ---------------------------------------------------------------------------------------------
 
-    def _bare(self, state, film_thickness, sliding_velocity, guess, around, step):
+    def _bare(self, state, content, film_thickness, sliding_velocity, guess, around, step):
         """Film thickness, `_flow_film`, solution of the film balance, deflection: of hard surfaces."""
         parts = self._flow_film(film_thickness, sliding_velocity, around)
         solution = self.film_step.solve(FlowFilm(*parts[0]), self._no_velocity, -0.5 * sliding_velocity, around.edges,
-                                        state.content, guess, step)
+                                        content, guess, step)
         return film_thickness, parts, solution, state.deflection
 
-    def _coated(self, state, film_thickness, sliding_velocity, guess, around, step):
+    def _coated(self, state, content, film_thickness, sliding_velocity, guess, around, step):
         """The same with a coating that yields to the pressure, by Newton's method, `coating`."""
         c, law, velocities = self._compliance, around.thickening, (self._no_velocity, -0.5 * sliding_velocity)
         deflection, unknown, full, factorisations = state.deflection, state.unknown, state.unknown > 0.0, 0
@@ -241,7 +248,7 @@ class LubricationModel:
                                            reduced, 1.0 + deficit, around.edges, step)
             touching, touching_slope, *_ = asperity.contact(film, *self._contact)
             weight, offset = coating.linear_deflection(c, deflection, touching, touching_slope, pressure, ratio, reduced)
-            solution = self.film_step.solve(FlowFilm(*parts[0]), *velocities, around.edges, state.content, guess, step,
+            solution = self.film_step.solve(FlowFilm(*parts[0]), *velocities, around.edges, content, guess, step,
                                             (slopes[0], weight, offset))
             factorisations += solution.iterations
             change = weight * solution.pressure + offset
