@@ -34,7 +34,7 @@ III.5 (variable-step BDF and their stability).
 from .compiled import compiled
 
 LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
-EMPTY = 1e-15  # share of the largest content that is round-off in an empty cell
+NEGLIGIBLE = 1e-20  # [m] content that is round-off in an empty cell: a film of 10 um times the rounding of film fractions
 
 
 @compiled
@@ -58,6 +58,6 @@ def euler_step(content, content_before, step, step_before):
     ratio = min(step / step_before, LARGEST_RATIO)
     share = ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
     extrapolated = content + share * (content - content_before)
-    if extrapolated.min() < -EMPTY * content.max():
+    if extrapolated.min() < -NEGLIGIBLE:
         return content, step  # Eq. (T3)
     return extrapolated, step - share * step_before  # Eq. (T1)
