@@ -26,12 +26,18 @@ def motored_film(shape, time):
 
 def motored(parameters, steps):
     """Model, state and outputs of each of the first `steps` degrees of the motored skirt."""
+    return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)
+
+
+def motored_until(parameters, ends):
+    """The same with steps that end at the times `ends` [s]."""
     model = LubricationModel(parameters)
     state, _ = model.start(*motored_film(parameters.shape, 0.0))
-    history = []
-    for k in range(1, steps + 1):
-        state, outputs = model.advance(state, *motored_film(parameters.shape, k * DEGREE), DEGREE)
+    history, last = [], 0.0
+    for end in ends:
+        state, outputs = model.advance(state, *motored_film(parameters.shape, end), end - last)
         history.append(outputs)
+        last = end
     return model, state, history
 
 
