@@ -60,7 +60,11 @@ class Wire(Table):
 
     tolerance : largest difference between output and input in a converged step; text with the field's unit, or a number
     that multiplies its nominal value.
-    relative_tolerance : a root mean square of the difference below this share of the field's counts as converged too.
+    relative_tolerance : root mean square of the difference as a share of the field's.
+    residual_relative_tolerance : root mean square of the difference as a share of what it was in the macro step's first sweep.
+    Of these three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire that runs against the
+    stepping order. A wire along the order hands over what has just been computed: it is not measured, unless one of the three is
+    given; then by how far it has moved since the iterate.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
     local_error : largest local error of a macro step, text with the field's unit, or a number that multiplies its nominal value;
     with it on any wire, macro steps are as long as their local error allows.
@@ -71,8 +75,9 @@ class Wire(Table):
 
     source: Port = Field(alias="from")
     target: Port = Field(alias="to")
-    tolerance: str | float = 1e-6
+    tolerance: str | float | None = None
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
+    residual_relative_tolerance: float = Field(0.0, ge=0, lt=1)
     largest_decrease: float | None = Field(None, gt=0, lt=1)
     local_error: str | float | None = None
     interpolation: Literal["held", "linear", "hermite"] = "held"
@@ -105,7 +110,7 @@ class Coupling(Table):
     mixing: float = Field(1.0, gt=0, le=1)
     probing: bool = False
     windows: int = Field(3, ge=0)
-    filter: Literal["QR1", "QR2"] = "QR2"
+    filter: Literal["QR1", "QR2", "QR3"] = "QR2"
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     largest_krylov_space: int = Field(120, ge=1)
     differences: bool = False

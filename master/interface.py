@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .wiring import is_unknown, rms
+
 
 class Interface:
     """Vector layout of all connections.
@@ -19,18 +21,19 @@ class Interface:
     parallel : bool
         Jacobi's order: every participant reads the iterate alone, all wires are unknowns.
 
-    `trail` holds the measures of every wire since it was last cleared, a list for each sweep that was measured.
+    `trail` holds the measures of every wire since `begin`, a list for each sweep that was measured; `first` the root mean
+    square of every wire's residual in the first of them.
     """
 
     def __init__(self, participants, connections, parallel=False):
-        self.participants, self.connections, self.trail = participants, connections, []
+        self.participants, self.connections = participants, connections
+        self.begin()
         sizes = [int(np.prod(c.shape)) for c in connections]
         ends = np.cumsum(sizes, dtype=int)
         self.parts = [slice(end - size, end) for end, size in zip(ends, sizes)]
         self.size = int(ends[-1]) if sizes else 0
         self.nominal = np.repeat([c.nominal for c in connections], sizes)
-        position = {name: k for k, name in enumerate(participants)}
-        against = [parallel or position[c.target[0]] <= position[c.source[0]] for c in connections]
+        against = [is_unknown(c, list(participants), parallel) for c in connections]
         self.feedback = np.repeat(against, sizes)
         lengths = [size for size, back in zip(sizes, against) if back]
         self.feedback_wires = [slice(end - size, end) for end, size in zip(np.cumsum(lengths, dtype=int), lengths)]
@@ -40,6 +43,10 @@ class Interface:
     def _wires(self, name, end):
         return [(getattr(c, end)[1], part, c.shape) for c, part in zip(self.connections, self.parts)
                 if getattr(c, end)[0] == name]
+
+    def begin(self):
+        """A macro step is tried."""
+        self.trail, self.first = [], [0.0] * len(self.connections)
 
     def read(self):
         """Vector of what the sources say now."""
@@ -105,20 +112,26 @@ class Interface:
 
     def allowed(self, values):
         """Residual that counts as converged, per element, for given values; shape (size,)."""
-        return np.concatenate([np.full(part.stop - part.start, c.allowed(values[part]))
-                               for c, part in zip(self.connections, self.parts)])
+        return np.concatenate([np.full(part.stop - part.start, c.allowed(values[part], first))
+                               for c, part, first in zip(self.connections, self.parts, self.first)])
 
     def measure(self, residual, values):
         """Largest measure of a wire, Eq. (C0): converged at 1 and below, NaN if any element is not finite."""
-        self.trail.append([c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)])
+        if not self.trail:
+            self.first = [rms(residual[part]) for part in self.parts]
+        self.trail.append(self._measures(residual, values))
         return float(np.max(self.trail[-1]))
+
+    def _measures(self, residual, values):
+        return [c.measure(residual[part], values[part], first)
+                for c, part, first in zip(self.connections, self.parts, self.first)]
 
     def worst(self, residual, values):
         """Sentence naming the worst wire and its largest residual."""
-        measures = [c.measure(residual[part], values[part]) for c, part in zip(self.connections, self.parts)]
+        measures = self._measures(residual, values)
         k = int(np.argmax(np.where(np.isnan(measures), np.inf, measures)))
         c, r = self.connections[k], residual[self.parts[k]]
         element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
         index = ",".join(str(i + 1) for i in np.unravel_index(element, c.shape)) if c.shape else ""
         return (f"{c.target[0]}.{c.target[1]}[{index}]: {r[element]:.3g} {c.unit} "
-                f"(allowed {c.allowed(values[self.parts[k]]):.3g})")
+                f"(allowed {c.allowed(values[self.parts[k]], self.first[k]):.3g})")

@@ -112,7 +112,9 @@ def draw_maps(picture, runs):
             shown = panel.imshow(image.T, origin="lower", aspect="auto", extent=(0, 360, 0, 1), vmin=low, vmax=high,
                                  cmap="viridis", interpolation="nearest")
             centres = [(np.arange(n) + 0.5) / n for n in image.shape]
-            panel.contour(360 * centres[0], centres[1], image.T, np.linspace(low, high, 10)[1:-1], colors="white", linewidths=0.4)
+            if low < high:
+                panel.contour(360 * centres[0], centres[1], image.T, np.linspace(low, high, 10)[1:-1], colors="white",
+                              linewidths=0.4)
             panel.set_title(f"{label}, t = {time * 1e3:.2f} ms", fontsize="medium")
             panel.set_xticks([0, 90, 180, 270, 360], ["0", "90\nthrust", "180", "270\nanti-thrust", "360"])
             panel.set_xlabel("angle from the pin axis [deg]")

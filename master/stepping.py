@@ -131,7 +131,7 @@ class Stepper:
         return False
 
     def _save(self):
-        self.interface.trail.clear()
+        self.interface.begin()
         return {name: p.save() for name, p in self.interface.participants.items()}
 
     def _free(self, saved):

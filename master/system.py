@@ -1,8 +1,8 @@
 """From a case to participants and wires, with every fault of wiring, units, shapes and capabilities found before the run."""
 
-from difflib import get_close_matches
-
 from dataclasses import replace
+from difflib import get_close_matches
+from math import inf
 
 from .case import times
 from .fmi.builder import build_fmu, build_fmu_of_file
@@ -11,8 +11,11 @@ from .fmi.quantities import to_si
 from .interpolated import InterpolatedParticipant, slope_of
 from .isolated import IsolatedParticipant
 from .participant import open_fmu
-from .wiring import Connection, System
+from .wiring import Connection, System, is_unknown
 from .work import conjugates
+
+TOLERANCE = 1e-6
+"""Of an unknown wire without a criterion of its own, in nominal values."""
 
 
 def open_system(case, folder, progress):
@@ -33,7 +36,7 @@ def open_system(case, folder, progress):
     if faults:
         raise BadInput(faults)
     parameters = {name: _parameters(participants[name], case.participants[name].parameters, faults) for name in participants}
-    connections = [c for wire in case.wires if (c := _connection(wire, participants, faults))]
+    connections = [c for wire in case.wires if (c := _connection(wire, participants, case.coupling, faults))]
     participants = _interpolating(case, participants, faults)
     try:
         conjugates(connections, case.wires)
@@ -128,7 +131,7 @@ def _field(port, causalities, participants, where, faults):
     return field
 
 
-def _connection(wire, participants, faults):
+def _connection(wire, participants, coupling, faults):
     where = f"wire {wire.source} -> {wire.target}"
     source = _field(wire.source, ("output",), participants, where, faults)
     target = _field(wire.target, ("input",), participants, where, faults)
@@ -143,14 +146,17 @@ def _connection(wire, participants, faults):
     unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
     tolerance, local_error = (_amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error"))
-    if tolerance is None:
-        return None
     if local_error is not None and not local_error > 0:
         faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
-    if tolerance < 0 or not (tolerance or wire.relative_tolerance):
-        faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive, or 0 beside a relative_tolerance")
-    return Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
-                      tolerance, wire.largest_decrease, wire.relative_tolerance, local_error)
+    if tolerance is not None and not tolerance > 0:
+        faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive")
+    connection = Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
+                            0.0 if tolerance is None else tolerance, wire.largest_decrease, wire.relative_tolerance,
+                            wire.residual_relative_tolerance, local_error)
+    if wire.tolerance is not None or wire.relative_tolerance or wire.residual_relative_tolerance:
+        return connection
+    unknown = is_unknown(connection, coupling.order, coupling.parallel)
+    return replace(connection, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
 def _amount(wire, key, nominal, unit, where, faults):

@@ -34,8 +34,8 @@ def tube_iterations(*changes):
 
 def checks():
     """Elastic tube with the settings of preCICE's tutorial, whose own log needs 846 iterations."""
-    yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations", tube_iterations(), 890, "preCICE's reference log: 846",
-                  "same method and settings; rounding alone (threads, the fluid's own tolerance) moves ours between 863 and 878")
+    yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations", tube_iterations(), 870, "preCICE's reference log: 846",
+                  "same method and settings; rounding alone (threads, the last digits of the inflow) moves ours between 838 and 849")
     yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations, quadratic predictor",
                   tube_iterations(("coupling.predictor", 2)), 700, "design target", "a better start saves iterations")
     yield at_most("Elastic tube, 100 windows", "iterations with ageing secants",
@@ -76,19 +76,22 @@ def slow_checks():
     """The numerical example whole, with derivatives and without, and the fired one with adaptive steps."""
     yield at_most("Elastic tube, window 1", "plain Gauss-Seidel converges (1) or not (0)", plain_converges(), 0,
                   "known to fail", "unrelaxed iteration diverges on this tube")
-    flexible, rigid = summary_of("numerical_example", look=films), summary_of("numerical_example", *RIGID)
-    case = "Numerical example, 60 + 60 modes"
-    yield at_most(case, "mean iterations", flexible["mean_iterations"], 3.0, "design target",
-                  "Newton: the second sweep of most steps is at the tolerance, a third confirms")
-    yield at_most(case, "mean iterations / those of rigid bodies", flexible["mean_iterations"] / rigid["mean_iterations"], 1.2,
-                  "design target", "iterations do not grow with modes")
+    for modes in (0, 20, 200):
+        yield at_most(f"Numerical example, {modes} modes a body", "mean iterations",
+                      summary_of("numerical_example", *modes_a_body(modes))["mean_iterations"], 2.5, "design target",
+                      "iterations do not grow with modes")
+    flexible = summary_of("numerical_example", look=films)
+    case = "Numerical example, 60 modes a body"
+    yield at_most(case, "mean iterations", flexible["mean_iterations"], 2.5, "design target",
+                  "Newton: the second sweep of most steps is below the tolerance")
     yield at_most(case, "largest mass imbalance", flexible["mass_imbalance_max"], 1e-12, "conservation", "round-off")
     yield at_most(case, "interface work that both sides disagree on / exchanged", abs(flexible["interface_work_imbalance"]), 1e-6,
-                  "conservation", "forces of some N a cell agree to 1e-6 N")
+                  "conservation", "films of some um agree to 1 nm")
     yield at_most(case, "largest interface work error", flexible["interface_work_error_max"], 1e-10, "conservation", "round-off")
     aged = summary_of("numerical_example", *WITHOUT_DERIVATIVES, look=films)
-    yield at_most(case, "mean iterations without derivatives", aged["mean_iterations"], 8.0, "design target",
-                  "ageing secants; probes of the first steps not counted")
+    yield at_most(case, "steps without derivatives, unconverged", aged["unconverged_steps"], 0, "design target", "ageing secants")
+    yield at_most(case, "mean sweeps without derivatives, probes counted", aged["residual_evaluations"] / aged["steps"], 8.0,
+                  "design target", "ageing secants")
     apart = float(np.max(np.abs(aged["films"] - flexible["films"])))
     yield at_most(case, "film, with against without derivatives [m]", apart, 1e-9, "the tolerance of the film",
                   "both converge to it in every step")
@@ -135,7 +138,11 @@ def curve(results):
 
 
 WITHOUT_DERIVATIVES = (("coupling.method", "iqn_ageing"), ("coupling.probing", True), ("coupling.max_iterations", 60))
-RIGID = tuple((f"participants.bodies.build.{body}.modes", 0) for body in ("piston", "block"))
+
+
+def modes_a_body(count):
+    """Changes that give each body that many modes."""
+    return tuple((f"participants.bodies.build.{body}.modes", count) for body in ("piston", "block"))
 
 
 def plain_converges():

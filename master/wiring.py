@@ -9,7 +9,10 @@ from .fmi.errors import BadInput
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local error."""
+    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local error.
+
+    tolerance : infinite on a wire that is not measured, 0 where a relative criterion alone counts.
+    """
 
     source: tuple
     target: tuple
@@ -19,25 +22,34 @@ class Connection:
     tolerance: float
     largest_decrease: float | None
     relative_tolerance: float = 0.0
+    residual_relative_tolerance: float = 0.0
     local_error: float | None = None
 
-    def allowed(self, values):
-        """Size of an element's residual that counts as converged, for given values of the field."""
-        return max(self.tolerance, self.relative_tolerance * _rms(values))
+    def allowed(self, values, first):
+        """Size of an element's residual that counts as converged, for given values and rms of the step's first residual."""
+        return max(self.tolerance, self.relative_tolerance * rms(values), self.residual_relative_tolerance * first)
 
-    def measure(self, residual, values):
+    def measure(self, residual, values, first):
         """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
 
-        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)))
+        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
+                       rms(r) / (residual-relative tolerance x rms(r of the macro step's first sweep)))
         """
         share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
-        if self.relative_tolerance:
-            share = np.minimum(share, _rms(residual) / max(self.relative_tolerance * _rms(values), np.finfo(float).tiny))
-        return float(share)
+        if self.relative_tolerance or self.residual_relative_tolerance:
+            relative = max(self.relative_tolerance * rms(values), self.residual_relative_tolerance * first)
+            share = float(np.minimum(share, rms(residual) / max(relative, np.finfo(float).tiny)))
+        return share
 
 
-def _rms(values):
+def rms(values):
+    """Root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def is_unknown(connection, order, parallel):
+    """Whether a wire runs against the stepping order: what it carries is then an unknown of the iteration."""
+    return parallel or order.index(connection.target[0]) <= order.index(connection.source[0])
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ def filtered(columns, limit, rule):
     ----------
     columns : list of ndarray, shape (n,)
     limit : float
-    rule : {"QR1", "QR2"}
-        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself.
+    rule : {"QR1", "QR2", "QR3"}
+        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself. preCICE's QR3 takes QR2's
+        decomposition only where QR1's test fails; a column that passes QR1 passes QR2, so both keep the same columns.
 
     Returns
     -------
@@ -30,7 +31,7 @@ def filtered(columns, limit, rule):
             triangle[:m, m] += share
             new = new - share @ rows[:m]
         size = np.linalg.norm(new)
-        reference = np.linalg.norm(column) if rule == "QR2" else np.hypot(np.linalg.norm(triangle[:m + 1, :m + 1]), size)
+        reference = np.linalg.norm(column) if rule != "QR1" else np.hypot(np.linalg.norm(triangle[:m + 1, :m + 1]), size)
         if size > limit * reference:
             triangle[m, m] = size
             rows[m] = new / size

@@ -1,23 +1,22 @@
 """GMRES that remembers: products of the last solves precondition the next one."""
 
 import numpy as np
-
-from .filtering import filtered
+from scipy.linalg import cho_factor, cho_solve
 
 KEPT = 40
 """Pairs kept from one solve to the next: about the number of directions that amplify."""
 
-DEPENDENT = 1e-6
-"""A remembered product is dropped if less than this share of it is new."""
+NOISE = 1e-5
+"""Of a product's squared length: what nearly parallel products of different times disagree on counts as noise."""
 
 
 class RecycledGmres:
     """GMRES for a sequence of systems A x = b whose matrices change little.
 
-    Eq. (K1):  P r = r - Q Q' r + V R^-1 Q' r,   Z = A V = Q R
+    Eq. (K1):  P r = r + (V - Z) (Z' Z + n I)^-1 Z' r,   Z = A V,   |z_i| = 1
 
-    V and Z are directions and their products from earlier solves: P is the inverse of the A of that time on the space
-    spanned by Z, and the identity elsewhere. GMRES works with A P, so a stale P costs products, never accuracy.
+    V and Z are directions and their products from earlier solves: for small n P is the inverse of the A of that time on the
+    space spanned by Z, and the identity elsewhere. GMRES works with A P, so a stale P costs products, never accuracy.
 
     Parameters
     ----------
@@ -44,7 +43,7 @@ class RecycledGmres:
         x : ndarray, shape (n,)
         products : int
         """
-        precondition = self._preconditioner(right.size)
+        precondition = self._preconditioner()
         size = np.linalg.norm(right)
         if size <= tolerance:
             return right.copy(), 0
@@ -70,15 +69,13 @@ class RecycledGmres:
         self.pairs = [*reversed(list(zip(directions, found))), *self.pairs][:KEPT]
         return np.sum([w * v for w, v in zip(weights, directions)], axis=0), len(found)
 
-    def _preconditioner(self, n):
+    def _preconditioner(self):
         """P of Eq. (K1) as a callable."""
-        chosen, q, triangle = filtered([z for _, z in self.pairs], DEPENDENT, "QR2")
-        if not chosen:
+        if not self.pairs:
             return lambda r: r
-        v = np.array([self.pairs[k][0] for k in chosen]).T
-
-        def precondition(r):
-            known = q.T @ r
-            return r - q @ known + v @ np.linalg.solve(triangle, known)                                         # Eq. (K1)
-
-        return precondition
+        sizes = np.array([np.linalg.norm(z) for _, z in self.pairs])
+        v, z = (np.array([pair[k] for pair in self.pairs]) / sizes[:, None] for k in (0, 1))
+        matrix = z @ z.T
+        matrix[np.diag_indices_from(matrix)] += NOISE
+        factor, difference = cho_factor(matrix), v - z
+        return lambda r: r + cho_solve(factor, z @ r) @ difference                                              # Eq. (K1)

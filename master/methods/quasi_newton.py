@@ -64,14 +64,15 @@ class QuasiNewton:
         for iteration in range(self.max_iterations):
             used, y, residual = macro_step.sweep(x)
             history.append(interface.measure(residual, y))
-            if history[-1] <= 1.0:
-                secants.close()
-                return Solution(used, tuple(history))
-            if not np.isfinite(y).all():
+            converged = history[-1] <= 1.0
+            if not converged and not np.isfinite(y).all():
                 raise NotConverged("a participant's output is not finite", interface, residual, y, history)
             point, r = used[feedback] / scale, (y - used)[feedback] / scale
             if last is not None:
                 secants.learn(point - last[0], r - last[1])
+            if converged:
+                secants.close()
+                return Solution(used, tuple(history))
             last, least = (point, r), min(least, np.linalg.norm(r))
             if self.probing and (np.linalg.norm(r) > self.astray * least or 2 * iteration > self.max_iterations):
                 raise Astray(history)

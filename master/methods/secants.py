@@ -28,8 +28,8 @@ class LeastSquares:
         Accepted macro steps whose pairs are used again.
     limit : float
         Of the filter.
-    rule : {"QR1", "QR2"}
-        See `filtering.filtered`. (preCICE's QR3 is QR2 with fewer decompositions; here each update has its own.)
+    rule : {"QR1", "QR2", "QR3"}
+        See `filtering.filtered`.
 
     References
     ----------

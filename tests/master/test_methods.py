@@ -1,5 +1,7 @@
 """Newton, Aitken and constant relaxation on a stiff pair with a known fixed point."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -9,6 +11,7 @@ from master.methods import (Ageing, Explicit, LeastSquares, MacroStep, MultiVect
                             step_length)
 from master.methods.filtering import filtered
 from master.stepping import Predictor, Stepper, StepFailed
+from master.wiring import Connection
 
 STEP, PADS = 1e-4, 7
 
@@ -102,6 +105,42 @@ def test_step_length_limits_the_thinnest_film(pair):
     assert step_length(interface, x, change) == 1.0
 
 
+def criteria(**given):
+    return Connection(("a", "y"), ("b", "x"), (3,), "m", 1.0, **{"tolerance": 0.0, "largest_decrease": None} | given)
+
+
+def test_criteria_of_a_wire():
+    residual, values = np.array([3e-3, -4e-3, 0.0]), np.array([1.0, -2.0, 2.0])  # rms 5e-3 / sqrt 3 and 3 / sqrt 3
+    first = 0.5 / np.sqrt(3)
+    assert criteria(tolerance=2e-3).measure(residual, values, first) == pytest.approx(2.0)
+    assert criteria(relative_tolerance=1e-3).measure(residual, values, first) == pytest.approx(5 / 3)
+    assert criteria(residual_relative_tolerance=1e-2).measure(residual, values, first) == pytest.approx(1.0)
+    both = criteria(tolerance=1e-6, relative_tolerance=1e-2)   # one that is met is enough
+    assert both.measure(residual, values, first) == pytest.approx(1 / 6)
+    assert criteria(tolerance=np.inf).measure(residual, values, first) == 0.0
+    assert criteria(relative_tolerance=1e-3).measure(0 * residual, 0 * values, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("given", [{"tolerance": np.inf}, {"tolerance": 1e-3}, {"relative_tolerance": 1e-3},
+                                   {"residual_relative_tolerance": 1e-3}])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_never_converges(given, bad):
+    assert not criteria(**given).measure(np.array([0.0, bad, 0.0]), np.array([1.0, bad, 1.0]), 1.0) <= 1.0
+
+
+def test_residual_relative_convergence_leaves_that_share_of_the_first_residual(pair):
+    wire, along = pair.connections
+    pair.connections = (replace(wire, tolerance=0.0, residual_relative_tolerance=1e-4), replace(along, tolerance=np.inf))
+    interface = Interface(pair.participants, pair.connections)
+    saved = {name: p.save() for name, p in pair.participants.items()}
+    step, guess = MacroStep(interface, 0.0, STEP, saved), interface.read()
+    first = step.sweep(guess)[2][:PADS]
+    solution = Newton().solve(step, guess, Newton().memory())
+    last = step.sweep(solution.x)[2][:PADS]
+    assert 1e-10 < np.linalg.norm(last) / np.linalg.norm(first) <= 1e-4
+    assert solution.history[0] == pytest.approx(1e4)
+
+
 def test_discarded_step_is_halved_and_counted(pair):
     pair.participants["film"].refuse = 1
     seen = []
@@ -143,11 +182,13 @@ def test_quasi_newton_reuses_secants(pair):
         stepper.advance(k * STEP, STEP)
     assert len(stepper.memory.secants.past) == 3
     assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
+    # every sweep after a step's first is a pair, the one that converged too
+    assert [len(window) for window in stepper.memory.secants.past] == [n - 1 for n in stepper.counters.iterations[:1:-1]]
 
 
 def test_filter_drops_what_adds_nothing():
     a, b = np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
-    for rule in ("QR1", "QR2"):
+    for rule in ("QR1", "QR2", "QR3"):
         chosen, q, triangle = filtered([a, b, a + 1e-9 * b], 1e-6, rule)
         assert chosen == [0, 1]
         assert np.allclose(q @ triangle, np.array([a, b]).T, atol=1e-15)

@@ -2,10 +2,13 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from master.case import Wire
 from master.system import _connection, _parameters
+
+SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
 
 
 def field(name, causality, unit="m", shape=(4, 4), **more):
@@ -30,7 +33,7 @@ def participants():
 ])
 def test_wiring_faults(participants, target, words):
     faults = []
-    _connection(Wire(**{"from": "body.film_thickness", "to": target}), participants, faults)
+    _connection(Wire(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults)
     assert len(faults) == 1
     assert words in faults[0]
 
@@ -38,13 +41,25 @@ def test_wiring_faults(participants, target, words):
 def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
     def tolerance(value):
         wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value})
-        return _connection(wire, participants, []).tolerance
+        return _connection(wire, participants, SEQUENTIAL, []).tolerance
     assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
     assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
     faults = []
     wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"})
-    assert _connection(wire, participants, faults) is None
+    _connection(wire, participants, SEQUENTIAL, faults)
     assert "tolerance" in faults[0]
+
+
+@pytest.mark.parametrize("coupling, tolerance", [
+    (SimpleNamespace(order=["film", "body"], parallel=False), 1e-11),       # against the order: 1e-6 nominals of 1e-5 m
+    (SimpleNamespace(order=["body", "film"], parallel=False), np.inf),      # along it: handed over as it is, not measured
+    (SimpleNamespace(order=["body", "film"], parallel=True), 1e-11)])
+def test_wires_along_the_order_are_measured_only_if_asked(participants, coupling, tolerance):
+    ends = {"from": "body.film_thickness", "to": "film.film_thickness"}
+    assert _connection(Wire(**ends), participants, coupling, []).tolerance == pytest.approx(tolerance, rel=1e-14)
+    assert _connection(Wire(**ends, tolerance="2 nm"), participants, coupling, []).tolerance == pytest.approx(2e-9, rel=1e-14)
+    asked = _connection(Wire(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
+    assert (asked.tolerance, asked.residual_relative_tolerance) == (0.0, 1e-3)
 
 
 def test_parameter_faults_name_value_unit_and_range(participants):
@@ -59,5 +74,6 @@ def test_parameter_faults_name_value_unit_and_range(participants):
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
 def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     faults = []
-    _connection(Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}), participants, faults)
+    _connection(Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}), participants, SEQUENTIAL,
+                faults)
     assert "must be positive" in faults[0]
