@@ -23,8 +23,8 @@ remains a smooth function of its inputs.
 Full films, film fractions and the places of moving fronts come out of second order. The pressure of a film on a grid jumps
 whenever a cell fills, and at such an instant no step is. After a whole cavity has closed between surfaces on a given path, the
 pressure of one step is too high, by up to a fifth of the highest: BDF2 presses half of what last flowed in out again. A
-piston free to move gives way: there the highest pressure errs no more than with backward Euler. Backward Euler for that step was tried: it
-mends half of the cases, spoils the squeeze pressure of others, and a free piston gains nothing.
+piston free to move gives way: there the highest pressure errs no more than with backward Euler. Backward Euler for the step
+after a closing was tried: it mends half of the cases, spoils the squeeze pressure of others, and a free piston gains nothing.
 
 beta is one number for the whole film. With one for each cell, what flows through a face would count differently on its two
 sides, and oil would get lost. As it is, oil is conserved to round-off by Eq. (T4) whatever the steps: without flow over
