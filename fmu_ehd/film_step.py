@@ -24,7 +24,8 @@ class FilmSolution:
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
-        |inflow - growth of content| / throughput [-]; throughput = edge flows + growth, at least 0.1 % of the film volume a step.
+        |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq. (T1); throughput = edge flows + growth,
+        at least 0.1 % of the film volume a step.
     iterations : int
         Number of factorisations.
     """
@@ -88,11 +89,11 @@ class FilmStep:
         edges : grid.Edges
             At the end of the step.
         content : ndarray, shape (n_c, n_a)
-            Content f s at the beginning of the step [m].
+            c_e that the step starts from [m], Eq. (T1); with backward Euler the content f s at its beginning.
         full : ndarray of bool, shape (n_c, n_a)
             Guess of the full cells.
         step : float
-            H [s]; inf for a steady film.
+            H_e [s], Eq. (T1); inf for a steady film.
         softness : tuple of ndarray, optional
             slopes, weight, offset of `coating.soften`.
 

@@ -23,7 +23,7 @@ class State:
     Parameters
     ----------
     unknown, unknown_before : ndarray
-        Signed unknown of the last two steps: its extrapolation starts the next step, so a repeat takes the same path.
+        Signed unknown at the end of the last two steps: its extrapolation starts the next one, so a repeat takes the same path.
     content, content_before : ndarray
         film_fraction x stored film at the end of the last two steps [m], `storage`.
     deflection : ndarray
@@ -127,7 +127,7 @@ class LubricationModel:
         return State(unknown, unknown, content, content, np.zeros(self.grid.shape), 0.0), outputs
 
     def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
-        """One step from `state` to the given film and velocity.
+        """One step from `state` to the given film and velocity, of second order in time, `storage`.
 
         Parameters
         ----------
@@ -155,7 +155,8 @@ class LubricationModel:
         if not film_thickness.max() > 0.0:
             raise NotConverged(f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film")
         around = surroundings(self.parameters, conditions) if conditions else self._given
-        guess = 2.0 * state.unknown - state.unknown_before > 0.0
+        ratio = step / state.step_before if state.step_before > 0.0 else 0.0
+        guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
         content, euler_step = storage.euler_step(state.content, state.content_before, step, state.step_before)
         find = self._coated if self._compliance > 0.0 else self._bare
         film_thickness, parts, solution, deflection = find(state, content, film_thickness, sliding_velocity, guess, around,

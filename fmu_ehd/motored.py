@@ -6,6 +6,7 @@ from .model import LubricationModel
 from .oil import Oil
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
+UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
 
 
 def motored_film(shape, time):
@@ -26,24 +27,30 @@ def motored_film(shape, time):
 
 def motored(parameters, steps):
     """Model, state and outputs of each of the first `steps` degrees of the motored skirt."""
+    return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)
+
+
+def motored_until(parameters, ends):
+    """The same with steps that end at the times `ends` [s]."""
     model = LubricationModel(parameters)
     state, _ = model.start(*motored_film(parameters.shape, 0.0))
-    history = []
-    for k in range(1, steps + 1):
-        state, outputs = model.advance(state, *motored_film(parameters.shape, k * DEGREE), DEGREE)
+    history, last = [], 0.0
+    for end in ends:
+        state, outputs = model.advance(state, *motored_film(parameters.shape, end), end - last)
         history.append(outputs)
+        last = end
     return model, state, history
 
 
 def central_difference(model, state, inputs, change, size=1e-5):
-    """Central difference of both force fields along a change of (film_thickness, sliding_velocity).
+    """Central difference of both force fields along a change of (film_thickness, sliding_velocity) at the end of a step.
 
     Returns
     -------
     list of ndarray or None
         None if a cell switches between full and cavitated meanwhile: there is no derivative then.
     """
-    forward, backward = (model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), DEGREE)
+    forward, backward = (model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), UNEVEN)
                          for sign in (1.0, -1.0))
     if not np.array_equal(forward[0].unknown > 0.0, backward[0].unknown > 0.0):
         return None
@@ -53,7 +60,7 @@ def central_difference(model, state, inputs, change, size=1e-5):
 def tangent_error(parameters, steps=100, seed=0):
     """Largest difference of tangent and central difference, relative to the largest entry, over directions without switching."""
     model, state, _ = motored(parameters, steps)
-    inputs = motored_film(parameters.shape, (steps + 1) * DEGREE)
+    inputs = motored_film(parameters.shape, steps * DEGREE + UNEVEN)
     rng, worst, tried = np.random.default_rng(seed), 0.0, 0
     while tried < 3:
         change = 1e-6 * rng.standard_normal(parameters.shape), rng.standard_normal(parameters.shape)
@@ -61,7 +68,7 @@ def tangent_error(parameters, steps=100, seed=0):
         if difference is None:
             continue
         tried += 1
-        model.advance(state, *inputs, DEGREE)
+        model.advance(state, *inputs, UNEVEN)
         for tangent, reference in zip(model.tangent(*change), difference):
             worst = np.maximum(worst, np.abs(tangent - reference).max() / np.abs(reference).max())  # keeps a NaN
     return worst

@@ -1,15 +1,16 @@
 """Mass balance of a thin film on a grid: face flows, five-point matrix, exact tangent.
 
-Eq. (E1):  A (f s - content_n) / H + sum of outward face flows = 0              backward Euler, each cell
+Eq. (E1):  A (f s - c_e) / H_e + sum of outward face flows = 0                  each cell; c_e, H_e of `storage`
 Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b                    flow from cell a to its neighbour b [m3/s]
 Eq. (E3):  K = (w/d) 2 g_a g_b / (g_a + g_b),  T = w U (t_a g_b + t_b g_a) / (g_a + g_b)
 Eq. (E4):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u                      one signed unknown u a cell
 Eq. (E5):  q = c_a u_a + c_b u_b + T,  c_a = K or max(T, 0), c_b = -K or min(T, 0)   where (a, b) is full or cavitated
 Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)                  tangent with the matrix M of the step
 
-A cell area [m2], H time step [s], f film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance
-between cell centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored film [m],
-t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g = h^3 / (12 mu).
+A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f film fraction [-], p
+pressure above cavitation pressure [Pa], w face width, d distance between cell centres [m], U entrainment velocity at the
+face, the mean of both cells [m/s]. Per cell: s stored film [m], t transported film [m], g conductivity [m3/(Pa s)]; for
+smooth surfaces s = t = h and g = h^3 / (12 mu).
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped film is exact on every grid
 and a smooth one of second order; it stays near the thinner film where the film jumps. Film fraction multiplies the
@@ -94,9 +95,9 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     k_c, t_c, k_a, t_a : ndarray
         From `faces`.
     stored, content : ndarray, shape (n_c, n_a)
-        Stored film s of a full cell at the end of the step, and content f s at its beginning [m].
+        Stored film s of a full cell at the end of the step, and content c_e that the step starts from [m].
     area_per_step : float
-        A / H [m2/s]; 0 for a steady film.
+        A / H_e [m2/s]; 0 for a steady film.
     edge_pressure, edge_fraction : ndarray, shape (4,)
         As in `grid.Edges`.
     ring : bool

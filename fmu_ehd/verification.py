@@ -4,17 +4,19 @@ Each case is a function that yields rows; `checks` chains them. A row is a dict 
 tolerance, kind ("relative", "absolute" or "at most"), source and the reason of the tolerance.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
-from . import asperity, oil, roughness
+from . import asperity, oil, roughness, storage
 from .cavitation import NotConverged
 from .film_step import FilmStep
 from .films import FlowFilm, rough_film, smooth_film
 from .friction import shear_forces
 from .grid import Edges, Grid
-from .motored import motored, physics, tangent_error
+from .motored import DEGREE, motored, motored_until, physics, tangent_error
 from .parameters import Parameters
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
@@ -90,7 +92,7 @@ def coarse_rows():
     errors = [squeeze_plate(n)[0] - 0.4217314 for n in (20, 40)]
     yield row("Square parallel squeeze plate, 20 to 40 cells", "observed order of the load [-]",
               np.log2(errors[0] / errors[1]), 2.0, 0.1, "absolute", "theory", "leading error term; the corners add a logarithm")
-    times, width, _ = oscillating_squeeze(40, 5e-4)
+    times, width, *_ = oscillating_squeeze(40, 5e-4)
     yield row("Oscillating squeeze, 40 cells, step 5e-4", "complete reformation time [-]", times[width < 0.5][-1] + 5e-4,
               0.7324, 4e-3, "absolute", "independent solution of the moving fronts", "the time a front takes to cross a cell")
 
@@ -138,20 +140,24 @@ def oscillating_squeeze(cells, step, end=0.75):
         Width of the full film at each side [-], 0.5 where the film is full.
     imbalance : float
         Largest mass imbalance of a step.
+    pressure : float
+        Highest pressure at the end.
     """
     grid = Grid((1, cells), 1.0, 1.0)
     film_step, edges = FilmStep(grid), Edges(pressure=np.full(4, 0.025))
     still = np.zeros(grid.shape)
-    content, full = np.full(grid.shape, 0.5), np.ones(grid.shape, dtype=bool)
+    content = before = np.full(grid.shape, 0.5)
+    full, last = np.ones(grid.shape, dtype=bool), 0.0
     times = np.arange(1, round(end / step) + 1) * step
     width, imbalance = np.empty(times.size), 0.0
     for k, time in enumerate(times):
         h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
-        film = film_step.solve(flow_film(h, 1.0 / 6.0), still, still, edges, content, full, step)
-        content, full = film.content, film.full
+        past = storage.euler_step(content, before, step, last)
+        film = film_step.solve(flow_film(h, 1.0 / 6.0), still, still, edges, past[0], full, past[1])
+        before, content, full, last = content, film.content, film.full, step
         width[k] = _full_width(film)
         imbalance = max(imbalance, film.mass_imbalance)
-    return times, width, imbalance
+    return times, width, imbalance, film.pressure.max()
 
 
 def _full_width(film):
@@ -167,8 +173,8 @@ def _full_width(film):
 
 
 def oscillating_squeeze_rows():
-    """Rupture, width of the full film, complete reformation, mass balance; 80 cells."""
-    times, width, imbalance = oscillating_squeeze(80, 2e-4)
+    """Rupture, width of the full film, complete reformation, mass balance, order in the step; 80 cells."""
+    times, width, imbalance, _ = oscillating_squeeze(80, 2e-4)
     case, source = "Oscillating squeeze, 80 cells, step 2e-4", "independent solution of the moving fronts"
     ruptured = np.flatnonzero(width < 0.5)
     reason = "one step of 2e-4 and the time a front takes to cross a cell"
@@ -179,6 +185,51 @@ def oscillating_squeeze_rows():
         yield row(case, f"full width at t = {time} [-]", np.interp(time, times, width), reference, 4e-3, "absolute", source,
                   "a third of a cell")
     yield row(case, "mass imbalance of a step [-]", imbalance, 0.0, 1e-12, "at most", "conservation", "round-off")
+    runs = [oscillating_squeeze(80, step, 0.74) for step in (1e-3, 5e-4, 2.5e-4)]
+    at = np.arange(0.3, 0.7201, 1e-3)
+    case = "Oscillating squeeze, 80 cells, steps 1e-3 to 2.5e-4"
+    for name, values, tolerance, reason in (
+            ("width of the full film", [np.interp(at, *run[:2]) for run in runs], 0.2, "the front moves from cell to cell"),
+            ("pressure after reformation", [run[3] for run in runs], 0.1, "leading error term alone")):
+        yield row(case, f"observed order of the {name} in the step [-]", order_of_halving(values), 2.0, tolerance, "absolute",
+                  "theory", reason)
+
+
+def order_of_halving(values):
+    """Observed order from the values of three runs, each with half the step of the one before: root mean square differences."""
+    coarse, fine = (np.sqrt(np.mean((a - b) ** 2)) for a, b in pairwise(values))
+    return np.log2(coarse / fine)
+
+
+def motored_order(parameters, name, uneven):
+    """Observed order in the step of one field of the motored skirt over a turn, from steps of 2, 1 and 0.5 degrees.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    name : str
+        Field among the outputs.
+    uneven : float
+        Steps are longer and shorter in turn by this share [-]; 1/3: each long one twice the short one before it.
+    """
+    values = []
+    for step in (2.0, 1.0, 0.5):
+        k = np.arange(1, round(360.0 / step) + 1)
+        history = motored_until(parameters, (k + uneven * (k % 2)) * step * DEGREE)[2]
+        every = round(4.0 / step)
+        values.append(np.array([outputs[name] for outputs in history[every - 1::every]]))
+    return order_of_halving([v[2:] for v in values])  # without the first 8 degrees, where a first step of first order still shows
+
+
+def step_order_rows():
+    """Order in the time step of a film that is full, and of one that ruptures and reforms."""
+    for uneven, steps in ((0.0, "equal steps"), (1.0 / 3.0, "steps 2:1 in turn")):
+        case = f"Motored skirt 12x10, {steps}, 2 to 0.5 degrees"
+        for what, field, model, tolerance, reason in (
+                ("forces of a full film", "nodal_pressure_force", "full_film", 0.05, "leading error term alone"),
+                ("film fraction of a ruptured film", "film_fraction", "jfo", 0.2, "fronts move from cell to cell")):
+            order = motored_order(Parameters((12, 10), cavitation_model=model), field, uneven)
+            yield row(case, f"observed order of the {what} in the step [-]", order, 2.0, tolerance, "absolute", "theory", reason)
 
 
 # ---- cavitation in sliding --------------------------------------------------------------------------------------------
@@ -357,7 +408,7 @@ def motored_rows():
 
 def checks():
     """All fast rows, in order."""
-    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows,
+    for case in (inclined_pad_rows, coarse_rows, finite_pad_rows, squeeze_plate_rows, oscillating_squeeze_rows, step_order_rows,
                  pocket_slider_rows, parabolic_slider_rows, journal_bearing_rows, oil_rows, roughness_rows, contact_rows,
                  motored_rows):
         yield from case()

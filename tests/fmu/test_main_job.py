@@ -37,12 +37,12 @@ def test_every_step_converged(job, flexible):
         assert run["mass_imbalance_max"] <= 1e-12  # round-off of a direct solve
         assert run["interface_work_error_max"] <= 1e-10  # round-off of two summations of the same work
         assert run["residual_evaluations"] >= run["jacobian_evaluations"] > 0
-    assert flexible["coupling/residual"][1:].max() <= 1.0  # 1e-9 m on the film and 1e-6 of nominal on all else
+    assert flexible["coupling/residual"][1:].max() <= 1.0  # 1e-9 m on the film, 1e-6 m/s on the velocity; forces are handed over
 
 
 def test_flexible_and_rigid_need_similar_iterations(job):
     summary = json.loads((job / "summary.json").read_text())
-    assert summary["mean_iterations"] <= 3.0
+    assert summary["mean_iterations"] <= 2.5
     assert summary["mean_iterations"] <= 1.2 * summary["variants"]["rigid"]["mean_iterations"]
 
 

@@ -1,5 +1,7 @@
 """What must hold for every film: symmetries, scaling laws, repeatability, conservation."""
 
+from dataclasses import fields
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,16 +17,16 @@ quick = settings(max_examples=25, deadline=None)
 
 @st.composite
 def cases(draw):
-    """A rough film in three successive shapes, with sliding velocities that may reverse."""
+    """A rough film in four successive shapes, with sliding velocities that may reverse."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     level = draw(st.floats(1e-6, 3e-5))
-    films = level * (1.0 + 0.8 * rng.uniform(-1.0, 1.0, (3, *SHAPE)))
-    speeds = np.array([draw(st.floats(-15.0, 15.0)) for _ in range(3)])
+    films = level * (1.0 + 0.8 * rng.uniform(-1.0, 1.0, (4, *SHAPE)))
+    speeds = np.array([draw(st.floats(-15.0, 15.0)) for _ in range(4)])
     return films, speeds[:, None, None] * np.ones(SHAPE)
 
 
 def last(films, velocities, step=STEP, **parameters):
-    """Outputs after two steps."""
+    """Outputs after three steps, the last two of second order unless the film lost too much oil at once."""
     model = LubricationModel(Parameters(SHAPE, **parameters))
     state, _ = model.start(films[0], velocities[0])
     for film, velocity in zip(films[1:], velocities[1:]):
@@ -43,13 +45,14 @@ def test_a_repeated_step_gives_the_same_bits(case):
     films, velocities = case
     model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
     state, _ = model.start(films[0], velocities[0])
-    first = model.advance(state, films[1], velocities[1], STEP)
-    model.advance(first[0], films[2], velocities[2], STEP)
-    again = model.advance(state, films[1], velocities[1], STEP)
+    state, _ = model.advance(state, films[1], velocities[1], STEP)
+    first = model.advance(state, films[2], velocities[2], 0.7 * STEP)
+    model.advance(first[0], films[3], velocities[3], STEP)
+    again = model.advance(state, films[2], velocities[2], 0.7 * STEP)
     for name, value in first[1].items():
         assert np.array_equal(value, again[1][name]), name
-    for name in ("unknown", "unknown_before", "content", "deflection"):
-        assert getattr(first[0], name).tobytes() == getattr(again[0], name).tobytes()
+    for field in fields(first[0]):
+        assert np.asarray(getattr(first[0], field.name)).tobytes() == np.asarray(getattr(again[0], field.name)).tobytes()
 
 
 @quick
@@ -105,3 +108,18 @@ def test_oil_is_conserved_and_the_film_is_never_more_than_full(case, lower, uppe
     assert outputs["mass_imbalance"] <= 1e-12
     assert outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
     assert outputs["pressure"].min() >= -1e-9 * max(outputs["maximum_pressure"], 1.0)
+
+
+@quick
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_no_jump_of_film_velocity_or_step_breaks_the_film(seed, lower, upper):
+    rng = np.random.default_rng(seed)
+    supply = dict(film_fraction_lower_edge=lower, film_fraction_upper_edge=upper)
+    model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, **supply))
+    state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
+    for _ in range(15):
+        film = 10.0 ** rng.uniform(-7.0, -4.5) * rng.uniform(-0.3, 1.0, SHAPE)  # here and there it overlaps
+        step = STEP * 10.0 ** rng.uniform(-2.0, 2.0)
+        state, outputs = model.advance(state, film, np.full(SHAPE, rng.uniform(-15.0, 15.0)), step)
+        assert outputs["mass_imbalance"] <= 1e-12
+        assert outputs["film_fraction"].min() >= -1e-12 and outputs["film_fraction"].max() <= 1.0 + 1e-12

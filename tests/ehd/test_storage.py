@@ -1,0 +1,123 @@
+import numpy as np
+import pytest
+
+from fmu_ehd.model import LubricationModel
+from fmu_ehd.motored import DEGREE, motored_film, motored_until
+from fmu_ehd.parameters import Parameters
+from fmu_ehd.storage import euler_step
+
+SHAPE = (12, 10)
+
+
+def rate(course, ends):
+    """dc/dt at the last of three times by Eq. (T1), for a content that is `course` of the time."""
+    before, now, after = (np.full((1, 1), course(t)) for t in ends)
+    content, step = euler_step(now, before, ends[2] - ends[1], ends[1] - ends[0])
+    return ((after - content) / step).item()
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.5, 1.0, 2.0])
+def test_a_content_quadratic_in_time_has_its_exact_rate(ratio):
+    assert rate(lambda t: 5.0 + 3.0 * t - 2.0 * t**2, (0.0, 0.1, 0.1 + 0.1 * ratio)) == pytest.approx(3.0 - 0.4 * (1.0 + ratio))
+
+
+@pytest.mark.parametrize("ratio", [0.01, 1.0, 5.0, 100.0])
+def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
+    assert rate(lambda t: 5.0 - 0.3 * t, (0.0, 0.1, 0.1 + 0.1 * ratio)) == pytest.approx(-0.3)
+
+
+def test_the_first_step_is_backward_euler():
+    content = np.random.default_rng(0).random(SHAPE)
+    past, step = euler_step(content, content, 0.1, 0.0)
+    assert np.array_equal(past, content) and step == 0.1
+
+
+@pytest.mark.parametrize("ratio", [2.0, 3.0, 100.0])
+def test_an_error_of_the_last_step_is_not_enlarged_however_the_step_grows(ratio):
+    before, error = np.ones(SHAPE), 1e-9 * np.random.default_rng(0).standard_normal(SHAPE)
+    past, _ = euler_step(before + error, before, 0.1 * ratio, 0.1)
+    assert np.all(np.abs(past - before - error) < 0.81 * np.abs(error))  # zero-stable: beta stays at 4/5
+
+
+def test_no_cell_ever_owes_oil():
+    before, now = np.ones(SHAPE), np.full(SHAPE, 0.9)
+    now[3, 4] = 0.2501
+    past, step = euler_step(now, before, 0.1, 0.1)
+    assert 0.0 < past.min() < 0.2 and step == pytest.approx(0.2 / 3.0)
+    now[3, 4] = 0.2499  # more than 3/4 is gone: backward Euler
+    past, step = euler_step(now, before, 0.1, 0.1)
+    assert np.array_equal(past, now) and step == 0.1
+
+
+def random_ends(seed, last):
+    """Ends of steps [s] over `last` degrees, each 0.01 to 3 degrees long."""
+    lengths = 10.0 ** np.random.default_rng(seed).uniform(-2.0, 0.5, 20 * last)
+    ends = np.cumsum(lengths)
+    return ends[ends < last] * DEGREE
+
+
+def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
+    model = LubricationModel(Parameters(SHAPE, film_fraction_upper_edge=0.5, pressure_lower_edge=1e5))
+    start, _ = model.start(*motored_film(SHAPE, 0.0))
+    state, last, inflows, lengths, shares = start, 0.0, [], [], []
+    for end in random_ends(0, 720):
+        _, length = euler_step(state.content, state.content_before, end - last, state.step_before)
+        lengths.append(length)
+        shares.append((end - last - length) / state.step_before if state.step_before else 0.0)
+        state, outputs = model.advance(state, *motored_film(SHAPE, end), end - last)
+        inflows.append(outputs["flow_lower_edge"] + outputs["flow_upper_edge"])
+        last = end
+    weights, carried = np.empty(len(lengths)), 1.0
+    for k in reversed(range(len(lengths))):  # Eq. (T4), telescoped
+        weights[k] = lengths[k] * carried
+        carried = 1.0 + shares[k] * carried
+    grown = model.grid.cell_area * (state.content - start.content).sum()
+    moved = np.abs(weights * inflows).sum()
+    assert weights.sum() == pytest.approx(last, rel=1e-12)
+    assert abs(grown - weights @ inflows) <= 1e-12 * moved  # round-off
+    assert abs(grown - np.diff([0.0, *random_ends(0, 720)]) @ inflows) > 1e-4 * moved  # those of backward Euler would not do
+
+
+def test_an_opened_film_keeps_its_oil_in_steps_of_any_length():
+    model = LubricationModel(Parameters(SHAPE))
+    still = np.zeros(SHAPE)
+    state, _ = model.start(np.full(SHAPE, 1e-5), still)
+    for step in 10.0 ** np.random.default_rng(1).uniform(-6.0, -3.0, 60):
+        film = 1e-5 + 1e-2 * step  # without pressure nothing flows, however the film moves
+        state, outputs = model.advance(state, np.full(SHAPE, film), still, step)
+        assert np.abs(state.content - 1e-5).max() <= 1e-15 * 1e-5 * 60  # round-off
+        assert outputs["film_fraction"] == pytest.approx(1e-5 / film, rel=1e-12)
+
+
+def test_a_steady_film_stays_when_the_step_changes():
+    model, state, history = motored_until(Parameters(SHAPE, roughness_rms=1e-6), np.arange(1, 101) * DEGREE)
+    film, velocity = motored_film(SHAPE, 100 * DEGREE)
+    for _ in range(3000):
+        state, outputs = model.advance(state, film, velocity, DEGREE)
+    steady = outputs["nodal_pressure_force"]
+    assert outputs["film_fraction"].min() < 0.9  # a part of it is cavitated
+    for factor in (100.0, 0.01, 1.0, 0.01, 100.0):
+        state, outputs = model.advance(state, film, velocity, factor * DEGREE)
+        assert np.abs(outputs["nodal_pressure_force"] - steady).max() <= 1e-9 * steady.max()  # condition x round-off / 0.01
+
+
+def test_the_step_after_a_start_from_a_steady_film_is_steady():
+    model = LubricationModel(Parameters(SHAPE, pressure_lower_edge=2e5))  # parallel and at rest: pressure linear, as at the start
+    film, still = np.full(SHAPE, 1e-5), np.zeros(SHAPE)
+    state, first = model.start(film, still)
+    for factor in (1.0, 10.0, 0.1):
+        state, outputs = model.advance(state, film, still, factor * DEGREE)
+        assert outputs["nodal_pressure_force"] == pytest.approx(first["nodal_pressure_force"], rel=1e-9)
+
+
+def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
+    model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
+    film, velocity = motored_film(SHAPE, 0.0)
+    state, _ = model.start(film, velocity)
+    rng = np.random.default_rng(2)
+    for k in range(200):
+        sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(SHAPE)  # down to 15 um of overlap
+        step = DEGREE * 10.0 ** rng.uniform(-2.0, 2.0)
+        state, outputs = model.advance(state, sinking, velocity * rng.choice([-1.0, 1.0]), step)
+        assert outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+        assert outputs["mass_imbalance"] <= 1e-12
