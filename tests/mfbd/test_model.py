@@ -273,3 +273,16 @@ def test_static_modes_are_where_moving_ones_go(reduced):
         places.append(out["modal_coordinate"])
     # (load's frequency / mode's)^2 is 1e-4, 2 damping ratio (load's frequency / mode's) 4e-4; ringing adds 1e-3
     np.testing.assert_allclose(places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max())
+
+
+@pytest.mark.parametrize("step", [1e-5, 2e-6, 1e-7])
+def test_short_steps_at_rest_settle_within_the_round_off_of_places(model, step):
+    """Skirt squeezed evenly on a crank that hardly turns: once at rest, accelerations are smaller than what the last digits of
+    the places are worth in a short step."""
+    squeezed = Inputs(1e-6 * SPEED, 0.0, np.full(model.system.skirt.gap.shape, 10.0), np.zeros(model.system.skirt.gap.shape))
+    state, _ = model.start(1.0, 0.0, 0.0, squeezed)
+    for _ in range(300):
+        state, _ = model.advance(state, squeezed, 1e-4)         # long steps calm the modes
+    for _ in range(30):
+        state, out = model.advance(state, squeezed, step)
+    assert abs(out["film_thickness"] - model.system.skirt.gap).max() > 1e-7
