@@ -23,8 +23,8 @@ class Table(BaseModel):
 class Time(Table):
     """Run time and macro step: times, or crank angles together with the input that holds the angular speed.
 
-    smallest_step : where a wire has a `local_error`, `step` is only where the run must come by: it is divided into macro steps
-    by their local error, none of them smaller than this; default step / 64.
+    smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the longest macro step: it is
+    divided by the local error, into none smaller than this; default step / 64.
     """
 
     stop: str
@@ -66,8 +66,8 @@ class Wire(Table):
     stepping order. A wire along the order hands over what has just been computed: it is not measured, unless one of the three is
     given; then by how far it has moved since the iterate.
     largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
-    local_error : largest local error of a macro step, text with the field's unit, or a number that multiplies its nominal value;
-    with it on any wire, macro steps are as long as their local error allows.
+    local_error : local error allowed in a macro step, root mean square over the field; text with the field's unit, or a number
+    that multiplies its nominal value. With it on any wire, macro steps are as long as their local error allows.
     interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
     also has the slopes which the source declares (an output that is the field's `derivative`).
     conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
