@@ -74,6 +74,6 @@ def test_parameter_faults_name_value_unit_and_range(participants):
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
 def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     faults = []
-    _connection(Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}), participants, SEQUENTIAL,
-                faults)
+    wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance})
+    _connection(wire, participants, SEQUENTIAL, faults)
     assert "must be positive" in faults[0]
