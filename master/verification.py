@@ -143,8 +143,8 @@ def adaptive_checks():
                   "the same accuracy of the worst of all curves and instants")
     for port in study.curves:
         for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port]):
-            yield at_most(case, f"{kind} error of {port.split('.')[1]} / that of 1 deg", own / other, 2.5**2,
-                          "steps of 0.125 deg", "second order: no step is longer than 2.5 deg")
+            yield at_most(case, f"{kind} error of {port.split('.')[1]} / that of 1 deg", own / other, 2.4**2,
+                          "steps of 0.125 deg", "second order: no step is longer than 2.4 deg")
 
 
 def distances(run, fine, begin):
