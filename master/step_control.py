@@ -55,18 +55,18 @@ class StepControl:
         parts = ceil(remaining / max(self.step, self.smallest) - 1e-9)
         return remaining / parts, parts == 1
 
-    def accepts(self, past, time, step, solution):
+    def accepts(self, last, time, step, solution):
         """Whether the local error of a step is small enough; sets the next macro step.
 
         Parameters
         ----------
-        past : list of (float, ndarray)
-            Accepted times [s] and vectors before the step, newest last; that one is all that is read.
+        last : (float, ndarray)
+            Time [s] and interface vector that were accepted before the step.
         time, step : float
             Start and length of the step [s].
         solution : Solution
         """
-        self._keep(*past[-1])
+        self._keep(*last)
         self.error = self._error(time + step, solution.x)
         factor = LARGEST_FACTOR if self.error == 0.0 else \
             min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error**(-1 / 3)))                            # Eq. (A2)

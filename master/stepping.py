@@ -119,7 +119,7 @@ class Stepper:
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
-            if self.control.accepts(self.predictor.past, time, step, solution):
+            if self.control.accepts(self.predictor.past[-1], time, step, solution):
                 self._accept(time, step, solution)
                 return True
             self._roll_back(time, step, saved, f"local error {self.control.error:.2g} times the allowed one")

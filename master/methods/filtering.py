@@ -1,4 +1,4 @@
-"""QR decomposition that drops columns which add nothing: the filter of secants and of remembered products."""
+"""QR decomposition that drops columns which add nothing: the filter of secants."""
 
 import numpy as np
 

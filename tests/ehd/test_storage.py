@@ -1,3 +1,5 @@
+"""The storage term: exact rates, oil kept in steps of any length, calm where steps jump."""
+
 import numpy as np
 import pytest
 

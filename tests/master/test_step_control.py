@@ -27,7 +27,7 @@ def vector(value):
 
 def offer(chosen, function, last, step, iterations=2):
     """Whether a step that follows the function exactly is accepted."""
-    return chosen.accepts([(last, vector(function(last)))], last, step, SimpleNamespace(x=vector(function(last + step)),
+    return chosen.accepts((last, vector(function(last))), last, step, SimpleNamespace(x=vector(function(last + step)),
                                                                                         iterations=iterations))
 
 
@@ -120,7 +120,7 @@ def test_each_wire_has_its_own_allowed_error(pair):
     assert chosen.watched == [(slice(0, 7), 1e-8), (slice(7, 14), 0.1)]
     x = lambda t: np.repeat([1e-6 * t**3, 5 * t**3], 7)  # noqa: E731
     for last in (0.0, 1.0, 2.0):
-        chosen.accepts([(last, x(last))], last, 1.0, SimpleNamespace(x=x(last + 1), iterations=2))
+        chosen.accepts((last, x(last)), last, 1.0, SimpleNamespace(x=x(last + 1), iterations=2))
     assert chosen.error == pytest.approx(2 / 9 * 6 * max(1e-6 / 1e-8, 5 / 0.1))
 
 
