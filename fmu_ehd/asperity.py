@@ -22,7 +22,7 @@ from functools import cache
 import numpy as np
 from scipy.special import gamma, pbdv
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 from .hermite import interpolate
 
 CONTACT_LAWS = ("greenwood_tripp_1970", "power_fit")

@@ -20,7 +20,7 @@ References
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 

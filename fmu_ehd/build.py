@@ -1,14 +1,14 @@
 """Options of the lubrication FMU that are fixed when it is built."""
 
 import tomllib
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
-from master.fmi.errors import BadInput
-from master.fmi.quantities import to_si
+from ..master.fmi.errors import BadInput
+from ..master.fmi.quantities import to_si
+from ..models import MODELS
 
 from .oil import vogel_constants
 from .variables import CHOICES, CONDITIONS, OIL
@@ -99,7 +99,7 @@ def _oil(chosen, folder, faults):
     """Start values of the chosen oil in SI, {} without one."""
     if chosen.oil is None:
         return {}
-    path = folder / chosen.oil_library if chosen.oil_library else files("models") / "oils.toml"
+    path = folder / chosen.oil_library if chosen.oil_library else MODELS / "oils.toml"
     try:
         library = tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError) as error:

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 FRACTION_ROUNDOFF = 1e-13  # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 PRESSURE_ROUNDOFF = 1e-12  # a full cell with this share of the largest pressure below zero stays full

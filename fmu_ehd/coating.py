@@ -18,7 +18,7 @@ References
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 LIMIT = 40  # Newton iterations
 TOLERANCE = 1e-11  # last change of the deflection over the deflection: what is left is second order in it

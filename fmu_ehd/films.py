@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 from .hermite import interpolate
 from .roughness import TABLE_END
 

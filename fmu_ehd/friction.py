@@ -19,7 +19,7 @@ References
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 
 @compiled(inline="always")

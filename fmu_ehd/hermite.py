@@ -1,6 +1,6 @@
 """Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a consistent slope."""
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 
 @compiled(inline="always")

@@ -30,7 +30,7 @@ hydrodynamic lubrication, Tribol. Lett. 58 (2015) 18 (the complementarity form).
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 
 @compiled(inline="always")

@@ -2,14 +2,22 @@
 
 import numpy as np
 
-from master.fmi.errors import BadInput, Discard
-from master.fmi.slave import FieldSlave
+from ..master.fmi.errors import BadInput, Discard
+from ..master.fmi.slave import FieldSlave
 
 from .cavitation import NotConverged
 from .model import LubricationModel, State
 from .oil import Oil
 from .parameters import Parameters, faults
-from .variables import CHOICES, CONDITIONS, DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS, FILM, OIL, variables
+from .variables import (
+    CHOICES,
+    CONDITIONS,
+    DERIVATIVE_INPUTS,
+    DERIVATIVE_OUTPUTS,
+    FILM,
+    OIL,
+    variables,
+)
 
 
 class Ehd(FieldSlave):

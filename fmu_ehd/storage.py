@@ -37,7 +37,7 @@ References
 III.5 (variable-step BDF and their stability).
 """
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
 NEGLIGIBLE = 1e-20  # [m] content that is round-off in an empty cell: a film of 10 um times the rounding of film fractions

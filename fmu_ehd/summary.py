@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiled import compiled
+from ..master.fmi.compiled import compiled
 
 
 def halves(n_circumferential):

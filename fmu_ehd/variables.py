@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from master.fmi.variables import Variable, constant
+from ..master.fmi.variables import Variable, constant
 
 CONTRACT_VERSION = 1
 

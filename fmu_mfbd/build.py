@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from master.fmi.builder import cache_folder
-from master.fmi.errors import BadInput
+from ..master.fmi.cache import cache_folder
+from ..master.fmi.errors import BadInput
 
-from .mesh import MeshFault
+from .finite_elements.mesh import MeshFault
 from .options import SOURCES, Bodies, read_options
-from .reduction import cached, reduce_block, reduce_piston, save
-from .speed_table import speed_table
-from .start_state import check_modes, read_start
-from .tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
+from .reduction.reduce import cached, reduce_block, reduce_piston, save
+from .dynamics.speed_table import speed_table
+from .dynamics.start_state import check_modes, read_start
+from .dynamics.tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
 
 
 def prepare(options, folder, progress):

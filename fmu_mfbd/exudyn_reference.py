@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .generalised_alpha import coefficients, predict
-from .piston_motion import Load, settle
-from .slider_crank import height, rod_turn
+from .dynamics.generalised_alpha import coefficients, predict
+from .dynamics.piston_motion import Load, settle
+from .dynamics.slider_crank import height, rod_turn
 
 
 class Drive(NamedTuple):

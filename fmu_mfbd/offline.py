@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from master.fmi.errors import BadInput
+from ..master.fmi.errors import BadInput
 
 from .build import reduced_bodies
-from .finite_element import von_mises
-from .mode_pictures import draw_modes
-from .report import CLASSES, mass_properties, mode_table, write_modes
-from .report import recover as recovered
+from .finite_elements.element import von_mises
+from .reduction.mode_pictures import draw_modes
+from .reduction.mode_tables import CLASSES, mass_properties, mode_table, write_modes
+from .reduction.mode_tables import recover as recovered
 
 
 ANATOMY = ("points", "tets", "skin", "shapes", "young", "poisson", "rigid_mass", "seconds", "peak_memory")

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from master.fmi.errors import BadInput
-from master.fmi.quantities import Quantity
+from ..master.fmi.errors import BadInput
+from ..master.fmi.quantities import Quantity
 
 Count = Annotated[int, Field(ge=4, le=400)]
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from master.fmi.errors import BadInput, Discard
-from master.fmi.slave import FieldSlave
+from ..master.fmi.errors import BadInput, Discard
+from ..master.fmi.slave import FieldSlave
 
 from . import variables as table
-from .assembly import assemble, faults
-from .model import Inputs, NotConverged, State
+from .dynamics.assembly import assemble, faults
+from .dynamics.model import Inputs, NotConverged, State
 
 
 class Mfbd(FieldSlave):

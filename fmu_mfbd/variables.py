@@ -1,6 +1,6 @@
 """Every variable of the body FMU, declared once (the interface contract's names)."""
 
-from master.fmi.variables import Variable, constant
+from ..master.fmi.variables import Variable, constant
 
 
 def variables(options):

@@ -1,28 +1,41 @@
 """Verification of the bodies: figures with closed forms or independent codes behind them, for the command line and the tests."""
 
 import itertools
-from importlib.resources import files
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import scipy.linalg as la
 
-from .assembly import assemble
-from .bases import (Elastic, characteristic_constraint_modes, craig_bampton, expected_pressure, orthonormal_modes, pressure_modes,
-                    rigid_motions)
+from ..models import MODELS
+from .dynamics.assembly import assemble
+from .reduction.bases import (
+    Elastic,
+    characteristic_constraint_modes,
+    craig_bampton,
+    expected_pressure,
+    orthonormal_modes,
+    pressure_modes,
+)
 from .exudyn_reference import Drive, exudyn_motion, own_motion
-from .faces import face_load
-from .finite_element import consistent_mass, quadrature, stiffness
-from .floating_frame import FlexibleBody, frame_arrow, frame_force, mode_coupling, rigid_body, whole
-from .generalised_alpha import coefficients, predict
-from .mesh import read_mesh, second_order
-from .model import Inputs
+from .finite_elements.faces import face_load
+from .finite_elements.element import rigid_motions, consistent_mass, quadrature, stiffness
+from .dynamics.floating_frame import (
+    FlexibleBody,
+    frame_arrow,
+    frame_force,
+    mode_coupling,
+    rigid_body,
+    whole,
+)
+from .dynamics.generalised_alpha import coefficients, predict
+from .finite_elements.mesh import read_mesh, second_order
+from .dynamics.model import Inputs
 from .options import read_options
-from .piston_motion import Load, imbalance
-from .reduction import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
-from .slider_crank import Mechanism, height, motion
-from .interpolation import interpolation, radial_and_axial
-from .surface import cell_centres
+from .dynamics.piston_motion import Load, imbalance
+from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
+from .dynamics.slider_crank import Mechanism, height, motion
+from .reduction.interpolation import interpolation, radial_and_axial
+from .geometry.grid import cell_centres
 from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
@@ -253,7 +266,7 @@ BODIES = {"piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], de
 def shipped_body(name):
     """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's grid, angles, heights."""
     kind = BODIES[name]
-    mesh = read_mesh(files("models") / "numerical_example" / f"{name}.msh.gz",
+    mesh = read_mesh(MODELS / "numerical_example" / f"{name}.msh.gz",
                      dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
     body = Elastic(stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"]))
@@ -335,7 +348,7 @@ def step_checks():
     with TemporaryDirectory() as folder:
         table = read_options({name: {
             "mesh": f"{name}.msh.gz", "density": f"{kind['density']} kg/m^3", "young": f"{kind['young']} Pa", "poisson": 0.33}
-            for name, kind in BODIES.items()}, files("models") / "numerical_example")
+            for name, kind in BODIES.items()}, MODELS / "numerical_example")
         reduced = (np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
                    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)))
         model = assemble(*(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()})

@@ -1,1 +1,1 @@
-"""The command line, one file a command; what several of them do is in common.py. cli.py loads a command when it is called."""
+"""The command line: `app` (what there is, exit codes), `common` (what several commands do), and a file for each command."""

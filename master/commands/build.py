@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from ..case import check_case, find_case, read_tree
+from ..case.schema import check_case, find_case, read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
 from .common import console, parse_grid, say

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..check import check_fmu
+from ..case.contract import check_fmu
 from ..fmi.errors import BadInput
 from .common import console
 

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from ..case import check_case, read_tree
+from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
 
 console = Console()
@@ -54,7 +54,7 @@ def variant_trees(path, changes, only):
 
 def open_runs(files):
     """Case of the first results file, and label -> Results of all; files of equal names are told apart by their folders."""
-    from ..recorder import Results
+    from ..results.file import Results
 
     missing = [f"{file}: no such file" for file in files if not file.is_file()]
     if missing or not files:
@@ -70,7 +70,7 @@ def open_runs(files):
 
 def draw_pictures(case, runs, folder):
     """Draw a case's pictures of its runs (label -> Results) and say where they are."""
-    from ..pictures import draw
+    from ..results.pictures import draw
 
     for picture in draw(case, runs, folder):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

@@ -7,7 +7,7 @@ from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
 
-from .. import compare as curves
+from ..results import compare as curves
 from ..fmi.errors import BadInput
 from .common import Changes, console, draw_pictures, open_runs, parse_change, say
 
@@ -71,11 +71,11 @@ def command(*files: Path, x: str | None = None, y: list[str] = [], period: str |
 
 def hold_models_together(case, *more, models, changes, folder):
     """Run a case with each lubrication model; print and draw what tells them apart."""
-    from ..case import check_case, find_case, read_tree
-    from ..recorder import Results
-    from ..report import watching
-    from ..rivals import MEASURES, curves, draw_rivals, measures, rival_trees
-    from ..run import run
+    from ..case.schema import check_case, find_case, read_tree
+    from ..results.file import Results
+    from ..runs.console import watching
+    from ..results.rivals import MEASURES, curves, draw_rivals, measures, rival_trees
+    from ..runs.run import run
     from .run import open_all
 
     missing = [f"--lubrication {model}: no such file" for model in models if model.endswith(".fmu") and not Path(model).is_file()]

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Literal
 
-from ..case import check_case, find_case, read_tree
-from ..export import export_fmu
+from ..case.schema import check_case, find_case, read_tree
+from ..case.export import export_fmu
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
-from ..ssp import export_ssp
-from ..system import open_system
+from ..case.ssp import export_ssp
+from ..case.system import open_system
 from .common import Changes, console, parse_change, say
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import fields_export as exports
+from ..results import fields_export as exports
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from .common import console, open_runs

@@ -5,7 +5,7 @@ from pathlib import Path
 from rich.table import Table
 
 from ..fmi.errors import BadInput
-from ..participant import open_fmu
+from ..participants.open import open_fmu
 from .common import console
 
 

@@ -1,15 +1,15 @@
 """`piston-cosim recover`."""
 
-import importlib
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from cyclopts import Parameter
 
-from ..case import find_case
+from ..case.schema import find_case
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
+from ..fmi.tree import import_part
 from .common import console, open_runs, say
 from .reduce import OFFLINE, build_table
 
@@ -48,7 +48,7 @@ def command(file: Path, *, time: Annotated[list[str], Parameter(negative=())], c
     for wanted in instants:
         coordinates, instant, _, _ = results.field(port, wanted)
         begin = (output or file.parent) / f"{file.stem}-{1e6 * instant:.0f}us"
-        for body in importlib.import_module(OFFLINE).recover(table, folder, np.asarray(coordinates), begin, say):
+        for body in import_part(OFFLINE).recover(table, folder, np.asarray(coordinates), begin, say):
             stress = "" if body["largest_stress"] is None else f", von Mises stress up to {body['largest_stress'] / 1e6:.4g} MPa"
             console.print(f"t = {1e3 * instant:.6g} ms  {body['name']}: displacement up to "
                           f"{1e6 * body['largest_displacement']:.4g} um{stress}", highlight=False, soft_wrap=True)

@@ -1,13 +1,13 @@
 """`piston-cosim reduce`."""
 
-import importlib
 from pathlib import Path
 
 import numpy as np
 from rich.table import Table
 
-from ..case import case_names, find_case, read_tree
+from ..case.schema import case_names, find_case, read_tree
 from ..fmi.errors import BadInput
+from ..fmi.tree import import_part
 from .common import Changes, console, parse_change
 
 OFFLINE = "fmu_mfbd.offline"
@@ -36,7 +36,7 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
             status.update(text)
             console.print(f"[dim]{text}[/]", soft_wrap=True)
 
-        bodies = importlib.import_module(OFFLINE).reduce(build_table(tree), path.parent, folder, progress)
+        bodies = import_part(OFFLINE).reduce(build_table(tree), path.parent, folder, progress)
     for body in bodies:
         print_body(body)
 

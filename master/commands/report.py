@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..fmi.errors import BadInput
-from ..html_report import write_report
+from ..results.report import write_report
 from .common import console, open_runs
 
 

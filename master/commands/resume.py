@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from ..case import check_case
-from ..checkpoint import Checkpoint
+from ..case.schema import check_case
+from ..runs.checkpoint import Checkpoint
 from ..fmi.errors import BadInput
-from ..report import print_summary, watching
-from ..run import run as run_system
-from ..system import open_system
+from ..runs.console import print_summary, watching
+from ..runs.run import run as run_system
+from ..case.system import open_system
 from .common import console, say
 
 

@@ -3,14 +3,14 @@
 import json
 from pathlib import Path
 
-from ..case import check_case, find_case
-from ..check import swap_all
-from ..cli import STARTED
+from ..case.schema import check_case, find_case
+from ..case.contract import swap_all
+from .app import STARTED
 from ..fmi.errors import BadInput
-from ..recorder import Results
-from ..report import print_summary, watching
-from ..run import run as run_system
-from ..system import open_system
+from ..results.file import Results
+from ..runs.console import print_summary, watching
+from ..runs.run import run as run_system
+from ..case.system import open_system
 from .common import Changes, console, draw_pictures, parse_change, say, variant_trees
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
-from ..recorder import Results
+from ..results.file import Results
 from .common import console
 
 

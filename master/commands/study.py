@@ -4,10 +4,10 @@ from pathlib import Path
 
 from rich.table import Table
 
-from .. import studies
-from .. import sweep as sweeps
-from ..case import find_case
-from ..pictures import draw
+from ..runs import studies
+from ..runs import sweep as sweeps
+from ..case.schema import find_case
+from ..results.pictures import draw
 from .common import Changes, console, parse_change, say
 
 

@@ -6,9 +6,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import sweep as sweeps
-from ..case import find_case, read_tree
-from ..sweep_pictures import draw_sweep
+from ..runs import sweep as sweeps
+from ..case.schema import find_case, read_tree
+from ..results.sweep_pictures import draw_sweep
 from .common import Changes, console, parse_change, say, variant_trees
 
 

@@ -7,9 +7,9 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput
-from ..importers import verify_importers
-from ..verify import PARTS
-from ..verify import verify as compute
+from ..verification.importers import verify_importers
+from ..verification.rows import PARTS
+from ..verification.rows import verify as compute
 from .common import console, say
 
 IMPORTERS = "importers"

@@ -1,14 +1,13 @@
 """Build an FMU from a participant package: its code under a content-made name, its data, its model description.
 
-Two FMUs in one process share modules of equal name, so the embedded code lives in a package named after the hash of
-everything that went in, and reaches itself by relative imports only.
+Two FMUs in one process share modules of equal name, so the embedded tree is a package named after the hash of its code, and
+reaches itself by relative imports only. FMUs of the same code share it, and what is compiled of it.
 """
 
 import hashlib
 import importlib
 import json
 import os
-import re
 import sys
 import tempfile
 import zipfile
@@ -18,12 +17,14 @@ from xml.etree.ElementTree import tostring
 
 import pythonfmu
 
+from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
 from .errors import BadInput
+from .tree import ROOT, import_part
 
-EMBEDDED = ("__init__", "errors", "variables", "requirements", "slave")
+EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
 PACKING = ("builder.py", "compiler.py", "description.py", "description3.py")
@@ -69,10 +70,10 @@ if "{code}" not in sys.modules:
 
         if missing():
             raise ImportError(missing())
-        import {code}.{module}
+        import {code}.master.fmi.tree
     finally:
         sys.path.pop(0)
-from {code}.{module} import {slave} as Fmi2Slave  # noqa: E402
+Fmi2Slave = sys.modules["{code}.master.fmi.tree"].slave_class("{slave}")
 
 
 class Entry(Fmi2Slave):
@@ -81,17 +82,6 @@ class Entry(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
 '''
-
-
-def cache_folder(kind):
-    """Folder of the user's cache for `kind` ("fmus", "unpacked", "bodies"), made if missing.
-
-    The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
-    """
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / kind
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
 
 
 def slave_of(package):
@@ -105,8 +95,8 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     Parameters
     ----------
     package : str
-        Importable package with `build.prepare(options, folder, progress)` and a class in `slave` named after it
-        (fmu_ehd: Ehd).
+        Part of the project or importable package, with `build.prepare(options, folder, progress)` and a class in `slave` named
+        after it (fmu_ehd: Ehd).
     options : dict
         Build options as the case file gives them (texts with units).
     folder : Path
@@ -126,7 +116,7 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     BadInput
         With every fault of the options.
     """
-    resolved, files = importlib.import_module(f"{package}.build").prepare(options, Path(folder), progress)
+    resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress, version)
 
 
@@ -168,7 +158,8 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     slave : str
         "module:class".
     packages : list of str
-        What of the project the slave's code needs: packages, or single modules of `master`; `master.fmi` comes by itself.
+        What the slave's code needs: packages or modules, those of the project by their place in it ("fmu_ehd",
+        "master.coupling"); what it needs of `master.fmi` comes by itself.
     options : dict
         Becomes build.json.
     files : dict of str to bytes
@@ -178,15 +169,15 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
         raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
     sources = _sources(packages)
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
-    code = f"code_{_digest(sources | contents | {'entry': (ENTRY + slave).encode()})}"
+    code = f"code_{_digest(sources | {'entry': (ENTRY + slave).encode()})}"
     contents["python.txt"] = sys.executable.encode()
     front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
     fmu = cache_folder("fmus") / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
-        entry = ENTRY.format(code=code, module=slave.split(":")[0], slave=slave.split(":")[1]).encode()
-        contents |= {f"{code}/__init__.py": b""} | {f"{code}/{name}": data for name, data in sources.items()}
+        entry = ENTRY.format(code=code, slave=slave).encode()
+        contents |= {f"{code}/{name}": data for name, data in sources.items()}
         contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
         contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
         contents |= {f"pythonfmu/{path.name}": path.read_bytes() for path in Path(pythonfmu.__file__).parent.glob("*.py")}
@@ -195,16 +186,24 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
 
 
 def _sources(packages):
-    """Relative path -> bytes of all code the FMU carries, absolute imports of this project turned into relative ones."""
-    own = Path(__file__).parent
-    paths = {f"master/fmi/{name}.py": own / f"{name}.py" for name in EMBEDDED}
-    paths["master/__init__.py"] = own.parent / "__init__.py"
-    for package in packages:
-        home, folder = Path(importlib.import_module(package).__file__), package.replace(".", "/")
-        found = home.parent.rglob("*.py") if home.name == "__init__.py" else []
-        paths |= {f"{folder}/{path.relative_to(home.parent).as_posix()}": path for path in found} or {f"{folder}.py": home}
-    return {name: re.sub(rb"(?m)^(\s*from) master\.", rb"\1 " + b"." * (name.count("/") + 1) + b"master.", path.read_bytes())
-            for name, path in paths.items()}
+    """Path in the tree -> bytes of all code the FMU carries: the project's own tree, as far as it is needed."""
+    paths = {}
+    for name in (*(f"master.fmi.{module}" for module in EMBEDDED), *packages):
+        paths |= _files(name)
+    return {name: path.read_bytes() for name, path in paths.items()}
+
+
+def _files(name):
+    """Path in the tree -> file, of a module or of all of a package, and of the packages it lies in."""
+    home, place = Path(import_part(name).__file__), name.replace(".", "/")
+    if home.name != "__init__.py":
+        found = {f"{place}.py": home}
+    else:
+        found = {f"{place}/{path.relative_to(home.parent).as_posix()}": path for path in home.parent.rglob("*.py")}
+    around = Path(sys.modules[ROOT].__file__).parent
+    while place := place.rpartition("/")[0]:
+        found[f"{place}/__init__.py"] = around / place / "__init__.py"
+    return found | {"__init__.py": around / "__init__.py"}
 
 
 def _digest(contents):

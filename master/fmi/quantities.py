@@ -53,3 +53,12 @@ def to_si(value, unit):
 def Quantity(unit):
     """Pydantic field type: float in SI `unit`, read from text with a unit."""
     return Annotated[float, BeforeValidator(lambda value: to_si(value, unit))]
+
+
+def short(value, unit):
+    """A value with a unit of handy size: 5.2e-6 m -> "5.2 um"."""
+    if unit == "1":
+        return f"{value:.3g}"
+    if unit == "rad":
+        return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
+    return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"

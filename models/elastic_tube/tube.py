@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from master.fmi.errors import Discard
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.errors import Discard
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 LENGTH, NODES, WAVE = 10.0, 101, 1e4 * np.sqrt(np.pi) / 2
 

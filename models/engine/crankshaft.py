@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 
 @dataclass(frozen=True)

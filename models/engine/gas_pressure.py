@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 CLOSES, OPENS = np.radians(-150.0), np.radians(130.0)     # inlet closes, exhaust opens; 0 = firing top dead centre
 AMBIENT = 1.0e5                                           # Pa

@@ -3,12 +3,12 @@
 import sys
 from pathlib import Path
 
-from master.case import check_case, find_case, read_tree
-from master.commands.common import parse_change
-from master.export import export_fmu
-from master.fmi.builder import build_fmu_of_file
-from master.ssp import export_ssp
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.commands.common import parse_change
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.fmi.builder import build_fmu_of_file
+from piston_cosim.master.case.ssp import export_ssp
+from piston_cosim.master.case.system import open_system
 
 HERE = Path(__file__).parent
 

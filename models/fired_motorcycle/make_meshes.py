@@ -1,11 +1,11 @@
 """Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does not).
 
-    python -m models.fired_motorcycle.make_meshes          writes both files beside this script
+    python -m piston_cosim.models.fired_motorcycle.make_meshes          writes both files beside this script
 """
 
 from pathlib import Path
 
-from models.meshes import Block, Piston, make
+from piston_cosim.models.meshes import Block, Piston, make
 
 PISTON = Piston(
     skirt_radius=36.475, land_radius=36.25, skirt=(-14.0, 13.0), top=28.0, crown=6.0, skirt_inside=(34.2, 33.5), belt_inside=30.0,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable, constant
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable, constant
 
 
 @dataclass(frozen=True)

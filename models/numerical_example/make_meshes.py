@@ -1,11 +1,11 @@
 """Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does not).
 
-    python -m models.numerical_example.make_meshes          writes both files beside this script
+    python -m piston_cosim.models.numerical_example.make_meshes          writes both files beside this script
 """
 
 from pathlib import Path
 
-from models.meshes import Block, Piston, make
+from piston_cosim.models.meshes import Block, Piston, make
 
 PISTON = Piston(
     skirt_radius=28.225,            # 25 um nominal radial clearance

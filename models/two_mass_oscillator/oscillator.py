@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 
 @dataclass(frozen=True)

@@ -14,15 +14,15 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.slave import Ehd  # noqa: E402
-from fmu_mfbd.slave import Mfbd  # noqa: E402
-from master.case import check_case, find_case, read_tree  # noqa: E402
-from master.local import LocalParticipant  # noqa: E402
-from master.methods import method_of  # noqa: E402
-from master.participant import unpack  # noqa: E402
-from master.stepping import Stepper  # noqa: E402
-from master.system import open_system  # noqa: E402
-from master.wiring import start  # noqa: E402
+from piston_cosim.fmu_ehd.slave import Ehd  # noqa: E402
+from piston_cosim.fmu_mfbd.slave import Mfbd  # noqa: E402
+from piston_cosim.master.case.schema import check_case, find_case, read_tree  # noqa: E402
+from piston_cosim.master.participants.local import LocalParticipant  # noqa: E402
+from piston_cosim.master.coupling.methods import method_of  # noqa: E402
+from piston_cosim.master.participants.fmi2 import unpack  # noqa: E402
+from piston_cosim.master.coupling.stepping import Stepper  # noqa: E402
+from piston_cosim.master.case.system import open_system  # noqa: E402
+from piston_cosim.master.coupling.wiring import start  # noqa: E402
 
 STEPS, TURN, UNTIMED = 360, 10, 20
 SLAVES = {"ehd": Ehd, "bodies": Mfbd}

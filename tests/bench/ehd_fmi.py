@@ -13,12 +13,12 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.model import LubricationModel  # noqa: E402
-from fmu_ehd.parameters import Parameters  # noqa: E402
-from fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS  # noqa: E402
-from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
-from master.fmi.builder import build_fmu  # noqa: E402
-from master.participant import FmuParticipant  # noqa: E402
+from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
+from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
+from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS  # noqa: E402
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+from piston_cosim.master.fmi.builder import build_fmu  # noqa: E402
+from piston_cosim.master.participants.fmi2 import FmuParticipant  # noqa: E402
 
 SHAPE = (40, 40)
 STEPS = 360

@@ -13,10 +13,10 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.model import LubricationModel  # noqa: E402
-from fmu_ehd.parameters import Parameters  # noqa: E402
-from fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
-from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
+from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
+from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
 
 STEPS = 8
 

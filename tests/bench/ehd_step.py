@@ -12,11 +12,11 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
-from fmu_ehd.model import LubricationModel  # noqa: E402
-from fmu_ehd.parameters import Parameters  # noqa: E402
-from fmu_ehd.sparse import SuperLU  # noqa: E402
-from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+from piston_cosim.fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
+from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
+from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
+from piston_cosim.fmu_ehd.sparse import SuperLU  # noqa: E402
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
 
 SHAPE = (40, 40)
 STEPS = 720

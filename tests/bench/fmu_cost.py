@@ -18,8 +18,8 @@ import numpy as np  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
-from master.fmi.builder import build_fmu  # noqa: E402
-from master.participant import open_fmu  # noqa: E402
+from piston_cosim.master.fmi.builder import build_fmu  # noqa: E402
+from piston_cosim.master.participants.open import open_fmu  # noqa: E402
 
 CELLS, REPEATS, STEP = (40, 40), 60, 5e-5
 INPUTS = {"film_thickness": np.full(CELLS, 2.7e-5), "sliding_velocity": np.full(CELLS, 5.0),

@@ -13,10 +13,10 @@ from time import perf_counter  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-from fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
-from master.fmi.builder import build_fmu  # noqa: E402
-from master.isolated import IsolatedParticipant  # noqa: E402
-from master.participant import FmuParticipant  # noqa: E402
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+from piston_cosim.master.fmi.builder import build_fmu  # noqa: E402
+from piston_cosim.master.participants.isolated import IsolatedParticipant  # noqa: E402
+from piston_cosim.master.participants.fmi2 import FmuParticipant  # noqa: E402
 
 SHAPE, STEPS, PASSES = (40, 40), 120, 12
 

@@ -14,8 +14,8 @@ CASE = Path(__file__).parents[2] / "models" / "numerical_example"
 
 def reduce_one(name, basis, modes):
     """Print degrees of freedom, seconds and gigabytes of one reduction without any cache."""
-    from fmu_mfbd.options import read_options
-    from fmu_mfbd.reduction import reduce_block, reduce_piston
+    from piston_cosim.fmu_mfbd.options import read_options
+    from piston_cosim.fmu_mfbd.reduction.reduce import reduce_block, reduce_piston
 
     material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33, "basis": basis, "modes": modes}
     table = {"grid": [40, 40]} | {body: {"mesh": f"{body}.msh.gz", **material} for body in ("piston", "block")}

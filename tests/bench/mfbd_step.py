@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_mfbd.assembly import assemble
-from fmu_mfbd.build import prepare
-from fmu_mfbd.model import Inputs
-from fmu_mfbd.variables import parameters
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.variables import parameters
 
 CASE = Path(__file__).parents[2] / "models" / "numerical_example"
 MATERIAL = {"density": "2700 kg/m^3", "young": "78 GPa", "poisson": 0.33}

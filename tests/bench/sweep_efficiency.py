@@ -13,8 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from master.case import find_case, read_tree
-from master.sweep import build_all, local_executor, parse_axis, points, run_point
+from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.runs.sweep import build_all, local_executor, parse_axis, points, run_point
 
 
 def timed_point(tree, case_folder, output):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fmu_ehd.build import prepare
-from fmu_ehd.slave import Ehd
+from piston_cosim.fmu_ehd.build import prepare
+from piston_cosim.fmu_ehd.slave import Ehd
 
 STRANGE = (0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, 1e12, -1e12, np.nan, np.inf, -np.inf)
 

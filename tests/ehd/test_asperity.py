@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fmu_ehd import asperity
+from piston_cosim.fmu_ehd import asperity
 
 
 @pytest.mark.parametrize("order", [1.5, 2.0, 2.5])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fmu_ehd.blocks import BlockTridiagonal, invert_in_place
+from piston_cosim.fmu_ehd.blocks import BlockTridiagonal, invert_in_place
 
 
 def stencil(rng, shape):

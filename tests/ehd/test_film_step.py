@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from fmu_ehd import cavitation, reynolds
-from fmu_ehd.blocks import BlockTridiagonal
-from fmu_ehd.film_step import FilmStep
-from fmu_ehd.films import FlowFilm, smooth_film
-from fmu_ehd.grid import Edges, Grid
-from fmu_ehd.verification import FLOOR, flow_film
+from piston_cosim.fmu_ehd import cavitation, reynolds
+from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
+from piston_cosim.fmu_ehd.film_step import FilmStep
+from piston_cosim.fmu_ehd.films import smooth_film
+from piston_cosim.fmu_ehd.grid import Edges, Grid
+from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
 
 
 def problem(ring, seed=0, shape=(7, 9)):

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from fmu_ehd import roughness
-from fmu_ehd.films import rough_film, smooth_film
-from fmu_ehd.model import LubricationModel
-from fmu_ehd.oil import Oil
-from fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd import roughness
+from piston_cosim.fmu_ehd.films import rough_film, smooth_film
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (6, 5)
 SIGMA = 1e-6

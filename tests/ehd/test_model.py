@@ -1,11 +1,18 @@
 import numpy as np
 import pytest
 
-from fmu_ehd.cavitation import NotConverged
-from fmu_ehd.model import LubricationModel
-from fmu_ehd.oil import Oil
-from fmu_ehd.parameters import Parameters, faults
-from fmu_ehd.motored import DEGREE, motored, motored_film, opening, physics, tangent_error
+from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.fmu_ehd.motored import (
+    DEGREE,
+    motored,
+    motored_film,
+    opening,
+    physics,
+    tangent_error,
+)
 
 SHAPE = (12, 10)
 OPENING = opening(SHAPE)

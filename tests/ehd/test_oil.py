@@ -1,13 +1,13 @@
 import tomllib
-from importlib.resources import files
 
 import numpy as np
 import pytest
 
-from fmu_ehd.build import oil_values
-from fmu_ehd.oil import Barus1893, Oil, Roelands1966
+from piston_cosim.models import MODELS
+from piston_cosim.fmu_ehd.build import oil_values
+from piston_cosim.fmu_ehd.oil import Barus1893, Oil, Roelands1966
 
-LIBRARY = tomllib.loads((files("models") / "oils.toml").read_text())
+LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 
 
 @pytest.mark.parametrize("law", [Barus1893, Roelands1966])

@@ -1,4 +1,4 @@
-from fmu_ehd.verification import random_starved_films
+from piston_cosim.fmu_ehd.verification import random_starved_films
 
 
 def test_random_starved_films_converge_and_conserve_oil():

@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_ehd.build import prepare
-from fmu_ehd.slave import Ehd
-from master.fmi.errors import BadInput
+from piston_cosim.fmu_ehd.build import prepare
+from piston_cosim.fmu_ehd.slave import Ehd
+from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.fixture

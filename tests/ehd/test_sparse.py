@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from fmu_ehd import sparse
-from fmu_ehd.model import LubricationModel
-from fmu_ehd.parameters import Parameters
-from fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd import sparse
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 
 SHAPE = (11, 9)
 

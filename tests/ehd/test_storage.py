@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fmu_ehd.model import LubricationModel
-from fmu_ehd.motored import DEGREE, motored_film, motored_until
-from fmu_ehd.parameters import Parameters
-from fmu_ehd.storage import euler_step
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film, motored_until
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.storage import euler_step
 
 SHAPE = (12, 10)
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from master.fmi.builder import build_fmu
-from master.fmi.compiler import compiler
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.compiler import compiler
 
 HERE = Path(__file__).parent
 
@@ -25,7 +25,7 @@ def fmu():
 @pytest.fixture(scope="session")
 def bodies_fmu():
     """The body FMU of the numerical example, rigid, on the same small grid."""
-    from master.case import check_case, find_case, read_tree
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
 
     path = find_case("numerical_example")
     table = check_case(read_tree(path), path).participants["bodies"]

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from master.fmi.errors import Discard
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.errors import Discard
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 CELLS = 400
 

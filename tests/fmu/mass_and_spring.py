@@ -5,8 +5,8 @@ Eq. (X2):  m dv/dt = F,  du/dt = v   backward Euler, m = 1 kg;   F = -k u, k = 1
 
 from dataclasses import dataclass
 
-from master.fmi.slave import FieldSlave
-from master.fmi.variables import Variable
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import Variable
 
 
 @dataclass(frozen=True)

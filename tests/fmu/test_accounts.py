@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from master.case import check_case, find_case, read_tree
-from master.cli import app
-from master.fmi.errors import BadInput
-from master.logs import CouplingLog
-from master.recorder import Results
-from master.run import run
-from master.stepping import Counters
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.commands.app import app
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.logs import CouplingLog
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.coupling.stepping import Counters
+from piston_cosim.master.case.system import open_system
 
 PATH = find_case("two_mass_oscillator")
 

@@ -17,7 +17,7 @@ STEP, SMALLEST = 10.0, 10.0 / 64                                # deg
 def command(folder, *more):
     settings = ("time.stop=180 deg", f"time.step={STEP} deg", "participants.bodies.build.grid=[20,16]",
                 "participants.ehd.build.grid=[20,16]", *more)
-    return [sys.executable, "-m", "master", "run", "numerical_example", "--only", "rigid", "--no-plots", "--output", str(folder),
+    return [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--only", "rigid", "--no-plots", "--output", str(folder),
             *(word for setting in settings for word in ("--set", setting))]
 
 
@@ -65,7 +65,7 @@ def test_interrupted_and_resumed_equals_uninterrupted(tmp_path):
         time.sleep(0.002)
     os.kill(process.pid, signal.SIGKILL)
     assert process.wait(60) == -signal.SIGKILL
-    subprocess.run([sys.executable, "-m", "master", "resume", str(checkpoint)], check=True, capture_output=True, timeout=300)
+    subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], check=True, capture_output=True, timeout=300)
     (times, lateral, summary), (times_resumed, lateral_resumed, resumed) = (outcome(f / "rigid.h5") for f in (whole, broken))
     assert np.array_equal(times, times_resumed) and np.array_equal(lateral, lateral_resumed)
     assert summary["rejected_steps"] == resumed["rejected_steps"]

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from master.case import check_case, find_case, read_tree
-from master.export import export_fmu
-from master.fmi.errors import BadInput
-from master.participant import FmuParticipant
-from master.recorder import Results
-from master.run import run
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.system import open_system
 
 STEPS = 12
 WATCHED = ("lateral_displacement", "minimum_film_thickness", "side_force", "friction_power")

@@ -4,10 +4,10 @@ import importlib.util
 
 import pytest
 
-from master.case import check_case, find_case, read_tree
-from master.recorder import Results
-from master.run import run
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.system import open_system
 
 HOME = find_case("numerical_example").parents[1] / "engine"
 STEPS = 40

@@ -43,7 +43,7 @@ order = ["good", "bad"]
 fields = ["good.x", "bad.x"]
 checkpoint_every = 30
 """
-MASTER = [sys.executable, "-m", "master"]
+MASTER = [sys.executable, "-m", "piston_cosim"]
 
 
 def call(*arguments, **settings):

@@ -3,13 +3,13 @@
 import json
 import subprocess
 import sys
-from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-FOLDER = Path(str(files("models"))) / "fired_motorcycle"
+from piston_cosim.models import MODELS
+
+FOLDER = MODELS / "fired_motorcycle"
 
 
 def test_gas_pressure_peaks_ten_degrees_after_top_dead_centre():
@@ -31,7 +31,7 @@ def fired(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fired")
     settings = ("participants.bodies.build.grid=[20,16]", "participants.ehd.build.grid=[20,16]", "time.stop=450 deg",
                 "time.step=2 deg")
-    done = subprocess.run([sys.executable, "-m", "master", "run", "fired_motorcycle", "--only", "rigid", "--output", ".",
+    done = subprocess.run([sys.executable, "-m", "piston_cosim", "run", "fired_motorcycle", "--only", "rigid", "--output", ".",
                            "--no-plots", "--summary-json", "s.json", *(w for s in settings for w in ("--set", s))],
                           cwd=folder, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -40,7 +40,7 @@ def fired(tmp_path_factory):
 
 def test_side_force_follows_the_gas(fired):
     """Statics of the slider-crank where gas rules: N = (gas force - inertia) tan(rod angle), on the thrust side after firing."""
-    from master.recorder import Results
+    from piston_cosim.master.results.file import Results
 
     results = Results(fired[1])
     angle, side, acting = (results.series(f"bodies.{name}")[0] for name in ("crank_angle", "side_force", "pin_force_y"))

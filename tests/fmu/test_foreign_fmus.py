@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from master.case import check_case, read_tree
-from master.fmi.compiler import compiler
-from master.participant import open_fmu
-from master.recorder import Results
-from master.run import run
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.system import open_system
 
 MODELS = Path(__file__).parent / "c_models"
 STATES = (1.0, 2.0, -3.0)

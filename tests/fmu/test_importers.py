@@ -1,6 +1,12 @@
 """The importers that are installed here see the same result, each in a process of its own."""
 
-from master.importers import NOT_INSTALLED, REFERENCE, SCRIPTS, judged, try_importers
+from piston_cosim.master.verification.importers import (
+    NOT_INSTALLED,
+    REFERENCE,
+    SCRIPTS,
+    judged,
+    try_importers,
+)
 
 
 def test_importers_see_the_same(bodies_fmu):

@@ -9,16 +9,16 @@ from fmpy import fmi2
 from fmpy.validation import validate_fmu
 from numpy.polynomial import Polynomial
 
-from master.case import check_case, find_case, read_tree
-from master.checkpoint import Checkpoint
-from master.fmi.builder import build_fmu_of_file
-from master.fmi.errors import BadInput
-from master.interpolated import InterpolatedParticipant, hermite, linear
-from master.local import LocalParticipant
-from master.participant import FmuParticipant, unpack
-from master.recorder import Results
-from master.run import run
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.runs.checkpoint import Checkpoint
+from piston_cosim.master.fmi.builder import build_fmu_of_file
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.interpolated import InterpolatedParticipant, hermite, linear
+from piston_cosim.master.participants.local import LocalParticipant
+from piston_cosim.master.participants.fmi2 import FmuParticipant, unpack
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.system import open_system
 
 PATH = find_case("two_mass_oscillator")
 

@@ -12,7 +12,7 @@ DEGREES = 720
 
 
 def piston_cosim(*words, folder):
-    return subprocess.run([sys.executable, "-m", "master", *words], cwd=folder, capture_output=True, text=True, timeout=900)
+    return subprocess.run([sys.executable, "-m", "piston_cosim", *words], cwd=folder, capture_output=True, text=True, timeout=900)
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@
 import pytest
 from fmpy.validation import validate_fmu
 
-from master.case import check_case, find_case, read_tree
-from master.fmi.builder import build_fmu
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.fmi.builder import build_fmu
 
 PRELUDE = """
 import json, sys
@@ -53,7 +53,7 @@ def test_model_description_is_valid(fmu):
 
 def test_restored_step_repeats_every_byte(fmu, outside):
     same_outputs, same_state = outside(PRELUDE, fmu, """
-        assert not any(name.split(".")[0] == "fmu_mfbd" for name in sys.modules)
+        assert not any(name.split(".")[0] == "piston_cosim" for name in sys.modules)
         one = slave()
         step(one, forces)
         saved = one.getFMUstate()

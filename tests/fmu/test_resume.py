@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-RUN = [sys.executable, "-m", "master", "run", "numerical_example", "--only", "rigid", "--set", "time.stop=60 deg",
+RUN = [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--only", "rigid", "--set", "time.stop=60 deg",
        "--set", "record.checkpoint_every=7", "--no-plots", "--output"]
 WORK_COUNTERS = ("residual_evaluations", "jacobian_evaluations")
 """Outputs that count work done since the FMU was started; the only ones that a new process may change."""
@@ -44,7 +44,7 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
     os.kill(process.pid, kind)
     assert process.wait(60) == code, process.stderr.read()
     assert not (tmp_path / "rigid.h5").exists()
-    resumed = subprocess.run([sys.executable, "-m", "master", "resume", str(checkpoint)], capture_output=True, text=True, timeout=300)
+    resumed = subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], capture_output=True, text=True, timeout=300)
     assert resumed.returncode == 0, resumed.stderr
     assert compare(whole, tmp_path / "rigid.h5") == []
     assert not checkpoint.exists()
@@ -53,5 +53,5 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
 def test_no_checkpoint_is_bad_input(tmp_path):
     (tmp_path / "x.h5.checkpoint").write_bytes(b"nonsense")
     for name in ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5"):
-        run = subprocess.run([sys.executable, "-m", "master", "resume", str(tmp_path / name)], capture_output=True, text=True)
+        run = subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(tmp_path / name)], capture_output=True, text=True)
         assert run.returncode == 2, run.stderr

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from master.case import find_case, read_tree
-from master.rivals import distance, rival_trees
+from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.results.rivals import distance, rival_trees
 
 SMALL = [f"--set={change}" for change in (
     "participants.bodies.build.grid=[12,10]", "participants.ehd.build.grid=[12,10]", "time.stop=10 deg",
@@ -15,7 +15,7 @@ SMALL = [f"--set={change}" for change in (
 
 
 def compare(folder, *words):
-    return subprocess.run([sys.executable, "-m", "master", "compare", "numerical_example", *words], cwd=folder,
+    return subprocess.run([sys.executable, "-m", "piston_cosim", "compare", "numerical_example", *words], cwd=folder,
                           capture_output=True, text=True, timeout=600)
 
 

@@ -13,9 +13,9 @@ import pytest
 from fmpy import fmi2
 from fmpy.validation import validate_fmu
 
-from master.fmi.builder import build_fmu
-from master.fmi.errors import BadInput
-from master.participant import FmuParticipant
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 CELLS = (12, 10)
 
@@ -58,7 +58,7 @@ CYCLES = """
 import gc, resource, sys
 sys.path[:0] = {path!r}
 import numpy as np
-from master.participant import FmuParticipant
+from piston_cosim.master.participants.fmi2 import FmuParticipant
 sizes = []
 before = len(sys.path)
 for k in range(50):

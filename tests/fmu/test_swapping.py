@@ -10,15 +10,15 @@ import pytest
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
-from master.case import check_case, find_case, read_tree
-from master.check import check_fmu, swap
-from master.fmi.builder import build_fmu_of_file
-from master.fmi.compiler import compiler
-from master.fmi.errors import BadInput
-from master.participant import FmuParticipant
-from master.recorder import Results
-from master.run import run
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.contract import check_fmu, swap
+from piston_cosim.master.fmi.builder import build_fmu_of_file
+from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.system import open_system
 
 CELLS = (12, 10)
 HERE = Path(__file__).parent

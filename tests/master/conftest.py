@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from master.fmi.errors import Discard
-from master.system import Connection
+from piston_cosim.master.fmi.errors import Discard
+from piston_cosim.master.case.system import Connection
 
 
 def variable(shape, nominal, causality):

@@ -3,11 +3,15 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
+PARTS = ("fmu_ehd", "fmu_mfbd", "master")
+NAMES = {"piston_cosim", "models", *PARTS}
+COMPILED = "master.fmi.compiled"
 OUTER = {"slave.py", "variables.py", "build.py", "options.py", "verification.py", "offline.py"}
 
 
@@ -24,7 +28,25 @@ def test_kernels_know_no_fmi(package):
         if path.name in OUTER:
             continue
         for node in ast.walk(ast.parse(path.read_text())):
-            names = [a.name for a in node.names] if isinstance(node, ast.Import) else \
-                [node.module or ""] if isinstance(node, ast.ImportFrom) and node.level == 0 else []
-            guilty += [f"{path.name}: {n}" for n in names if n.split(".")[0] in ("master", "pythonfmu", "fmpy")]
+            if isinstance(node, ast.ImportFrom) and "master" in (node.module or "").split(".") and node.module != COMPILED:
+                guilty.append(f"{path.name}: {node.module}")
     assert guilty == []
+
+
+def test_inside_the_project_every_import_is_relative():
+    """An FMU carries the same tree under a name of its own."""
+    guilty = [f"{path}: {node.module}" for path in sources() for node in ast.walk(ast.parse(path.read_text()))
+              if isinstance(node, ast.ImportFrom) and not node.level and node.module.split(".")[0] in NAMES]
+    assert guilty == []
+
+
+def test_every_room_is_installed():
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    rooms = {path.parent.relative_to(ROOT) for path in sources() if path.name == "__init__.py"}
+    assert set(listed) == {".".join(["piston_cosim", *room.parts]) for room in rooms}
+
+
+def sources():
+    """Files of the package, cases' own scripts left out."""
+    found = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
+    return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *found]

@@ -2,10 +2,10 @@
 
 import pytest
 
-from master.case import check_case, read_tree, times
-from master.commands.common import parse_change, parse_grid, variant_trees
-from master.fmi.errors import BadInput
-from master.fmi.quantities import to_si
+from piston_cosim.master.case.schema import check_case, read_tree, times
+from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.quantities import to_si
 
 GOOD = """
 title = "two"

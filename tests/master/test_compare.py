@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from master.compare import read_measured, score
-from master.fmi.errors import BadInput
+from piston_cosim.master.results.compare import read_measured, score
+from piston_cosim.master.fmi.errors import BadInput
 
 X = np.linspace(0.0, 4 * np.pi, 721)
 

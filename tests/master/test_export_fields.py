@@ -8,8 +8,14 @@ import meshio
 import numpy as np
 import pytest
 
-from master.fields_export import chosen, read_block, write_csv, write_hdf5, write_vtu
-from master.fmi.errors import BadInput
+from piston_cosim.master.results.fields_export import (
+    chosen,
+    read_block,
+    write_csv,
+    write_hdf5,
+    write_vtu,
+)
+from piston_cosim.master.fmi.errors import BadInput
 
 TIMES = np.array([0.0, 0.1, 0.2])
 PRESSURE = np.arange(60.0).reshape(3, 5, 4)

@@ -6,12 +6,22 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from master.interface import Interface
-from master.methods import (Ageing, Explicit, LeastSquares, MacroStep, MultiVector, Newton, NotConverged, QuasiNewton, Relaxation,
-                            step_length)
-from master.methods.filtering import filtered
-from master.stepping import Predictor, Stepper, StepFailed
-from master.wiring import Connection
+from piston_cosim.master.coupling.interface import Interface
+from piston_cosim.master.coupling.methods import (
+    Ageing,
+    Explicit,
+    LeastSquares,
+    MacroStep,
+    MultiVector,
+    Newton,
+    NotConverged,
+    QuasiNewton,
+    Relaxation,
+    step_length,
+)
+from piston_cosim.master.coupling.methods.filtering import filtered
+from piston_cosim.master.coupling.stepping import Predictor, Stepper, StepFailed
+from piston_cosim.master.coupling.wiring import Connection
 
 STEP, PADS = 1e-4, 7
 

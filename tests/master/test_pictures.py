@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from master.pictures import draw_maps
+from piston_cosim.master.results.pictures import draw_maps
 
 
 @pytest.mark.parametrize("field, lines", [(np.ones((5, 4)), False), (np.arange(20.0).reshape(5, 4), True)])

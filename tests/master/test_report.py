@@ -11,10 +11,10 @@ import h5py
 import numpy as np
 import pytest
 
-from master.case import check_case
-from master.html_report import write_report
-from master.judgement import extremes, loop_work, windows
-from master.recorder import Results
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.results.report import write_report
+from piston_cosim.master.results.judgement import extremes, loop_work, windows
+from piston_cosim.master.results.file import Results
 
 TREE = {
     "title": "Two </script> signals", "time": {"stop": "1 s", "step": "10 ms"},

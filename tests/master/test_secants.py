@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from master.methods import Ageing, LeastSquares, MultiVector
+from piston_cosim.master.coupling.methods import Ageing, LeastSquares, MultiVector
 
 N = 8
 

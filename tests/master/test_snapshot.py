@@ -6,8 +6,8 @@ import h5py
 import numpy as np
 import pytest
 
-from master.commands.snapshot import command
-from master.fmi.errors import BadInput
+from piston_cosim.master.commands.snapshot import command
+from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.fixture

@@ -6,14 +6,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from master.case import check_case, find_case, read_tree
-from master.commands.export import built
-from master.fmi.compiler import compiler
-from master.fmi.errors import BadInput
-from master.recorder import Results
-from master.run import run
-from master.ssp import SPACE, export_ssp
-from master.system import open_system
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.commands.export import built
+from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.ssp import SPACE, export_ssp
+from piston_cosim.master.case.system import open_system
 
 PATH = find_case("numerical_example")
 SMALL = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]), ("time.stop", "6 deg"),

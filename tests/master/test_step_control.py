@@ -7,10 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from master.freezing import ArrayPickler, freeze, thaw
-from master.methods import Newton
-from master.step_control import HARD, LARGEST_FACTOR, SAFETY, SMALLEST_FACTOR, StepControl, step_control
-from master.stepping import Stepper
+from piston_cosim.master.coupling.freezing import ArrayPickler, freeze, thaw
+from piston_cosim.master.coupling.methods import Newton
+from piston_cosim.master.coupling.step_control import (
+    HARD,
+    LARGEST_FACTOR,
+    SAFETY,
+    SMALLEST_FACTOR,
+    StepControl,
+    step_control,
+)
+from piston_cosim.master.coupling.stepping import Stepper
 
 ALLOWED = 1e-3
 

@@ -5,9 +5,9 @@ import csv
 import numpy as np
 import pytest
 
-from master.case import find_case, read_tree
-from master.fmi.errors import BadInput
-from master.studies import study_points, study_table, write_table
+from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.studies import study_points, study_table, write_table
 
 PATH = find_case("numerical_example")
 

@@ -6,10 +6,17 @@ from concurrent.futures import Executor, Future
 import numpy as np
 import pytest
 
-from master.case import find_case, read_tree
-from master.fmi.errors import BadInput
-from master.recorder import Results
-from master.sweep import build_all, local_executor, parse_axis, points, sweep, unfinished
+from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.sweep import (
+    build_all,
+    local_executor,
+    parse_axis,
+    points,
+    sweep,
+    unfinished,
+)
 
 PATH = find_case("fired_motorcycle")
 TREE = read_tree(PATH)

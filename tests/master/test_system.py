@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from master.case import Wire
-from master.system import _connection, _parameters
+from piston_cosim.master.case.schema import Wire
+from piston_cosim.master.case.system import _connection, _parameters
 
 SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
 

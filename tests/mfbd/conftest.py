@@ -4,8 +4,8 @@ import meshio
 import numpy as np
 import pytest
 
-from fmu_mfbd.mesh import outer_faces
-from fmu_mfbd.verification import box_mesh
+from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 INNER, OUTER = 24e-3, 28e-3
 
@@ -67,7 +67,7 @@ def coarse(tmp_path_factory):
 @pytest.fixture(scope="session")
 def reduced(bodies, tmp_path_factory):
     """(options, piston, block) of the small bodies, reduced."""
-    from fmu_mfbd.build import prepare
+    from piston_cosim.fmu_mfbd.build import prepare
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
@@ -78,8 +78,8 @@ def reduced(bodies, tmp_path_factory):
 @pytest.fixture
 def model(reduced):
     """The small bodies as a running model with the parameters' start values, but a skewed mechanism."""
-    from fmu_mfbd.assembly import assemble
-    from fmu_mfbd.variables import parameters
+    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+    from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
     values = {v.name: v.start for v in parameters()} | {"crank_offset": 1e-3}

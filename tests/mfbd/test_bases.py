@@ -4,12 +4,18 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 
-from fmu_mfbd.bases import (Elastic, MeanElastic, characteristic_constraint_modes, craig_bampton, mean_conditions,
-                            orthonormal_modes, rigid_motions)
-from fmu_mfbd.faces import surface_matrix
-from fmu_mfbd.finite_element import consistent_mass, each_direction, stiffness
-from fmu_mfbd.mesh import outer_faces
-from fmu_mfbd.verification import box_mesh
+from piston_cosim.fmu_mfbd.reduction.bases import (
+    Elastic,
+    MeanElastic,
+    characteristic_constraint_modes,
+    craig_bampton,
+    mean_conditions,
+    orthonormal_modes,
+)
+from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions, consistent_mass, each_direction, stiffness
+from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_mfbd.build import prepare, reduced_bodies
-from fmu_mfbd.film import bore_splines, on_knots, on_rows, window_at
-from fmu_mfbd.modal_field import modal_field, read, spread
-from fmu_mfbd.mesh import read_mesh
-from fmu_mfbd.offline import reduce
-from fmu_mfbd.interpolation import interpolation
-from fmu_mfbd.surface import cell_centres
-from master.fmi.errors import BadInput
+from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
+from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows, window_at
+from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.offline import reduce
+from piston_cosim.fmu_mfbd.reduction.interpolation import interpolation
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.master.fmi.errors import BadInput
 
 
 def test_all_faults_of_the_table_at_once(bodies):
@@ -103,10 +103,10 @@ def test_folding_by_symmetry_changes_nothing():
 
 def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
     """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose elements do not, has none."""
-    from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
-    from fmu_mfbd.finite_element import consistent_mass, stiffness
-    from fmu_mfbd.symmetry import class_parts, symmetric_modes
-    from fmu_mfbd.verification import box_mesh
+    from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
+    from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+    from piston_cosim.fmu_mfbd.reduction.symmetry import class_parts, symmetric_modes
+    from piston_cosim.fmu_mfbd.verification import box_mesh
 
     points, tets = box_mesh((2, 3, 2), (0.02, 0.05, 0.03))
     for axis in (0, 2):
@@ -185,5 +185,5 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
     import subprocess
     import sys
 
-    code = "import sys, fmu_mfbd.slave; print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
+    code = "import sys, piston_cosim.fmu_mfbd.slave; print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "set()"

@@ -6,12 +6,18 @@ import math
 import numpy as np
 import pytest
 
-from fmu_mfbd.faces import face_load
-from fmu_mfbd.finite_element import consistent_mass, quadrature, stiffness
-from fmu_mfbd.mesh import MeshFault, mesh_faults, Mesh, outer_faces, read_mesh
-from fmu_mfbd.reduction import floating_frame_integrals
-from fmu_mfbd.bases import rigid_motions
-from fmu_mfbd.verification import box_mesh
+from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
+from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, quadrature, stiffness
+from piston_cosim.fmu_mfbd.finite_elements.mesh import (
+    MeshFault,
+    mesh_faults,
+    Mesh,
+    outer_faces,
+    read_mesh,
+)
+from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
 @pytest.fixture(scope="module")

@@ -3,15 +3,21 @@
 import numpy as np
 import pytest
 
-from fmu_mfbd.floating_frame import frame_arrow, frame_force, mode_coupling, rigid_body, whole
-from fmu_mfbd.pin_friction import PinFriction
-from fmu_mfbd.piston_motion import Load, imbalance, solve_coupled, tangent
-from fmu_mfbd.slider_crank import Mechanism, height
-from fmu_mfbd.verification import beam_in_frame, bar, box_mesh
-from fmu_mfbd.bases import Elastic, craig_bampton, orthonormal_modes
-from fmu_mfbd.finite_element import consistent_mass, stiffness
-from fmu_mfbd.floating_frame import FlexibleBody
-from fmu_mfbd.reduction import floating_frame_integrals
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
+    frame_arrow,
+    frame_force,
+    mode_coupling,
+    rigid_body,
+    whole,
+)
+from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance, solve_coupled, tangent
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
+from piston_cosim.fmu_mfbd.verification import beam_in_frame, bar, box_mesh
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
+from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from fmu_mfbd.build import reduced_bodies
-from fmu_mfbd.mesh import MeshFault, read_mesh
-from master.fmi.errors import BadInput
+from piston_cosim.fmu_mfbd.build import reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
+from piston_cosim.master.fmi.errors import BadInput
 
 SKIRT, HELD, CROWN = ("cylinder", 28e-3, -16e-3, 8e-3), ("cylinder", 24e-3, -9e-3, 9e-3), ("plane", 20e-3)
 
@@ -74,7 +74,7 @@ FAULTS = {
 @pytest.mark.parametrize("name", FAULTS)
 def test_faults_are_named_before_anything_is_solved(name, coarse, monkeypatch, tmp_path):
     """No factorisation may begin."""
-    from fmu_mfbd import solver
+    from piston_cosim.fmu_mfbd.finite_elements import solver
 
     def never(K):
         raise AssertionError("factorised")

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fmu_mfbd.model import Inputs, NotConverged
-from fmu_mfbd.slider_crank import rod_turn
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import rod_turn
 
 SPEED = 314.0
 STEP = np.pi / 180 / SPEED
@@ -46,8 +46,8 @@ def rubbing(reduced):
 
 def assembled(reduced, **values):
     """The small bodies with some parameters changed."""
-    from fmu_mfbd.assembly import assemble
-    from fmu_mfbd.variables import parameters
+    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+    from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
     return assemble(piston, block, options, {v.name: v.start for v in parameters()} | values)
@@ -84,7 +84,7 @@ def test_work_is_the_same_on_the_grid_and_in_the_coordinates(which, request):
 
 def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     """The check is alive: one percent on the moment shows (the kernel run as plain Python, with a wrong transfer inside)."""
-    import fmu_mfbd.instant as instant
+    from piston_cosim.fmu_mfbd.dynamics import instant
 
     def wrong(*given):
         out = right(*given)
@@ -92,7 +92,7 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
 
     right = instant.generalised
     state, _ = run(model, 5)
-    monkeypatch.setattr("fmu_mfbd.model.balance", instant.balance.py_func)
+    monkeypatch.setattr("piston_cosim.fmu_mfbd.dynamics.model.balance", instant.balance.py_func)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] <= 1e-13
     monkeypatch.setattr(instant, "generalised", wrong)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
@@ -151,8 +151,8 @@ def test_non_finite_force_is_refused(model):
 
 def test_rigid_bodies_run(reduced):
     """No modes at all: the film moves as one rigid piston."""
-    from fmu_mfbd.assembly import assemble
-    from fmu_mfbd.variables import parameters
+    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+    from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
     piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "gas_force")}
@@ -179,8 +179,8 @@ def test_crank_at_varying_given_speed(model):
 
 def test_free_crank_keeps_the_energy(reduced):
     """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls with the step (order 2)."""
-    from fmu_mfbd.assembly import assemble
-    from fmu_mfbd.variables import parameters
+    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+    from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
     piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")}
@@ -227,10 +227,10 @@ def test_free_crank_turns_against_its_load(reduced):
 
 
 def test_damping_by_ratio_band_and_rayleigh(bodies):
-    from fmu_mfbd.assembly import damping, damping_bands
-    from fmu_mfbd.options import read_options
-    from fmu_mfbd.variables import parameters
-    from master.fmi.errors import BadInput
+    from piston_cosim.fmu_mfbd.dynamics.assembly import damping, damping_bands
+    from piston_cosim.fmu_mfbd.options import read_options
+    from piston_cosim.fmu_mfbd.variables import parameters
+    from piston_cosim.master.fmi.errors import BadInput
 
     omega = 2 * np.pi * np.array([1e3, 2e4, 3e4])
     two = damping_bands({v.name: v.start for v in parameters()}, {"damping_bands": []})

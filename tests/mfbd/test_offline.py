@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from fmu_mfbd.offline import reduce
-from fmu_mfbd.solver import Remembering, factorise
+from piston_cosim.fmu_mfbd.offline import reduce
+from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ young = "75 GPa"
 poisson = 0.33
 modes = 3
 """)
-    call = [sys.executable, "-m", "master", "reduce", "bodies.toml"]
+    call = [sys.executable, "-m", "piston_cosim", "reduce", "bodies.toml"]
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
@@ -54,7 +54,7 @@ class Stopped(Exception):
 
 def test_a_stopped_reduction_goes_on(bodies, cache, tmp_path, monkeypatch):
     """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is left behind."""
-    from fmu_mfbd import solver
+    from piston_cosim.fmu_mfbd.finite_elements import solver
 
     folder, options = bodies
     table, solved = {"grid": [16, 12], "block": options["block"] | {"basis": "craig_bampton"}}, []
@@ -109,8 +109,8 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     import h5py
     import meshio
 
-    from fmu_mfbd.build import reduced_bodies
-    from master.case import find_case, read_tree
+    from piston_cosim.fmu_mfbd.build import reduced_bodies
+    from piston_cosim.master.case.schema import find_case, read_tree
 
     folder, options = coarse
     (folder / "case.toml").touch()
@@ -123,7 +123,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
         file["time"] = file["fields/time"] = [0.0, 1e-3, 2e-3]
         file["fields/bodies/modal_coordinate"] = coordinates
         file["fields/bodies/modal_coordinate"].attrs.update(unit="1", description="")
-    call = [sys.executable, "-m", "master", "recover", "run.h5", "--case", str(folder)]
+    call = [sys.executable, "-m", "piston_cosim", "recover", "run.h5", "--case", str(folder)]
     done = subprocess.run([*call, "--time", "1.1 ms"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "t = 1 ms  piston: displacement up to 0 um, von Mises stress up to 0 MPa" in done.stdout
@@ -137,7 +137,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
 
 def test_ties_by_option(coarse, cache):
     """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs hold less than a clamp."""
-    from fmu_mfbd.build import reduced_bodies
+    from piston_cosim.fmu_mfbd.build import reduced_bodies
 
     folder, options = coarse
     piston, block = (options[name] | {"modes": 6, "basis": "craig_bampton"} for name in ("piston", "block"))

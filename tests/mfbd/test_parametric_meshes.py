@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fmu_mfbd.finite_element import consistent_mass
-from fmu_mfbd.mesh import read_mesh
-from fmu_mfbd.symmetry import mirror_image
+from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.reduction.symmetry import mirror_image
 
 pytest.importorskip("gmsh", reason="the extra `mesh` is not installed")
 
 
 def made(shape, path, size, surfaces):
-    from models.meshes import make
+    from piston_cosim.models.meshes import make
 
     make(path, shape, size, 8)
     return read_mesh(path, dict.fromkeys(surfaces))
@@ -21,7 +21,7 @@ def made(shape, path, size, surfaces):
 
 def test_box_walls_add_what_they_weigh(tmp_path):
     """Walls between the thrust sides, outside of bosses and pillars: their volume within the mesh's chords."""
-    from models.numerical_example.make_meshes import PISTON
+    from piston_cosim.models.numerical_example.make_meshes import PISTON
 
     coarse, surfaces = replace(PISTON, top=27.0), ("skirt", "crown", "pin_bore")
     meshes = [made(shape, tmp_path / f"{k}.msh.gz", 7.0, surfaces)
@@ -42,7 +42,7 @@ def test_box_walls_add_what_they_weigh(tmp_path):
 
 def test_fins_of_a_block(tmp_path):
     """A block without fins is lighter by the fins' volume."""
-    from models.numerical_example.make_meshes import BLOCK
+    from piston_cosim.models.numerical_example.make_meshes import BLOCK
 
     meshes = [made(shape, tmp_path / f"{k}.msh.gz", 14.0, ("bore", "bolts"))
               for k, shape in enumerate((BLOCK, replace(BLOCK, fins=(102.0,))))]

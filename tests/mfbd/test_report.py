@@ -4,12 +4,22 @@ import meshio
 import numpy as np
 import pytest
 
-from fmu_mfbd.bases import Elastic
-from fmu_mfbd.build import prepare, reduced_bodies
-from fmu_mfbd.finite_element import consistent_mass, nodal_stress, stiffness, von_mises
-from fmu_mfbd.report import mass_properties, mode_table, recover, write_modes
-from fmu_mfbd.verification import box_mesh
-from master.fmi.errors import BadInput
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic
+from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.element import (
+    consistent_mass,
+    nodal_stress,
+    stiffness,
+    von_mises,
+)
+from piston_cosim.fmu_mfbd.reduction.mode_tables import (
+    mass_properties,
+    mode_table,
+    recover,
+    write_modes,
+)
+from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.fixture(scope="module")

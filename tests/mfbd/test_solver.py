@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fmu_mfbd.finite_element import stiffness
-from fmu_mfbd.solver import Pardiso, SuperLU, factorise
-from fmu_mfbd.verification import box_mesh
+from piston_cosim.fmu_mfbd.finite_elements.element import stiffness
+from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
 @pytest.fixture(scope="module")

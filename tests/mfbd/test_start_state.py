@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from fmu_mfbd.start_state import FIELDS, SCALARS, check_modes, read_start
+from piston_cosim.fmu_mfbd.dynamics.start_state import FIELDS, SCALARS, check_modes, read_start
 
 WHOLE = dict.fromkeys(SCALARS, 0.25) | dict.fromkeys(FIELDS, [1.0, 2.0]) | {"film": [[3.0]]}
 

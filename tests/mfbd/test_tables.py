@@ -4,14 +4,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmu_mfbd.assembly import assemble, faults
-from fmu_mfbd.build import prepare
-from fmu_mfbd.model import Inputs
-from fmu_mfbd.profile import fourier_bore, ovality, table_shape
-from fmu_mfbd.speed_table import crank_motion, speed_table
-from fmu_mfbd.tables import TableFault, gas_pressure, gas_table, inline_numbers, profile_table, read_numbers
-from fmu_mfbd.variables import parameters
-from master.fmi.errors import BadInput
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.geometry.profile import fourier_bore, ovality, table_shape
+from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
+from piston_cosim.fmu_mfbd.dynamics.tables import (
+    TableFault,
+    gas_pressure,
+    gas_table,
+    inline_numbers,
+    profile_table,
+    read_numbers,
+)
+from piston_cosim.fmu_mfbd.variables import parameters
+from piston_cosim.master.fmi.errors import BadInput
 
 DEG = np.pi / 180
 

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fmu_ehd.model import LubricationModel
-from fmu_ehd.oil import Oil
-from fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (8, 10)
 STEP = 1e-4

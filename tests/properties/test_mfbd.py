@@ -4,14 +4,22 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fmu_mfbd.film import Skirt, bore_splines, film_now, generalised, opening, sliding, window_at
-from fmu_mfbd.floating_frame import rigid_body
-from fmu_mfbd.generalised_alpha import coefficients
-from fmu_mfbd.modal_field import modal_field
-from fmu_mfbd.piston_motion import Load, imbalance
-from fmu_mfbd.profile import barrel, ovality
-from fmu_mfbd.slider_crank import Mechanism, height
-from fmu_mfbd.surface import cell_centres
+from piston_cosim.fmu_mfbd.geometry.film import (
+    Skirt,
+    bore_splines,
+    film_now,
+    generalised,
+    opening,
+    sliding,
+    window_at,
+)
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import coefficients
+from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
+from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 
 small = st.floats(-1e-4, 1e-4)
 seeds = st.integers(0, 2**32 - 1)

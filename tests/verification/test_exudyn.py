@@ -2,8 +2,8 @@
 
 import pytest
 
-from fmu_mfbd.verification import exudyn_checks
-from master.verify import error_of
+from piston_cosim.fmu_mfbd.verification import exudyn_checks
+from piston_cosim.master.verification.rows import error_of
 
 pytest.importorskip("exudyn", reason="Exudyn (extra `oracle`) has no wheel for every Python and machine")
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from master.verification import checks, distances, plain_converges
-from master.verify import error_of
+from piston_cosim.master.verification.coupling import checks, distances, plain_converges
+from piston_cosim.master.verification.rows import error_of
 
 
 def test_figures():

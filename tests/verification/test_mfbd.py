@@ -2,8 +2,8 @@
 
 import pytest
 
-from fmu_mfbd.verification import checks
-from master.verify import error_of
+from piston_cosim.fmu_mfbd.verification import checks
+from piston_cosim.master.verification.rows import error_of
 
 ROWS = list(checks())
 

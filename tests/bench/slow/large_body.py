@@ -16,10 +16,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from fmu_mfbd.mesh import outer_faces
-from fmu_mfbd.options import Bodies, read_options
-from fmu_mfbd.reduction import cached, reduce_block
-from fmu_mfbd.verification import box_mesh
+from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.options import Bodies, read_options
+from piston_cosim.fmu_mfbd.reduction.reduce import cached, reduce_block
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 BORE, HALF, LOW, HIGH = 28.25e-3, 43e-3, 55e-3, 155e-3
 

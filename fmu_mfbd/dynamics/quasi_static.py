@@ -1,0 +1,61 @@
+"""Modes too fast for the step: they follow their load without inertia of their own."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compiled
+
+
+class StaticModes(NamedTuple):
+    """Modes that carry stiffness alone; s modes.
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (s,)
+        omega^2 [rad2/s2].
+    T, b, g : ndarray, shapes (2, s), (s,), (s,)
+        How the motion of the body frame loads them, see Eq. (I1); zero where it does not move.
+    """
+
+    stiffness: np.ndarray
+    T: np.ndarray
+    b: np.ndarray
+    g: np.ndarray
+
+
+def standing(stiffness):
+    """Static modes of a body whose frame does not move."""
+    nothing = np.zeros(len(stiffness))
+    return StaticModes(stiffness, np.zeros((2, len(stiffness))), nothing, nothing)
+
+
+@compiled
+def static_coordinates(modes, force, ax, ay, alpha, spin):
+    """Modal coordinates under the forces of the moment.
+
+    Eq. (Q1):  Omega^2 q = f - T^T a - alpha g + w^2 b
+
+    Eq. (R3) without the mode's own motion; the frame in turn does not feel these modes. Linear, so that changes of the loads give
+    the change of q. Good for loads far slower than the modes: the error is about (load's frequency / mode's frequency)^2.
+
+    Parameters
+    ----------
+    modes : StaticModes
+    force : ndarray, shape (s,)
+        [kg^-1/2 N]
+    ax, ay : float
+        Acceleration of A in the body frame [m/s2].
+    alpha, spin : float
+        Angular acceleration [rad/s2] and square of the angular velocity [rad2/s2].
+
+    Returns
+    -------
+    ndarray, shape (s,)
+        [kg^1/2 m]
+    """
+    out = np.empty(len(force))
+    for k in range(len(force)):
+        load = force[k] - modes.T[0, k] * ax - modes.T[1, k] * ay - alpha * modes.g[k] + spin * modes.b[k]
+        out[k] = load / modes.stiffness[k]                                                                      # Eq. (Q1)
+    return out

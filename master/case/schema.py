@@ -1,0 +1,347 @@
+"""Case files: TOML with units -> a checked `Case`, every fault of the file in one message."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from ...models import MODELS
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
+
+Port = Annotated[str, Field(pattern=r"^\w+\.\w+$")]
+"""A variable of a participant: "participant.variable"."""
+
+
+class Table(BaseModel):
+    """A table of a case file; unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+
+class Time(Table):
+    """Run time and macro step: times, or crank angles together with the input that holds the angular speed.
+
+    smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the longest macro step: it is
+    divided by the local error, into none smaller than this; default step / 64.
+    """
+
+    stop: str
+    step: str
+    smallest_step: str | None = None
+    angular_speed: Port | None = None
+
+
+class ParticipantTable(Table):
+    """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
+    and its parameters and input starts.
+
+    isolated : the FMU runs in a process of its own, which is ended if it takes longer than `timeout` for any one answer.
+    """
+
+    package: str | None = None
+    file: str | None = None
+    fmu: str | None = None
+    build: dict[str, Any] = {}
+    parameters: dict[str, str | bool | float | int] = {}
+    isolated: bool = False
+    timeout: str = "120 s"
+
+    @model_validator(mode="after")
+    def one_origin(self):
+        if [self.package, self.file, self.fmu].count(None) != 2:
+            raise ValueError("give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)")
+        return self
+
+
+class Wire(Table):
+    """A field that goes from an output to an input.
+
+    tolerance : largest difference between output and input in a converged step; text with the field's unit, or a number
+    that multiplies its nominal value.
+    relative_tolerance : root mean square of the difference as a share of the field's.
+    residual_relative_tolerance : root mean square of the difference as a share of what it was in the macro step's first sweep.
+    Of these three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire that runs against the
+    stepping order. A wire along the order hands over what has just been computed: it is not measured, unless one of the three is
+    given; then by how far it has moved since the iterate.
+    largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
+    local_error : local error allowed in a macro step, root mean square over the field; text with the field's unit, or a number
+    that multiplies its nominal value. With it on any wire, macro steps are as long as their local error allows.
+    interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
+    also has the slopes which the source declares (an output that is the field's `derivative`).
+    conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
+    """
+
+    source: Port = Field(alias="from")
+    target: Port = Field(alias="to")
+    tolerance: str | float | None = None
+    relative_tolerance: float = Field(0.0, ge=0, lt=1)
+    residual_relative_tolerance: float = Field(0.0, ge=0, lt=1)
+    largest_decrease: float | None = Field(None, gt=0, lt=1)
+    local_error: str | float | None = None
+    interpolation: Literal["held", "linear", "hermite"] = "held"
+    conjugate: Port | None = None
+
+
+class Coupling(Table):
+    """How a macro step is brought to its fixed point.
+
+    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants; methods/secants.py); aitken,
+    or constant relaxation; explicit: one sweep a macro step, not iterated, and what is off by more than its tolerance counted.
+    order : the order in which the participants step; the wires that run against it are the unknowns.
+    parallel : Jacobi's order in place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
+    predictor : order of the extrapolation that begins a macro step, 0 for the last values.
+    relaxation : factor of constant relaxation, first factor of the others.
+    mixing : share taken of what the secants leave unexplained.
+    probing : a macro step without secants, or led astray by them, is taken by Newton on differences of sweeps.
+    windows : of how many macro steps iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
+    largest_krylov_space : products per Newton update at most. differences : products by differences of sweeps, not by the
+    participants' derivatives.
+    halvings : how often a macro step that fails may be halved.
+    """
+
+    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit"] = "newton"
+    order: list[str]
+    parallel: bool = False
+    predictor: int = Field(2, ge=0, le=2)
+    max_iterations: int = Field(20, ge=1)
+    relaxation: float = Field(0.5, gt=0, le=1)
+    mixing: float = Field(1.0, gt=0, le=1)
+    probing: bool = False
+    windows: int = Field(3, ge=0)
+    filter: Literal["QR1", "QR2", "QR3"] = "QR2"
+    filter_limit: float = Field(1e-2, gt=0, lt=1)
+    largest_krylov_space: int = Field(120, ge=1)
+    differences: bool = False
+    halvings: int = Field(6, ge=0)
+
+
+class Record(Table):
+    """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
+
+    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and SIGTERM.
+    """
+
+    fields: list[Port] = []
+    every: int = Field(1, ge=1)
+    checkpoint_every: int = Field(50, ge=0)
+
+
+class Picture(Table):
+    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a panel each; section: `fields`
+    at a time along their first index, within `angles` of its circle, at the share `height` of their second."""
+
+    file: str
+    title: str
+    kind: Literal["lines", "map", "section"]
+    x: Port | None = None
+    y: list[list[Port]] = []
+    fields: list[Port] = []
+    time: str | None = None
+    angles: tuple[str, str] = ("0 deg", "360 deg")
+    height: float = Field(0.5, ge=0, le=1)
+    units: dict[str, str] = {}
+
+    @model_validator(mode="after")
+    def complete(self):
+        needed = ("x", "y") if self.kind == "lines" else ("fields", "time")
+        missing = [key for key in needed if not getattr(self, key)]
+        if missing:
+            raise ValueError(f"a picture of kind {self.kind!r} needs {' and '.join(missing)}")
+        return self
+
+
+class Loop(Table):
+    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, divided by `per`, in `unit`."""
+
+    y: list[Port]
+    x: Port
+    period: str
+    per: str | float = 1.0
+    unit: str = "J"
+
+
+class Motion(Table):
+    """A rigid outline moved in a plane by three outputs, between fixed lines.
+
+    Sideways displacement and rotation are drawn `exaggeration` times.
+    Outline points (across, along) are those of the body at rest about its reference point; lines have two ends.
+    """
+
+    across: Port
+    along: Port
+    rotation: Port
+    outline: list[tuple[str, str]] = Field(min_length=3)
+    lines: list[tuple[tuple[str, str], tuple[str, str]]] = []
+    exaggeration: float = Field(100.0, gt=0)
+
+
+class ReportTable(Table):
+    """What a report shows beyond pictures and fields: loops by their name, and a moving body."""
+
+    loops: dict[str, Loop] = {}
+    motion: Motion | None = None
+
+
+class Study(Table):
+    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
+
+    `set` changes the case in all of them; `curves` over `x`, if any, are scored against the reference's.
+    """
+
+    title: str
+    set: dict[str, Any] = {}
+    points: dict[str, dict[str, Any]]
+    reference: str
+    x: Port | None = None
+    curves: list[Port] = []
+
+    @model_validator(mode="after")
+    def consistent(self):
+        if self.curves and not self.x:
+            raise ValueError("curves need an x")
+        if self.reference not in self.points:
+            raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
+        return self
+
+
+class Case(Table):
+    """A whole case file.
+
+    label : name of the case itself among its variants.
+    participants : in the order in which they start; what one has at the start begins the inputs of those after it.
+    summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
+    window : "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in pictures and reports.
+    monitor : as summary, shown while running. variants : name -> {dotted key: value} changes that make a further run.
+    """
+
+    title: str
+    label: str = "base"
+    time: Time
+    participants: dict[str, ParticipantTable]
+    wires: list[Wire]
+    coupling: Coupling
+    record: Record = Record()
+    summary: dict[str, str] = {}
+    monitor: dict[str, str] = {}
+    pictures: list[Picture] = []
+    window: dict[str, tuple[str, str]] = {}
+    report: ReportTable = ReportTable()
+    studies: dict[str, Study] = {}
+    variants: dict[str, dict[str, Any]] = {}
+
+    @field_validator("summary", "monitor")
+    @classmethod
+    def reductions(cls, entries):
+        for name, text in entries.items():
+            words = text.split()
+            if len(words) != 2 or words[0] not in ("min", "max", "mean", "last") or words[1].count(".") != 1:
+                raise ValueError(f"{name} = {text!r}: write 'min|max|mean|last participant.variable'")
+        return entries
+
+    @field_validator("window")
+    @classmethod
+    def windows(cls, entries):
+        cls.reductions({text: text for text in entries})
+        return entries
+
+    @model_validator(mode="after")
+    def names_exist(self):
+        ports = [p for w in self.wires for p in (w.source, w.target)] + self.record.fields
+        ports += [self.time.angular_speed] if self.time.angular_speed else []
+        ports += [p for pic in self.pictures for p in [pic.x, *pic.fields, *sum(pic.y, [])] if p]
+        ports += [text.split()[1] for text in [*self.summary.values(), *self.monitor.values(), *self.window]]
+        ports += [p for loop in self.report.loops.values() for p in [loop.x, *loop.y]]
+        ports += [self.report.motion.across, self.report.motion.along, self.report.motion.rotation] if self.report.motion else []
+        unknown = sorted({p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants))
+        unknown = [name for name in unknown if name not in self.participants]
+        if unknown:
+            raise ValueError(f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}")
+        if sorted(self.coupling.order) != sorted(self.participants):
+            raise ValueError(f"coupling.order must name each participant once: {', '.join(self.participants)}")
+        return self
+
+
+def case_names():
+    """Names of the cases that come with the tool: folders of `models` with a case.toml."""
+    return sorted(p.name for p in MODELS.iterdir() if (p / "case.toml").is_file())
+
+
+def find_case(name):
+    """Path of a case file, by its path, its folder, or the name of a case that comes with the tool."""
+    for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
+        if candidate.is_file():
+            return candidate.resolve()
+    raise BadInput(f"no case {name!r}: neither a file nor one of {', '.join(case_names())}")
+
+
+def read_tree(path, changes=()):
+    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and value) made in it.
+
+    Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
+    """
+    try:
+        if Path(path).suffix == ".ssp":
+            from .ssp import read_ssp
+
+            tree = read_ssp(path)
+        else:
+            tree = tomllib.loads(Path(path).read_text())
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{path}: {error}") from None
+    faults = [fault for key, value in changes if (fault := _change(tree, key, value))]
+    if faults:
+        raise BadInput(faults)
+    return tree
+
+
+def _change(tree, key, value):
+    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0. Returns a fault or None."""
+    *parents, last = key.split(".")
+    node = tree
+    for k, part in enumerate(parents):
+        if isinstance(node, list):
+            node = node[int(part)] if part.isdigit() and int(part) < len(node) else None
+        else:
+            node = node.get(part)
+        if not isinstance(node, (dict, list)):
+            return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+    if isinstance(node, list):
+        return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
+    node[last] = value
+    return None
+
+
+def check_case(tree, path):
+    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the file."""
+    try:
+        return Case.model_validate(tree)
+    except ValidationError as error:
+        raise BadInput([f"{path}: {_sentence(fault)}" for fault in error.errors()]) from None
+
+
+def _sentence(fault):
+    where = ".".join(str(part) for part in fault["loc"]) or "case"
+    if fault["type"] == "extra_forbidden":
+        return f"{where}: unknown key"
+    given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
+    return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
+
+
+def times(case, speed):
+    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into times."""
+    faults, values = [], []
+    for key in ("stop", "step", "smallest_step"):
+        text = getattr(case.time, key)
+        if text is None:
+            continue
+        try:
+            values.append(to_si(text, "rad") / speed if speed is not None else to_si(text, "s"))
+            if not values[-1] > 0:
+                faults.append(f"time.{key} = {text}: must be positive")
+        except (ValueError, ZeroDivisionError) as error:
+            faults.append(f"time.{key}: {error}")
+    if faults:
+        raise BadInput(faults)
+    return values if case.time.smallest_step else [*values, values[1] / 64]

@@ -1,0 +1,80 @@
+"""The command line `piston-cosim`; each command is a file of this room. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
+
+import os
+
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")  # dense algebra here is small: a second BLAS thread costs up to a factor 7
+
+import sys  # noqa: E402
+import time  # noqa: E402
+
+from cyclopts import App, CycloptsError  # noqa: E402
+from rich.console import Console  # noqa: E402
+
+from ..fmi.errors import BadInput  # noqa: E402
+
+STARTED = time.perf_counter()
+COMMANDS = {
+    "list": "List the cases that come with the tool.",
+    "run": "Run a case and its variants: results file, summary, pictures.",
+    "resume": "Go on with an interrupted run, with the same bits.",
+    "plot": "Draw runs side by side.",
+    "report": "Write one self-contained HTML page about runs.",
+    "scalars": "Write all scalar outputs of a run as CSV.",
+    "fields": "Write recorded fields as CSV, HDF5 or VTU.",
+    "snapshot": "Write a participant's outputs at an instant, for another run to start from.",
+    "compare": "Score curves of runs against one another or against measured ones.",
+    "study": "Run a study of a case: cost, and distance from its reference run.",
+    "sweep": "Run a case over values of its keys.",
+    "reduce": "Reduce bodies from meshes or matrices; their modes as tables and pictures.",
+    "recover": "Displacement and stress on the meshes at chosen instants of a run.",
+    "build": "Build the FMU of one participant of a case.",
+    "info": "Print what an FMU offers.",
+    "check": "Compare an FMU with the lubrication contract.",
+    "pack": "Make an FMU of a slave written in one file.",
+    "export": "Export a case as one FMU or as an SSP.",
+    "verify": "Compute every verification figure beside its reference.",
+    "bench": "Run the benchmarks of a source checkout.",
+}
+"""What there is, in the order of use; a command's own file is imported when it is called."""
+
+app = App(name="piston-cosim", help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
+          version_flags=["--version"])
+for _order, (_name, _line) in enumerate(COMMANDS.items()):
+    _help = {} if sys.argv[1:2] == [_name] else {"help": _line}  # the command called explains itself by its docstring
+    app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
+
+
+def main():
+    """Run the command line; turn what users can mend into messages and exit codes."""
+    from ..runs.checkpoint import Interrupted
+    from ..participants.fmi2 import ParticipantFault
+    from ..runs.recorder import CannotWrite
+    from ..coupling.stepping import StepFailed
+
+    try:
+        app(exit_on_error=False, print_error=True)
+    except CycloptsError:
+        sys.exit(2)
+    except BadInput as error:
+        say_faults(f"bad input[/], {len(error.faults)} fault{'s' * (len(error.faults) > 1)}:", [f"- {f}" for f in error.faults])
+        sys.exit(2)
+    except StepFailed as error:
+        say_faults("stopped:[/] a macro step did not converge, and no halving is left", [error, *getattr(error, "__notes__", ())])
+    except Interrupted as error:
+        say_faults(f"stopped:[/] {error}", [])
+    except ParticipantFault as error:
+        say_faults("stopped:[/] an FMU reports a fault of its own", [error, *getattr(error, "__notes__", ())])
+    except CannotWrite as error:
+        say_faults(f"stopped:[/] {error}", getattr(error, "__notes__", ()))
+    else:
+        return
+    sys.exit(1)
+
+
+def say_faults(title, lines):
+    """Print a title and lines, as they are, on the error stream."""
+    errors = Console(stderr=True)
+    errors.print(f"[bold red]{title}", highlight=False, soft_wrap=True)
+    for line in lines:
+        errors.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)

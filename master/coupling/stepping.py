@@ -1,0 +1,167 @@
+"""The run in time: predict, converge, accept or halve; every macro step accounted for."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..fmi.errors import Discard
+from .interface import Interface
+from .methods import MacroStep, NotConverged, step_length
+
+
+class StepFailed(RuntimeError):
+    """A macro step that no halving could bring to convergence: the run stops, what was accepted stays."""
+
+
+@dataclass
+class Counters:
+    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and linearisations, as an implicit
+    integrator counts them."""
+
+    steps: int = 0
+    halved_steps: int = 0
+    rejected_steps: int = 0
+    iterations: list = field(default_factory=list)
+    residual_evaluations: int = 0
+    jacobian_evaluations: int = 0
+    derivative_products: int = 0
+    unconverged_steps: int = 0
+
+    def accept(self, solution):
+        self.steps += 1
+        self.iterations.append(solution.iterations)
+        self.unconverged_steps += solution.history[-1] > 1.0
+        self.residual_evaluations += solution.iterations + solution.probes
+        self.jacobian_evaluations += solution.jacobians
+        self.derivative_products += solution.products
+
+
+class Predictor:
+    """Extrapolates the interface vector through the last accepted ones (Lagrange; order 0 repeats the last)."""
+
+    def __init__(self, order):
+        self.order, self.past = order, []
+
+    def keep(self, time, x):
+        self.past = [*self.past, (time, x)][-self.order - 1:]
+
+    def clear(self):
+        self.past = self.past[-1:]
+
+    def __call__(self, time):
+        """Guess at `time` [s]; the last vector if there is no more to go by."""
+        guess = np.zeros_like(self.past[-1][1])
+        for time_a, x in self.past:
+            others = [time_b for time_b, _ in self.past if time_b != time_a]
+            guess += x * np.prod([(time - b) / (time_a - b) for b in others])
+        return guess
+
+
+class Stepper:
+    """Takes macro steps of a started system.
+
+    Parameters
+    ----------
+    system : System
+        Its participants must have been started.
+    method : Newton or Relaxation
+        Any value with their `solve`.
+    halvings : int
+        How often in a row a macro step may be halved.
+    accepted : callable(time, solution)
+        Told of every accepted step, halves included, while the participants stand at its end.
+    order : int
+        Of the predictor.
+    control : StepControl, optional
+        Divides what `advance` is asked for; without it every step is as long as asked.
+    attempted : callable(time, step, trail, failure)
+        Told of every attempt before it is accepted or halved: the wires' measures by sweep, and why it failed or None.
+    """
+
+    def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2,
+                 attempted=lambda time, step, trail, failure: None, control=None):
+        self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections,
+                                   system.parallel)
+        self.method, self.halvings, self.accepted, self.attempted, self.control = method, halvings, accepted, attempted, control
+        self.counters, self.failures, self.memory = Counters(), [], method.memory()
+        self.predictor = Predictor(order)
+        self.predictor.keep(0.0, self.interface.read())
+
+    def advance(self, time, step):
+        """Bring all participants from time to time + step [s]: in one macro step, or as step control divides it.
+
+        A macro step that does not converge, or that a participant discards, is rolled back with cleared history and taken
+        in two halves, or as step control then says; one whose local error is too large is rolled back and taken shorter.
+        Raises StepFailed when no halving is left.
+        """
+        if not self.control:
+            self._step(time, step, self.halvings)
+            return
+        end = time + step
+        while time < end:
+            length, last = self.control.length(end - time)
+            if self._controlled_step(time, length):
+                time = end if last else time + length
+
+    def _step(self, time, step, halvings):
+        saved = self._save()
+        try:
+            self._accept(time, step, self._converge(time, step, saved))
+        except (NotConverged, Discard) as failure:
+            self._give_up(time, step, saved, failure, halvings > 0)
+            self._step(time, step / 2, halvings - 1)
+            self._step(time + step / 2, step / 2, halvings - 1)
+        finally:
+            self._free(saved)
+
+    def _controlled_step(self, time, step):
+        """Whether the step was accepted; control knows the next length either way."""
+        saved = self._save()
+        try:
+            solution = self._converge(time, step, saved)
+            if self.control.accepts(self.predictor.past[-1], time, step, solution):
+                self._accept(time, step, solution)
+                return True
+            self._roll_back(time, step, saved, f"local error {self.control.error:.2g} times the allowed one")
+            self.counters.rejected_steps += 1
+        except (NotConverged, Discard) as failure:
+            self._give_up(time, step, saved, failure, self.control.halve(step))
+        finally:
+            self._free(saved)
+        return False
+
+    def _save(self):
+        self.interface.begin()
+        return {name: p.save() for name, p in self.interface.participants.items()}
+
+    def _free(self, saved):
+        for name, p in self.interface.participants.items():
+            p.free(saved[name])
+
+    def _accept(self, time, step, solution):
+        self.attempted(time, step, self.interface.trail, None)
+        self.counters.accept(solution)
+        self.predictor.keep(time + step, solution.x)
+        self.accepted(time + step, solution)
+
+    def _roll_back(self, time, step, saved, reason):
+        self.attempted(time, step, self.interface.trail, reason)
+        self.counters.residual_evaluations += len(self.interface.trail)
+        for name, p in self.interface.participants.items():
+            p.restore(saved[name])
+
+    def _give_up(self, time, step, saved, failure, may_halve):
+        """Roll back a step that failed and forget what led there; StepFailed if it may not be halved."""
+        self._roll_back(time, step, saved, failure)
+        self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {failure}")
+        self.predictor.clear()
+        self.memory = self.method.memory()
+        if not may_halve:
+            raise StepFailed(self.failures[-1]) from failure
+        self.counters.halved_steps += 1
+
+    def _converge(self, time, step, saved):
+        start = self.predictor.past[-1][1]
+        change = self.predictor(time + step) - start
+        guess = start + step_length(self.interface, start, change) * change
+        return self.method.solve(MacroStep(self.interface, time, step, saved), guess, self.memory)

@@ -1,0 +1,15 @@
+"""Where the user's cache lies."""
+
+import os
+from pathlib import Path
+
+
+def cache_folder(kind):
+    """Folder of the user's cache for `kind` ("fmus", "unpacked", "bodies"), made if missing.
+
+    The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
+    """
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / kind
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

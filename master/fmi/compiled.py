@@ -1,0 +1,83 @@
+"""How kernels are compiled, in every part.
+
+Division by zero gives inf as in numpy (a film that is not finite is refused where it is solved); results are kept on disk. No
+fast mathematics: sums in the order written and no fused multiply-add give the same bits in every process, whether a kernel has
+just been compiled or comes from disk, and in whatever kernel it is inlined. Measured, it costs nothing here.
+
+numba looks at a kernel's own file to tell whether what it kept is still true. A kernel also holds what it calls, so here it is
+the kernel's file and all files of the project that it imports, directly or not. A kept kernel that cannot be read is made again; where
+nothing can be kept, kernels are compiled anew in each process.
+"""
+
+import ast
+from contextlib import suppress
+from functools import cache, partial
+from hashlib import sha256
+from pathlib import Path
+
+from numba import njit
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+
+def compiled(kernel=None, **options):
+    """Compile a kernel: `@compiled`, or `@compiled(inline="always")` with options of `numba.njit`."""
+    if kernel is None:
+        return partial(compiled, **options)
+    dispatcher = njit(error_model="numpy", **options)(kernel)
+    with suppress(RuntimeError):    # there is nowhere to keep it
+        dispatcher._cache = KernelCache(kernel)
+    return dispatcher
+
+
+class KernelCache(FunctionCache):
+    """numba's cache on disk, stamped with the content of all that a kernel is made of."""
+
+    def __init__(self, kernel):
+        super().__init__(kernel)
+        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp(kernel.__code__.co_filename))
+
+    def load_overload(self, signature, target_context):
+        """The kept kernel; None, after throwing all kept ones away, if they cannot be read."""
+        try:
+            return super().load_overload(signature, target_context)
+        except Exception:   # whatever a damaged pickle raises
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, signature, data):
+        """Keep a kernel if the disk allows it."""
+        with suppress(OSError):
+            super().save_overload(signature, data)
+
+
+@cache
+def stamp(file):
+    """Digest of a source file and of all files of the project that it imports, directly or not."""
+    digest = sha256()
+    for path in sorted(_reached(Path(file).resolve())):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _reached(file):
+    """The file and those that its relative imports lead to, as a set."""
+    found, waiting = set(), [file]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting += _imported(path)
+    return found
+
+
+@cache
+def _imported(file):
+    """Files that a file's relative imports name."""
+    found = []
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            found += [package, *(package / alias.name for alias in node.names)]
+    modules = [path.with_name(path.name + ".py") for path in found] + [path / "__init__.py" for path in found]
+    return [path.resolve() for path in modules if path.is_file()]

@@ -1,0 +1,54 @@
+"""The project's own tree of packages: the installed one, or the copy that an FMU carries under a name made of its content."""
+
+import sys
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+
+INSTALLED = "piston_cosim"
+ROOT = __package__.removesuffix(".master.fmi")
+"""Name of the package that this tree is: INSTALLED, or an FMU's own."""
+
+FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
+"""What a slave written outside the project imports."""
+
+
+def import_part(name):
+    """Module `name` of this tree ("fmu_ehd.build"), else the installed one of that name (a participant from elsewhere)."""
+    spec = find_spec(f"{ROOT}.{name.partition('.')[0]}")
+    own = spec is not None and spec.origin is not None      # a folder without code is not a part
+    return import_module(f"{ROOT}.{name}" if own else name)
+
+
+def slave_class(path):
+    """The class at "module:class" of this tree; `import piston_cosim...` in its module reaches this tree too."""
+    module, _, name = path.partition(":")
+    with _under_the_installed_name():
+        return getattr(import_part(module), name)
+
+
+@contextmanager
+def _under_the_installed_name():
+    """Inside an FMU, this tree under the name of the installed one, which is hidden meanwhile."""
+    if ROOT == INSTALLED:
+        yield
+        return
+    for name in FOR_USERS:
+        import_module(f"{ROOT}.{name}")
+    hidden = _taken_out(INSTALLED)
+    sys.modules.update({INSTALLED + name.removeprefix(ROOT): sys.modules[name] for name in _names(ROOT)})
+    try:
+        yield
+    finally:
+        _taken_out(INSTALLED)
+        sys.modules.update(hidden)
+
+
+def _names(package):
+    """Loaded modules of a package, itself included."""
+    return [name for name in sys.modules if name == package or name.startswith(package + ".")]
+
+
+def _taken_out(package):
+    """The same, no longer among the loaded modules: name -> module."""
+    return {name: sys.modules.pop(name) for name in _names(package)}

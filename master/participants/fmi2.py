@@ -1,0 +1,402 @@
+"""One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its log as text.
+
+The only file that knows FMPy. Any object with the same methods can take part (`Participant` is the protocol).
+"""
+
+import ctypes
+import shutil
+import tempfile
+import zipfile
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Protocol
+from xml.etree import ElementTree
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+from ..fmi.cache import cache_folder
+from ..fmi.description import VENDOR
+from ..fmi.errors import BadInput, Discard, ParticipantFault
+from ..fmi.fields import gather_fields
+
+REAL = ctypes.POINTER(ctypes.c_double)
+DIFFERENCE = 1e-5
+"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends the step map."""
+FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
+
+
+class Participant(Protocol):
+    """What the master needs of a participant; `fields` maps names to objects with the attributes of `Field`."""
+
+    name: str
+    fields: dict
+    has_derivatives: bool
+
+    def start(self, parameters, start_time, stop_time): ...
+    def set(self, name, value): ...
+    def get(self, name): ...
+    def get_many(self, names): ...
+    def step(self, time, step): ...
+    def save(self): ...
+    def restore(self, saved): ...
+    def free(self, saved): ...
+    def serialise(self, saved): ...
+    def deserialise(self, data): ...
+    def derivative(self, seeds, products): ...
+    def set_course(self, name, course): ...     # only where can_interpolate
+    def close(self): ...
+
+
+class FmuParticipant:
+    """An FMI 2.0 co-simulation FMU.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the system.
+    path : Path
+        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled for it is kept.
+
+    Raises
+    ------
+    BadInput
+        If the file is no FMU for co-simulation.
+    """
+
+    version, derivative_flag = "2", "providesDirectionalDerivative"
+
+    def __init__(self, name, path):
+        self.name, self.path = name, Path(path)
+        try:
+            self.description = fmpy.read_model_description(str(path), validate=False)
+        except Exception as error:
+            raise BadInput(f"participant {name}: {path} cannot be read as an FMU: {error}") from None
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(self.version):
+            raise BadInput(f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation")
+        self.fields = gather_fields(self.description)
+        self.folder = unpack(self.path)
+        self.log = []
+        root = self._model_description()
+        self._vectors, self._pairs, self._courses, self._derivative = {}, {}, {}, self._reserved_references(root)
+        self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in ("true", "1")
+        self._fmu = None
+
+    @property
+    def has_derivatives(self):
+        """Whether the FMU answers the standard directional derivative, or names reserved references for one."""
+        return self._standard_derivative or bool(self._derivative)
+
+    @property
+    def can_redo(self):
+        """Whether the FMU can save and restore its state."""
+        return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    @property
+    def can_serialise(self):
+        """Whether its saved states can go into a file."""
+        return bool(self.description.coSimulation.canSerializeFMUstate)
+
+    @property
+    def can_interpolate(self):
+        """Whether the FMU follows inputs over a step whose derivatives it is told."""
+        return bool(self.description.coSimulation.canInterpolateInputs)
+
+    @property
+    def declares_units(self):
+        """Whether the FMU names units at all; one that does not is taken to be in SI."""
+        return any(field.unit != "1" for field in self.fields.values())
+
+    def start(self, parameters, start_time, stop_time):
+        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start values for the rest.
+
+        Raises BadInput with what the FMU logged if it refuses.
+        """
+        self.log.clear()
+        try:
+            self._instantiate(start_time, stop_time)
+            for name, value in parameters.items():
+                self.set(name, value)
+            self._initialise(start_time, stop_time)
+        except Exception as error:
+            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+        if refusal := self._refusal():
+            raise refusal
+
+    def _slave(self, kind):
+        """FMPy's slave of this FMU."""
+        return kind(guid=self.description.guid, unzipDirectory=str(self.folder), instanceName=self.name,
+                    modelIdentifier=self.description.coSimulation.modelIdentifier)
+
+    def _instantiate(self, start_time, stop_time):
+        self._fmu = self._slave(fmi2.FMU2Slave)
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
+        self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+
+    def _initialise(self, start_time, stop_time):
+        self._fmu.enterInitializationMode()
+        self._fmu.exitInitializationMode()
+
+    def _refusal(self):
+        """What the log says against a start: a bug, bad input, or None."""
+        if any(text.startswith("Traceback") for _, text in self.log):
+            return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
+        lines = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+        return BadInput(lines) if lines else None
+
+    def _note(self, _environment, _instance, status, _category, message):
+        self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
+
+    def _vector(self, name):
+        """ctypes references and a NumPy buffer with its pointer for a field, made once."""
+        if name not in self._vectors:
+            self._vectors[name] = _block({name: self.fields[name]})
+        return self._vectors[name]
+
+    def set(self, name, value):
+        """Set a field (array of its shape), or a scalar of any type."""
+        field = self.fields[name]
+        if field.type == "Real":
+            block = self._vector(name)
+            block.values[:] = np.ravel(value)
+            self._write(block)
+        else:
+            self._access()[field.type][1](list(field.references), [value] * field.size)
+
+    def set_course(self, name, course):
+        """Set an input and its time derivatives at the beginning of the next step.
+
+        course : ndarray, shape (order + 1, *shape of the field), value first.
+        """
+        self.set(name, course[0])
+        highest, field = len(course) - 1, self.fields[name]
+        if (name, highest) not in self._courses:
+            orders = np.repeat(np.arange(1, highest + 1), field.size)
+            self._courses[name, highest] = ((ctypes.c_uint * orders.size)(*field.references * highest),
+                                            (ctypes.c_int * orders.size)(*orders))
+        references, orders = self._courses[name, highest]
+        values = np.ascontiguousarray(course[1:], dtype=float)
+        self._fmu.fmi2SetRealInputDerivatives(self._fmu.component, references, values.size, orders, values.ctypes.data_as(REAL))
+
+    def get(self, name):
+        """Value of a field: array of its shape, or a Python scalar."""
+        field = self.fields[name]
+        if field.type != "Real":
+            value = self._access()[field.type][0](list(field.references))[0]
+            return value.decode() if isinstance(value, bytes) else value
+        block = self._vector(name)
+        self._read(block)
+        return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+
+    def _write(self, block):
+        self._fmu.fmi2SetReal(self._fmu.component, block.references, block.count, block.pointer)
+
+    def _read(self, block):
+        self._fmu.fmi2GetReal(self._fmu.component, block.references, block.count, block.pointer)
+
+    def _access(self):
+        """FMPy's getter and setter of lists, by type."""
+        one = self._fmu
+        return {"Real": (one.getReal, one.setReal), "Integer": (one.getInteger, one.setInteger),
+                "Enumeration": (one.getInteger, one.setInteger), "Boolean": (one.getBoolean, one.setBoolean),
+                "String": (one.getString, one.setString)}
+
+    def get_many(self, names):
+        """Values of several scalars, a call for each type: dict of name to number."""
+        values = {}
+        for kind, (getter, _) in self._access().items():
+            chosen = [name for name in names if self.fields[name].type == kind]
+            if chosen:
+                values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
+        return values
+
+    def step(self, time, step):
+        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
+        self.log.clear()
+        self._last_step = (time, step)
+        try:
+            self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
+        except FMICallException as failure:
+            text = "\n".join(text for _, text in self.log) or str(failure)
+            if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+                raise ParticipantFault(f"{self.name}: {text}") from None
+            raise Discard(f"{self.name}: {text}") from None
+
+    def save(self):
+        """A handle on the FMU's state; `free` it when it is no longer needed."""
+        return self._fmu.getFMUstate()
+
+    def restore(self, saved):
+        """Go back to a saved state; the next step counts from it."""
+        self._begin = saved
+        self._set_state(saved)
+
+    def _set_state(self, saved):
+        self._fmu.setFMUstate(saved)
+
+    def free(self, saved):
+        self._fmu.freeFMUstate(saved)
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return bytes(self._fmu.serializeFMUstate(saved))
+
+    def deserialise(self, data):
+        """A handle on the state that `serialise` made into bytes."""
+        return self._fmu.deSerializeFMUstate(data)
+
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step: the FMU's own, or for an FMU without one a difference of two steps.
+
+        Parameters
+        ----------
+        seeds : dict of str to ndarray
+            Change of input fields; inputs left out are zero.
+        products : iterable of str
+            Output fields whose change is wanted.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Their change.
+        """
+        if not self._standard_derivative:
+            return self._reserved_derivative(seeds) if self._derivative else self._difference(seeds, products)
+        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
+        for name, value in seeds.items():
+            known.values[known.parts[name]] = np.ravel(value)
+        self._derive(known, unknown)
+        return self._cut(unknown)
+
+    def _derive(self, known, unknown):
+        """Fill `unknown` with the standard directional derivative for the seeds in `known`."""
+        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown.references, unknown.count,
+                                               known.references, known.count, known.pointer, unknown.pointer)
+
+    def _pair(self, names):
+        """References of several fields in one block, made once."""
+        if names not in self._pairs:
+            self._pairs[names] = _block({name: self.fields[name] for name in names})
+        return self._pairs[names]
+
+    def _cut(self, block):
+        return {name: block.values[part].reshape(self.fields[name].shape).copy() for name, part in block.parts.items()}
+
+    def _reserved_derivative(self, seeds):
+        """The same through the reserved references of an FMU without the standard call."""
+        write, read = self._derivative["seed"], self._derivative["product"]
+        write.values[:] = 0.0
+        for name, value in seeds.items():
+            write.values[write.parts[name]] = np.ravel(value)
+        self._write(write)
+        self._read(read)
+        return self._cut(read)
+
+    def _difference(self, seeds, products):
+        """The same from the last step taken once more."""
+        begin = self._begin
+        try:
+            return difference(self, begin, self._last_step, seeds, products)
+        finally:
+            self._begin = begin
+
+    def _model_description(self):
+        """Root of the XML, for what FMPy does not read."""
+        with zipfile.ZipFile(self.path) as archive:
+            return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+    def _reserved_references(self, root):
+        """Blocks of all seeds and of all products, from the FMU's vendor annotation."""
+        found = {}
+        for kind in ("seed", "product"):
+            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
+            first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+            if first:
+                found[kind] = _block({name: replace(self.fields[name], references=tuple(range(k, k + self.fields[name].size)))
+                                      for name, k in first.items()})
+        return found
+
+    def close(self):
+        """Terminate and free the instance."""
+        if self._fmu is not None:
+            self._fmu.terminate()
+            self._fmu.freeInstance()
+            self._fmu = None
+
+
+@dataclass(frozen=True)
+class Block:
+    """Fields moved in one call: C array of their references, their number, values with a pointer, each field's part."""
+
+    references: ctypes.Array
+    count: int
+    values: np.ndarray
+    pointer: REAL
+    parts: dict
+
+
+def _block(fields):
+    """Block of several fields (name -> Field)."""
+    references = [reference for field in fields.values() for reference in field.references]
+    ends = np.cumsum([field.size for field in fields.values()])
+    values = np.zeros(int(ends[-1]) if fields else 0)
+    parts = {name: slice(int(end) - field.size, int(end)) for (name, field), end in zip(fields.items(), ends)}
+    return Block((ctypes.c_uint * len(references))(*references), len(references), values, values.ctypes.data_as(REAL), parts)
+
+
+def difference(participant, begin, last_step, seeds, products):
+    """Directional derivative from the last step taken once more with changed inputs; the participant is left as it was.
+
+    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
+
+    Parameters
+    ----------
+    participant : Participant
+    begin : saved state
+        Where the last step began.
+    last_step : (float, float)
+        Its time and size [s].
+    seeds : dict of str to ndarray
+    products : iterable of str
+
+    Returns
+    -------
+    dict of str to ndarray
+    """
+    before = {name: participant.get(name) for name in (*seeds, *products)}
+    scale = {name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0 for name in seeds}
+    largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
+    if largest == 0.0:
+        return {name: np.zeros_like(before[name]) for name in products}
+    end, size = participant.save(), DIFFERENCE / largest
+    try:
+        participant.restore(begin)
+        for name, value in seeds.items():
+            participant.set(name, before[name] + size * value)
+        participant.step(*last_step)
+        return {name: (participant.get(name) - before[name]) / size for name in products}      # Eq. (P1)
+    finally:
+        participant.restore(end)
+        participant.free(end)
+
+
+def unpack(path):
+    """Folder with the FMU's content in the user's cache, named by the file's hash."""
+    digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
+    folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
+    if not folder.exists():
+        partial = Path(tempfile.mkdtemp(dir=folder.parent))
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(partial)
+        try:
+            partial.rename(folder)
+        except OSError:     # another process was faster
+            shutil.rmtree(partial)
+    return folder

@@ -1,0 +1,135 @@
+"""Inputs that move inside a macro step: told to the FMU as a polynomial through what the master knows at both ends."""
+
+import pickle
+
+import numpy as np
+
+from ..fmi.fields import Field
+from .fmi2 import difference
+
+
+def slope_of(name):
+    """Name of the input that takes the end-of-step time derivative of input `name`."""
+    return f"der({name})"
+
+
+def linear(begin, end, step):
+    """Value and first derivative at the beginning of the step.
+
+    Eq. (I1):  u(s) = u0 + (u1 - u0) s / H,   0 <= s <= H
+    """
+    return np.stack([begin, (end - begin) / step])                                                              # Eq. (I1)
+
+
+def hermite(begin, end, begin_slope, end_slope, step):
+    """Value and three derivatives at the beginning of the step of the cubic with given values and slopes at both ends.
+
+    Eq. (I2):  u(s) = u0 + u0' s + (3 d - 2 u0' - u1') s^2/H + (u0' + u1' - 2 d) s^3/H^2,   d = (u1 - u0)/H
+
+    Parameters
+    ----------
+    begin, end : ndarray
+        u0, u1.
+    begin_slope, end_slope : ndarray, same shape
+        u0', u1' [1/s].
+    step : float
+        H [s].
+
+    Returns
+    -------
+    ndarray, shape (4, *shape)
+    """
+    d = (end - begin) / step
+    return np.stack([begin, begin_slope, 2 * (3 * d - 2 * begin_slope - end_slope) / step,
+                     6 * (begin_slope + end_slope - 2 * d) / step**2])                                          # Eq. (I2)
+
+
+class InterpolatedParticipant:
+    """A participant some of whose inputs are interpolated; what is set is their value at the end of the step, as ever.
+
+    Inputs with a cubic get a companion `der(name)`, set like an input: the slope at the end. Values and slopes at the
+    beginning are those that were set when the state was saved from which the step begins.
+
+    Parameters
+    ----------
+    participant : Participant
+        One that `can_interpolate`.
+    interpolation : dict of str to {"linear", "hermite"}
+        By input.
+    """
+
+    has_derivatives = False     # the FMU's own would be by its inputs at the beginning
+
+    def __init__(self, participant, interpolation):
+        self.participant, self.interpolation = participant, interpolation
+        self.fields = participant.fields | {slope_of(name): _slope(participant.fields[name])
+                                            for name, kind in interpolation.items() if kind == "hermite"}
+        inputs = [*interpolation, *(name for name in self.fields if name not in participant.fields)]
+        self.now = {name: np.zeros(self.fields[name].shape) for name in inputs}
+        self._begin = self._last_step = None
+
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
+
+    def start(self, parameters, start_time, stop_time):
+        """See `FmuParticipant.start`; interpolated inputs begin with their start values."""
+        self.participant.start({k: v for k, v in parameters.items() if k not in self.now or k in self.participant.fields},
+                               start_time, stop_time)
+        for name in self.interpolation:
+            self.now[name] = np.array(self.participant.get(name))
+
+    def set(self, name, value):
+        """Set a field; of an interpolated input its value at the end of the step to come."""
+        if name in self.now:
+            self.now[name] = np.array(value, dtype=float)
+        else:
+            self.participant.set(name, value)
+
+    def get(self, name):
+        """Value of a field; of an interpolated input what was set last."""
+        return self.now[name].copy() if name in self.now else self.participant.get(name)
+
+    def step(self, time, step):
+        """One step [s] along the inputs' courses."""
+        self._last_step, begin = (time, step), self._begin[1]
+        for name, kind in self.interpolation.items():
+            ends = begin[name], self.now[name]
+            slopes = [at[slope_of(name)] for at in (begin, self.now)] if kind == "hermite" else []
+            self.participant.set_course(name, hermite(*ends, *slopes, step) if slopes else linear(*ends, step))
+        self.participant.step(time, step)
+
+    def save(self):
+        """A handle on the state, the ends of the last step among it."""
+        return self.participant.save(), dict(self.now)
+
+    def restore(self, saved):
+        """Go back to a saved state; the next step begins there."""
+        self._begin, self.now = saved, dict(saved[1])
+        self.participant.restore(saved[0])
+
+    def free(self, saved):
+        """Forget a saved state."""
+        self.participant.free(saved[0])
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return pickle.dumps((self.participant.serialise(saved[0]), saved[1]))
+
+    def deserialise(self, data):
+        """A handle on the state that `serialise` made into bytes."""
+        inner, now = pickle.loads(data)
+        return self.participant.deserialise(inner), now
+
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step by its inputs at the end, as a difference of two steps."""
+        begin = self._begin
+        try:
+            return difference(self, begin, self._last_step, seeds, products)
+        finally:
+            self._begin = begin
+
+
+def _slope(field):
+    """Field of the companion input."""
+    return Field(slope_of(field.name), field.shape, (), "Real", "input", f"{field.unit}/s", None, None, None, None,
+                 f"Time derivative of {field.name} at the end of a step")

@@ -1,0 +1,239 @@
+"""An FMU in a process of its own: it may hang or crash, and the run ends with a sentence instead of with it.
+
+Fields lie in memory that both processes share; commands go through a pipe, as many as possible in one message; an answer that
+does not come in time ends the FMU's process.
+"""
+
+import multiprocessing
+import os
+import signal
+import threading
+import traceback
+from itertools import count
+
+import numpy as np
+
+from ..fmi.errors import BadInput, Discard
+from ..fmi.errors import ParticipantFault
+from .open import open_fmu
+
+FAMILY = multiprocessing.get_context("spawn")
+"""A fresh interpreter: what the host has loaded, its threads and its locks, is not the FMU's."""
+
+
+class IsolatedParticipant:
+    """A participant whose FMU runs in another process; same methods and same bits as the participant it stands for.
+
+    Parameters
+    ----------
+    participant : FmuParticipant
+        Not started; what the model description says is read from it, the FMU itself is loaded in the other process.
+    timeout : float
+        Longest wait for any one answer [s]; the process is ended then.
+
+    Raises
+    ------
+    ParticipantFault
+        By every method, after a time-out or when the process has ended by itself.
+    """
+
+    def __init__(self, participant, timeout):
+        self.description, self.timeout = participant.description, timeout
+        self.name, self.fields, self.path = participant.name, participant.fields, participant.path
+        self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
+        self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate
+        self.can_serialise = participant.can_serialise
+        self._process, self._queue, self._fresh, self._read_ahead, self._numbers = None, [], set(), set(), count(1)
+
+    def start(self, parameters, start_time, stop_time):
+        """Start the process, then instantiate and initialise there; see `FmuParticipant.start`."""
+        memory = FAMILY.RawArray("d", 2 * sum(field.size for field in self.fields.values()))
+        self._values, self._changes = _views(memory, self.fields)
+        self._pipe, other = FAMILY.Pipe()
+        self._process = FAMILY.Process(target=_serve, args=(other, memory, self.name, self.path), daemon=True)
+        self._process.start()
+        other.close()
+        self._ask("start", parameters, start_time, stop_time)
+
+    def set(self, name, value):
+        """Set a field (array of its shape), or a scalar of any type."""
+        self._fresh.discard(name)
+        if self.fields[name].type == "Real":
+            self._values[name][...] = value
+            self._queue.append(("write", (name,)))
+        else:
+            self._queue.append(("set", (name, value)))
+
+    def set_course(self, name, course):
+        """Set an input and its time derivatives at the beginning of the next step; see `FmuParticipant.set_course`."""
+        self._fresh.discard(name)
+        self._queue.append(("set_course", (name, course)))
+
+    def get(self, name):
+        """Value of a field: array of its shape, or a Python scalar. What was read once comes along with every step."""
+        if self.fields[name].type != "Real":
+            return self._ask("get", name)
+        if name not in self._fresh:
+            self._ask("read", name)
+            self._read_ahead.add(name)
+            self._fresh.add(name)
+        value = self._values[name]
+        return value.copy() if value.shape else value.item()
+
+    def get_many(self, names):
+        """Values of several scalars: dict of name to float or int."""
+        return self._ask("get_many", list(names))
+
+    def step(self, time, step):
+        """One step [s]; raises Discard or ParticipantFault as `FmuParticipant.step` does."""
+        self._fresh = set()
+        self._ask("step", time, step)
+        self._fresh = set(self._read_ahead)
+
+    def save(self):
+        """A number for the FMU's state; `free` it when it is no longer needed."""
+        return self._numbered("save")
+
+    def restore(self, saved):
+        """Go back to a saved state; the next step counts from it."""
+        self._fresh = set()
+        self._queue.append(("restore", (saved,)))
+
+    def free(self, saved):
+        """Forget a saved state; nothing to do where the process is gone."""
+        self._queue.append(("free", (saved,)))
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return self._ask("serialise", saved)
+
+    def deserialise(self, data):
+        """A number for the state that `serialise` made into bytes."""
+        return self._numbered("deserialise", data)
+
+    def _numbered(self, method, *arguments):
+        """Queue what makes a saved state; the number by which it is kept there."""
+        number = next(self._numbers)
+        self._queue.append((method, (number, *arguments)))
+        return number
+
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step; see `FmuParticipant.derivative`."""
+        for name, value in seeds.items():
+            self._changes[name][...] = value
+        found = self._ask("derivative", list(seeds), list(products))
+        return {name: self._changes[name].copy() for name in found}
+
+    def close(self):
+        """Terminate the FMU and its process."""
+        if self._process is not None:
+            try:
+                self._ask("close")
+            except ParticipantFault:
+                pass    # the run ends anyway; why is told by the fault that came first
+            self._pipe.close()
+            self._process.join(self.timeout)
+            self._process.kill()
+            self._process = None
+
+    def _ask(self, method, *arguments):
+        """Send everything queued with this command behind it; its answer, or what it raised in the other process."""
+        queue, self._queue = [*self._queue, (method, arguments)], []
+        try:
+            self._pipe.send(queue)
+            if not self._pipe.poll(self.timeout):
+                self._process.kill()
+                raise ParticipantFault(f"{self.name}: no answer to {method} within {self.timeout:g} s; "
+                                       "its process has been ended")
+            raised, answer = self._pipe.recv()
+        except (EOFError, OSError):
+            self._process.join(self.timeout)
+            raise ParticipantFault(f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
+                                   f"{method}{arguments if method == 'step' else ''}") from None
+        if raised:
+            raise answer
+        return answer
+
+
+def _end(code):
+    """What an exit code means."""
+    return f"by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+
+
+def _views(memory, fields):
+    """Two arrays a field in the shared memory: its value, and the change a derivative is asked for or answers."""
+    storage, offset, values, changes = np.frombuffer(memory), 0, {}, {}
+    for name, field in fields.items():
+        for views in (values, changes):
+            views[name] = storage[offset:offset + field.size].reshape(field.shape)
+            offset += field.size
+    return values, changes
+
+
+class _Server:
+    """The other end: runs commands on the real participant."""
+
+    def __init__(self, participant, memory):
+        self.participant, self.saved, self.read_ahead = participant, {}, set()
+        self.values, self.changes = _views(memory, participant.fields)
+
+    def run(self, method, arguments):
+        return (getattr(self, method, None) or getattr(self.participant, method))(*arguments)
+
+    def write(self, name):
+        self.participant.set(name, self.values[name])
+
+    def read(self, name):
+        self.values[name][...] = self.participant.get(name)
+        self.read_ahead.add(name)
+
+    def step(self, time, step):
+        self.participant.step(time, step)
+        for name in self.read_ahead:
+            self.values[name][...] = self.participant.get(name)
+
+    def save(self, number):
+        self.saved[number] = self.participant.save()
+
+    def restore(self, number):
+        self.participant.restore(self.saved[number])
+
+    def free(self, number):
+        self.participant.free(self.saved.pop(number))
+
+    def serialise(self, number):
+        return self.participant.serialise(self.saved[number])
+
+    def deserialise(self, number, data):
+        self.saved[number] = self.participant.deserialise(data)
+
+    def derivative(self, seeds, products):
+        found = self.participant.derivative({name: self.changes[name] for name in seeds}, products)
+        for name, value in found.items():
+            self.changes[name][...] = value
+        return list(found)
+
+
+def _serve(pipe, memory, name, path):
+    """Answer commands until the pipe closes or `close` is done; Ctrl-C is the master's business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_follow, daemon=True).start()
+    server = _Server(open_fmu(name, path), memory)
+    while True:
+        queue = pipe.recv()
+        try:
+            for command in queue:
+                answer = False, server.run(*command)
+        except (Discard, BadInput, ParticipantFault) as error:
+            answer = True, error
+        except Exception:
+            answer = True, ParticipantFault(f"{name}: {traceback.format_exc()}")
+        pipe.send(answer)
+        if queue[-1][0] == "close":
+            return
+
+
+def _follow():
+    """End this process when the master's has ended, even where the FMU hangs."""
+    multiprocessing.parent_process().join()
+    os._exit(1)

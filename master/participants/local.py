@@ -1,0 +1,87 @@
+"""A slave as a participant without FMI in between: for the coupled pair inside one FMU, and for models in the same Python."""
+
+import numpy as np
+from pythonfmu.enums import Fmi2Status
+
+from ..fmi.errors import BadInput, Discard, ParticipantFault
+
+
+class LocalParticipant:
+    """Wraps a `FieldSlave` behind the methods of `master.participant.Participant`.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the system.
+    slave : FieldSlave
+    """
+
+    can_redo = can_serialise = declares_units = True
+
+    def __init__(self, name, slave):
+        self.name, self.slave = name, slave
+        self.fields = {v.name: v for v in slave.table}
+        self.has_derivatives, self.can_interpolate = bool(slave.derivative_inputs), bool(slave.courses)
+
+    def start(self, parameters, start_time, stop_time):
+        """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with this name before it."""
+        for name, value in parameters.items():
+            self.set(name, value)
+        self.slave.exit_initialization_mode()
+        if self.slave.fault:
+            raise BadInput([f"{self.name}: {line}" for line in self.slave.fault.splitlines()])
+
+    def set(self, name, value):
+        """Set a field, or a scalar of any type."""
+        if self.fields[name].type == "String":
+            self.slave.string[self.slave.references[name]] = value
+        else:
+            self.slave.views[name][...] = value
+
+    def set_course(self, name, course):
+        """Set an input and its derivatives at the beginning of the next step, shape (order + 1, *shape), value first."""
+        self.slave.views[name][...] = course[0]
+        self.slave.views[f"course:{name}"][:len(course) - 1] = course[1:]
+
+    def get_many(self, names):
+        """Values of several scalars: dict of name to number."""
+        return {name: self.get(name) for name in names}
+
+    def get(self, name):
+        """Array of the field's shape, or a number."""
+        view = self.slave.views[name]
+        return view.copy() if self.fields[name].shape else view.item()
+
+    def step(self, time, step):
+        """One step [s]; raises Discard with the slave's words, ParticipantFault with its traceback on a bug."""
+        if self.slave.do_step(time, step):
+            return
+        status, messages = self.slave.verdict()
+        text = f"{self.name}: {messages[-1][2]}"
+        raise Discard(text) if status == Fmi2Status.discard else ParticipantFault(text)
+
+    def save(self):
+        return self.slave._get_fmu_state()
+
+    def restore(self, saved):
+        self.slave._set_fmu_state(saved)
+
+    def free(self, saved):
+        """Nothing to free: a saved state is a Python object."""
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return self.slave._fmu_state_to_bytes(saved)
+
+    def deserialise(self, data):
+        """The state that `serialise` made into bytes."""
+        return self.slave._fmu_state_from_bytes(data)
+
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step: change of output fields for a change of input fields."""
+        slave = self.slave
+        whole = {name: seeds[name] if name in seeds else np.zeros(self.fields[name].shape) for name in slave.derivative_inputs}
+        return slave.directional_derivative(whole)
+
+    def close(self):
+        """Nothing to free."""

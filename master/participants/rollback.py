@@ -1,0 +1,45 @@
+"""Trial of an FMU's rollback before the run: a step taken, undone and taken again must give the same bytes."""
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+
+from ..fmi.errors import Discard
+
+
+def rollback_faults(participant, step):
+    """What is wrong with saving and restoring a started participant's state; it is left as it was.
+
+    Parameters
+    ----------
+    participant : Participant
+    step : float
+        Macro step [s] to try, from time 0.
+
+    Returns
+    -------
+    list of str
+        Sentences; empty if all is well, or if the participant refuses this step, which the run will then hear.
+    """
+    try:
+        saved = participant.save()
+        first, second = (_outcome(participant, saved, step) for _ in range(2))
+        participant.restore(saved)
+        participant.free(saved)
+    except Discard:
+        participant.restore(saved)
+        participant.free(saved)
+        return []
+    except FMICallException as error:
+        return [f"{participant.name}: its state cannot be saved and restored: {error}"]
+    different = [name for name, value in first.items() if value != second[name]]
+    if not different:
+        return []
+    return [f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"]
+
+
+def _outcome(participant, saved, step):
+    """Bytes of every real output after a step from a saved state."""
+    participant.restore(saved)
+    participant.step(0.0, step)
+    return {name: np.asarray(participant.get(name)).tobytes() for name, field in participant.fields.items()
+            if field.causality == "output" and field.type == "Real"}

@@ -1,0 +1,157 @@
+"""Curves held against curves: run against run, cycle against cycle, run against a measured file."""
+
+import csv
+import re
+from itertools import cycle
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
+from .judgement import last_period
+from .pictures import PALETTE
+
+HEADER = re.compile(r"^\s*(\w+\.\w+)\s*\[(.+)\]\s*$")
+
+
+def score(x, y, x_reference, y_reference):
+    """How a curve lies against a reference, where both are known.
+
+    Eq. (S1):  amplitude = range(y) / range(y_ref)
+    Eq. (S2):  rms = sqrt(mean((y - y_ref)^2)) / range(y_ref)
+    Eq. (S3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least, means taken off,
+               |d| <= a tenth of the length (positive: the curve comes later than its reference)
+
+    Parameters
+    ----------
+    x, y, x_reference, y_reference : ndarray, shapes (n,), (n,), (m,), (m,)
+        Both abscissae in the same unit and rising.
+
+    Returns
+    -------
+    dict
+        amplitude [-], rms [-], phase [unit of x].
+
+    Raises
+    ------
+    BadInput
+        If the curves overlap in fewer than three reference points, or the reference does not vary.
+    """
+    inside = (x_reference >= x[0]) & (x_reference <= x[-1])
+    grid, reference = x_reference[inside], y_reference[inside]
+    if inside.sum() < 3 or not np.ptp(reference) > 0:
+        raise BadInput(f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, and they vary by "
+                       f"{np.ptp(reference) if inside.any() else 0:g}: nothing to compare")
+    values, size = np.interp(grid, x, y), np.ptp(reference)
+    return {"amplitude": float(np.ptp(values) / size),                                                          # Eq. (S1)
+            "rms": float(np.sqrt(np.mean((values - reference) ** 2)) / size),                                   # Eq. (S2)
+            "phase": _shift(x, y, grid, reference)}
+
+
+def _shift(x, y, grid, reference):
+    """Eq. (S3), by search among 401 shifts and a parabola through the best one's neighbours."""
+    shifts = np.linspace(-0.1, 0.1, 401) * (grid[-1] - grid[0])
+
+    def misfit(shift):
+        known = (grid + shift >= x[0]) & (grid + shift <= x[-1])
+        a, b = np.interp(grid[known] + shift, x, y), reference[known]
+        return float(np.mean((a - a.mean() - b + b.mean()) ** 2))
+
+    found = np.array([misfit(shift) for shift in shifts])                                                       # Eq. (S3)
+    k = int(np.clip(found.argmin(), 1, len(shifts) - 2))
+    left, middle, right = found[k - 1:k + 2]
+    bend = left - 2 * middle + right
+    return float(shifts[k] + (0.5 * (left - right) / bend * (shifts[1] - shifts[0]) if bend > 0 else 0.0))
+
+
+def read_measured(path):
+    """Columns of a measured CSV file whose header names ports with units.
+
+    For example: bodies.crank_angle [deg],bodies.rocking_angle [mrad]
+
+    Returns
+    -------
+    dict of str to (ndarray, str)
+        Port -> values as in the file, and their unit; the first column is the abscissa.
+
+    Raises
+    ------
+    BadInput
+        With every faulty header and the first faulty row.
+    """
+    rows = list(csv.reader(Path(path).read_text().splitlines()))
+    heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
+    faults = [f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]"
+              for k, head in enumerate(heads) if not head]
+    if faults or len(heads) < 2:
+        raise BadInput(faults or f"{path}: needs a header and at least two columns")
+    try:
+        values = np.array([[float(cell) for cell in row] for row in rows[1:] if row])
+    except ValueError as error:
+        raise BadInput(f"{path}: {error}") from None
+    if values.ndim != 2 or values.shape[1] != len(heads) or np.any(np.diff(values[:, 0]) <= 0):
+        raise BadInput(f"{path}: every row needs {len(heads)} numbers, the first rising")
+    return {head[1]: (column, head[2]) for head, column in zip(heads, values.T)}
+
+
+def against_measured(runs, measured):
+    """Scores of every run against every measured column: rows of (run, port, score)."""
+    (x_port, (x, x_unit)), *columns = measured.items()
+    x = x * _factor(x_unit, next(iter(runs.values())).series(x_port)[1])
+    rows = []
+    for port, (y, y_unit) in columns:
+        for label, results in runs.items():
+            values, unit, _ = results.series(port)
+            rows.append((label, port, score(results.series(x_port)[0], values, x, y * _factor(y_unit, unit))))
+    return rows
+
+
+def _factor(unit, si):
+    try:
+        return to_si(f"1 {unit}", si)
+    except ValueError as error:
+        raise BadInput(f"measured column: {error}") from None
+
+
+def against_first(runs, x_port, ports):
+    """Scores of the second run and those after it against the first."""
+    (_, first), *others = runs.items()
+    def curve(results, port):
+        return results.series(x_port)[0], results.series(port)[0]
+
+    return [(label, port, score(*curve(results, port), *curve(first, port))) for port in ports for label, results in others]
+
+
+def against_last_cycle(case, runs, x_port, ports, period):
+    """Scores of each run's last period against the one before it: how periodic it has become."""
+    rows = []
+    for port in ports:
+        for label, results in runs.items():
+            x, y = results.series(x_port)[0], results.series(port)[0]
+            last = last_period(case, results, period)
+            length = x[last][-1] - x[last][0]
+            before = (x >= x[last][0] - length - 1e-9) & (x <= x[last][0] + 1e-9)
+            rows.append((label, port, score(x[last] - length, y[last], x[before], y[before])))
+    return rows
+
+
+def draw_measured(runs, measured, path):
+    """The measured points over the runs' curves, in the measured units."""
+    (x_port, (x, x_unit)), *columns = measured.items()
+    figure, panels = plt.subplots(len(columns), 1, sharex=True, squeeze=False, layout="constrained",
+                                  figsize=(11, 1.2 + 2.6 * len(columns)))
+    for panel, (port, (y, unit)) in zip(panels[:, 0], columns):
+        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
+            curve_x, si_x, _ = results.series(x_port)
+            curve_y, si_y, _ = results.series(port)
+            panel.plot(curve_x / _factor(x_unit, si_x), curve_y / _factor(unit, si_y), color=colour, lw=1.2, label=label)
+        panel.plot(x, y, "o", ms=3, mfc="none", color="black", label="measured")
+        panel.set_ylabel(f"{port.split('.')[1].replace('_', ' ')} [{unit}]")
+        panel.grid(alpha=0.3)
+        panel.legend(frameon=False, fontsize="small")
+    panels[-1, 0].set_xlabel(f"{x_port.split('.')[1].replace('_', ' ')} [{x_unit}]")
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
+    return path

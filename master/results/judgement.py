@@ -1,0 +1,78 @@
+"""What a results file says in a few numbers: where extremes lie, whether they are in their window, the work in a loop."""
+
+import numpy as np
+
+from ..fmi.quantities import to_si
+
+REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
+
+
+def extremes(case, results):
+    """Every smallest and largest value of the case's summary with its instant.
+
+    Returns
+    -------
+    list of dict
+        name, value, unit, time [s], and monitor: name -> (value, unit) at that instant.
+    """
+    found = []
+    for text in case.summary.values():
+        kind, port = text.split()
+        if kind in ("min", "max"):
+            values, unit, _ = results.series(port)
+            k = int(np.argmin(values) if kind == "min" else np.argmax(values))
+            found.append({"name": f"{kind} {port}", "value": float(values[k]), "unit": unit, "time": float(results.time[k]),
+                          "monitor": {name: _at(results, entry.split()[1], k) for name, entry in case.monitor.items()}})
+    return found
+
+
+def _at(results, port, k):
+    values, unit, _ = results.series(port)
+    return float(values[k]), unit
+
+
+def windows(case, results):
+    """Every entry of the case's window: name, value, unit, low, high (SI) and whether the value lies inside."""
+    rows = []
+    for text, limits in case.window.items():
+        kind, port = text.split()
+        values, unit, _ = results.series(port)
+        value, (low, high) = float(REDUCTIONS[kind](values)), (to_si(limit, unit) for limit in limits)
+        rows.append({"name": text, "value": value, "unit": unit, "low": low, "high": high, "inside": low <= value <= high})
+    return rows
+
+
+def angular_speed(case):
+    """Angular speed [rad/s] that the case gives for turning angles into times; None if it is in times."""
+    if case.time.angular_speed is None:
+        return None
+    owner, name = case.time.angular_speed.split(".")
+    return to_si(case.participants[owner].parameters[name], "rad/s")
+
+
+def last_period(case, results, period):
+    """Mask of the rows in the last `period` (text: a time, or an angle if the case is in angles)."""
+    speed = angular_speed(case)
+    length = to_si(period, "s") if speed is None else to_si(period, "rad") / speed
+    return results.time >= results.time[-1] - length * (1 + 1e-9)
+
+
+def loop_curve(case, results, loop):
+    """x and summed y of a loop over its last period, with their SI units."""
+    mask = last_period(case, results, loop.period)
+    x, x_unit, _ = results.series(loop.x)
+    columns = [results.series(port) for port in loop.y]
+    return x[mask], x_unit, sum(values for values, _, _ in columns)[mask], columns[0][1]
+
+
+def loop_work(case, results, loop):
+    """Work in a loop, divided by its `per`, in its unit.
+
+    Eq. (J1):  W = |closed integral of y dx|  by trapezia between the recorded steps, second order in the step
+    """
+    from ..fmi.quantities import pint_unit, registry
+
+    x, x_unit, y, y_unit = loop_curve(case, results, loop)
+    work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))                                        # Eq. (J1)
+    quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
+    return float((quantity / registry().Quantity(loop.per)).to(loop.unit).magnitude)

@@ -1,0 +1,188 @@
+"""A report of one or several runs: one HTML page that needs nothing else, and its figures as PNG and SVG."""
+
+import base64
+import hashlib
+import io
+import csv
+import json
+from datetime import datetime, timezone
+from itertools import cycle
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from jinja2 import Environment, FileSystemLoader
+
+from ..fmi.quantities import short, to_si
+from .judgement import extremes, loop_curve, loop_work, windows
+from .pictures import PALETTE, figures, scaled
+
+FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, instant and run
+LEVELS = 65535
+
+
+def write_report(case, runs, folder, notes="", studies=()):
+    """Write `<folder>/report.html` and the figures.
+
+    Parameters
+    ----------
+    case : Case
+        Of the first run.
+    runs : dict of str to Results
+        Label -> results.
+    folder : Path
+    notes : str
+        Text shown as it is, for example the case's README with the sources of its numbers.
+    studies : sequence of Path
+        Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
+
+    Returns
+    -------
+    Path
+        The page.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = [_save(figure, folder / Path(picture.file).stem, picture.title) for picture, figure in figures(case, runs)
+                if picture.kind != "map"]
+    pictures += [_save(draw_loop(case, runs, name), folder / f"loop_{name}", f"Loop: {name}") for name in case.report.loops]
+    health = _save(draw_health(runs), folder / "coupling", "Iterations, derivative products and residual of every macro step")
+    page = Environment(loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True).get_template("report.html").render(
+        case=case, runs=[judged(case, label, results) for label, results in runs.items()], pictures=pictures, health=health,
+        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes,
+        studies=[study_rows(path) for path in studies],
+        tree=json.dumps(next(iter(runs.values())).case, indent=1),
+        made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"))
+    path = folder / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def study_rows(path):
+    """Name of a study's folder, headings and rows of its table as text: numbers to four digits."""
+    with open(path, newline="") as file:
+        header, *rows = csv.reader(file)
+    words = [name.split(".")[-1].replace("_", " ") for name in header]
+    return path.parent.name, words, [[_digits(value) for value in row] for row in rows]
+
+
+def _digits(text):
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text
+
+
+def judged(case, label, results):
+    """What the page says of one run in words and numbers."""
+    summary = results.summary
+    residual = results.series("coupling.residual")[0][1:]
+    return {
+        "label": label, "summary": summary or {}, "finished": summary is not None,
+        "steps": len(residual), "worst_residual": float(residual.max(initial=0.0)),
+        "extremes": [{**e, "shown": words(e["value"], e["unit"]), "instant": short(e["time"], "s"),
+                      "monitor": {k: words(*v) for k, v in e["monitor"].items()}} for e in extremes(case, results)],
+        "windows": [{**w, **{k: words(w[k], w["unit"]) for k in ("value", "low", "high")}} for w in windows(case, results)],
+        "loops": {name: f"{loop_work(case, results, loop):.4g} {loop.unit}" for name, loop in case.report.loops.items()},
+        "versions": json.loads(results.file.attrs["versions"]), "file": results.path.name, "digest": digest(results.path)}
+
+
+def words(value, unit):
+    """A value with a handy unit; angles in degrees."""
+    return f"{np.degrees(value):.4g} deg" if unit == "rad" else short(value, unit)
+
+
+def digest(path):
+    """SHA-256 of a file."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def _save(figure, stem, title):
+    """Save a figure as PNG and SVG; the SVG also as a data address for the page."""
+    figure.savefig(stem.with_suffix(".png"), dpi=130)
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    stem.with_suffix(".svg").write_text(text.getvalue())
+    plt.close(figure)
+    return {"title": title, "address": "data:image/svg+xml;base64," + base64.b64encode(text.getvalue().encode()).decode()}
+
+
+def draw_loop(case, runs, name):
+    """The loop `name` of every run."""
+    loop = case.report.loops[name]
+    figure, panel = plt.subplots(figsize=(7, 4.5), layout="constrained")
+    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
+        x, x_unit, y, y_unit = loop_curve(case, results, loop)
+        panel.plot(x, y, color=colour, lw=1.2, label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}")
+    panel.set_xlabel(f"{loop.x.split('.')[1].replace('_', ' ')} [{x_unit}]")
+    panel.set_ylabel(" + ".join(port.split(".")[1].replace("_", " ") for port in loop.y) + f" [{y_unit}]", fontsize="small")
+    panel.grid(alpha=0.3)
+    panel.legend(frameon=False)
+    return figure
+
+
+def draw_health(runs):
+    """Iterations, derivative products and residual over time."""
+    names = ("iterations", "derivative_products", "residual")
+    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
+    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
+        for panel, name in zip(panels, names):
+            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label,
+                       rasterized=True)
+    for panel, name in zip(panels, names):
+        panel.set_ylabel(name.replace("_", " "))
+        panel.grid(alpha=0.3)
+    panels[2].set_yscale("log")
+    panels[2].axhline(1.0, color="black", lw=0.8)
+    panels[2].set_ylabel("residual / tolerance")
+    panels[2].set_xlabel("time [ms]")
+    panels[0].legend(frameon=False, markerscale=4)
+    return figure
+
+
+def moving_data(case, runs):
+    """What the page's script draws: instants with their monitor words, field frames, the moving body, a colour table."""
+    first = next(iter(runs.values()))
+    stored = first.file["fields/time"][:]
+    instants = stored[np.unique(np.linspace(0, len(stored) - 1, min(FRAMES, len(stored))).round().astype(int))]
+    rows = np.searchsorted(first.time, instants - 1e-12)
+    words = ["  ".join([f"t = {short(float(first.time[k]), 's')}"] + [f"{name} {short(*_pair(first, text, k))}" for name, text
+             in case.monitor.items()]) for k in rows]
+    units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
+    ports = [port for port in case.record.fields if len(first.file["fields/" + port.replace(".", "/")].shape) == 3]
+    colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 256))[:, :3] * 255).astype(int).tolist()
+    return {"words": words, "labels": list(runs), "colours": colours,
+            "fields": [field_frames(port, runs, instants, units.get(port)) for port in ports],
+            "motion": motion_frames(case.report.motion, runs, instants) if case.report.motion else None}
+
+
+def _pair(results, text, k):
+    values, unit, _ = results.series(text.split()[1])
+    return float(values[k]), unit
+
+
+def field_frames(port, runs, instants, wanted):
+    """Frames of a field at the instants for every run: 16-bit whole numbers over one common range, packed as base64."""
+    stacks = []
+    for results in runs.values():
+        dataset, stored = results.file["fields/" + port.replace(".", "/")], results.file["fields/time"][:]
+        nearest = np.abs(stored[None, :] - instants[:, None]).argmin(axis=1)
+        values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
+        stacks.append(values)
+    low, high = min(float(s.min()) for s in stacks), max(float(s.max()) for s in stacks)
+    levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
+    return {"name": port.split(".")[1].replace("_", " "), "unit": unit, "low": low, "high": high,
+            "shape": list(stacks[0].shape[1:]), "frames": [base64.b64encode(level.tobytes()).decode() for level in levels]}
+
+
+def motion_frames(motion, runs, instants):
+    """Outline, lines and the three motions at the instants, in SI."""
+    def point(pair):
+        return [to_si(text, "m") for text in pair]
+
+    tracks = []
+    for results in runs.values():
+        rows = np.searchsorted(results.time, instants - 1e-12)
+        tracks.append({key: results.series(getattr(motion, key))[0][rows].tolist() for key in ("across", "along", "rotation")})
+    return {"outline": [point(p) for p in motion.outline], "lines": [[point(p) for p in line] for line in motion.lines],
+            "exaggeration": motion.exaggeration, "tracks": tracks}

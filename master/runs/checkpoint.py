@@ -1,0 +1,105 @@
+"""Checkpoint of a run: enough to go on in a new process with the same bits, never damaged by a crash."""
+
+import os
+import pickle
+import signal
+import threading
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+from ..fmi.errors import BadInput
+from ..coupling.stepping import Counters
+from ..coupling.work import WorkBalance
+
+
+class Interrupted(RuntimeError):
+    """The run was told to stop and has left a checkpoint."""
+
+    def __init__(self, output, time):
+        super().__init__(f"interrupted at t = {time:.6g} s; {kept(output)}")
+
+
+def kept(output):
+    """Sentence on the checkpoint that a stopped run has left."""
+    checkpoint = Checkpoint.path(output)
+    if not checkpoint.exists():
+        return "there is no checkpoint"
+    return f"once the cause is gone, go on from the last checkpoint with: piston-cosim resume {checkpoint}"
+
+
+@dataclass
+class Account:
+    """What a run has brought and taken so far: all that its summary is made of.
+
+    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went into; steps_done : macro
+    steps of the case; rows : of the results file, and wall_time [s], both as of the last checkpoint.
+    """
+
+    counters: Counters
+    reductions: list
+    work: WorkBalance
+    spent: dict
+    steps_done: int = 0
+    rows: int = 0
+    wall_time: float = 0.0
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """State of a run after a macro step.
+
+    tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor, method (see `freezing`).
+    """
+
+    tree: dict
+    folder: str
+    frozen: bytes
+    account: Account
+
+    @staticmethod
+    def path(output):
+        """Where the checkpoint of a results file lies; none is written if a participant cannot serialise its state."""
+        return Path(f"{output}.checkpoint")
+
+    def write(self, output):
+        """Put it beside the results file, in place of the last one in a single move."""
+        target = self.path(output)
+        partial = target.with_name(target.name + ".part")
+        with open(partial, "wb") as file:
+            pickle.dump(self, file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, target)
+
+    @staticmethod
+    def read(path):
+        """The checkpoint in a file; only files of your own making: reading one can run code. BadInput if it is none."""
+        try:
+            with open(path, "rb") as file:
+                found = pickle.load(file)
+        except (OSError, pickle.UnpicklingError, EOFError, AttributeError) as error:
+            raise BadInput(f"{path}: no checkpoint of this version: {error}") from None
+        if not isinstance(found, Checkpoint):
+            raise BadInput(f"{path}: no checkpoint")
+        return found
+
+
+@contextmanager
+def listening():
+    """SIGINT and SIGTERM are noted in `.signal` instead of ending the process, so that the macro step can end."""
+    heard = SimpleNamespace(signal=None)
+    if threading.current_thread() is not threading.main_thread():
+        yield heard
+        return
+
+    def note(number, frame):
+        heard.signal = number
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield heard
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,44 @@
+"""What a run says on the screen: a progress line while it goes, a one-screen summary at its end."""
+
+import time as clock
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Column, Table
+
+from ..fmi.quantities import short
+
+
+REFRESH = 0.2
+"""Seconds from one progress line to the next: units of handy size take a millisecond to find."""
+
+
+@contextmanager
+def watching(console, label):
+    """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step was done."""
+    name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
+    columns = (name, BarColumn(8), TextColumn("{task.fields[state]}"))
+    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
+        task = progress.add_task(label, total=1.0, state="")
+
+        def watch(time, stop, solution, monitored):
+            now = clock.perf_counter()
+            watch.first = watch.first or now
+            if now < watch.next and time < stop:
+                return
+            watch.next = now + REFRESH
+            parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
+            parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
+            progress.update(task, completed=time / stop, state="  ".join(parts))
+
+        watch.first, watch.next = None, 0.0
+        yield watch
+
+
+def print_summary(console, summaries):
+    """Table of the runs' summaries, a column each."""
+    table = Table("", *summaries, box=None)
+    for key in next(iter(summaries.values())):
+        values = [summary[key] for summary in summaries.values()]
+        table.add_row(key, *(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values))
+    console.print(table)

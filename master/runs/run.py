@@ -1,0 +1,190 @@
+"""One run of an opened system from start to stop: march, record, checkpoint, and the summary of what it did."""
+
+import json
+import platform
+import time as clock
+from dataclasses import replace
+from functools import partial
+from importlib.metadata import version
+
+import numpy as np
+
+from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
+from ..coupling.freezing import freeze, thaw
+from .logs import CouplingLog
+from ..coupling.methods import method_of
+from ..participants.fmi2 import ParticipantFault
+from .recorder import CannotWrite, Recorder, writing
+from ..participants.rollback import rollback_faults
+from ..coupling.step_control import step_control
+from ..coupling.stepping import Stepper, StepFailed
+from ..participants.timing import Timed, split
+from ..coupling.wiring import start
+from ..coupling.work import WorkBalance
+
+VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
+
+
+def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
+    """Run to the stop time.
+
+    Parameters
+    ----------
+    system : System
+    case : Case
+    tree : dict
+        Resolved TOML tree, stored in the results.
+    output : Path
+        Results file.
+    watch : callable(time, stop, solution, monitored)
+        Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
+    begin_at : Checkpoint, optional
+        Where to go on; from the start without it.
+
+    Returns
+    -------
+    dict
+        The summary: counters, wall time [s] and the case's own entries.
+
+    Raises
+    ------
+    BadInput
+        If a participant refuses its parameters, or cannot go back to a saved state; nothing has been written then.
+    StepFailed, ParticipantFault, CannotWrite
+        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
+        in `<output>.partial`, and a note on the exception names the last checkpoint.
+    Interrupted
+        After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
+    """
+    try:
+        start(system, (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step))
+        march = March(system, case, tree, output, watch, begin_at)
+        try:
+            return march.go()
+        finally:
+            march.close()
+    except (StepFailed, ParticipantFault, CannotWrite) as stop:
+        stop.add_note(kept(output))
+        raise
+    finally:
+        for participant in system.participants.values():
+            participant.close()
+
+
+class March:
+    """A run under way; see `run` for the arguments. What it has brought and taken so far is in `account`."""
+
+    def __init__(self, system, case, tree, output, watch, begin_at):
+        self.system, self.case, self.tree, self.output, self.watch = system, case, tree, output, watch
+        spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
+        timed = replace(system, participants={name: Timed(p, spent) for name, p in system.participants.items()})
+        self.stepper = Stepper(timed, method_of(case.coupling), case.coupling.halvings, self.accepted, case.coupling.predictor,
+                               self.attempted, step_control(timed.connections, system.smallest_step))
+        if begin_at:
+            thaw(self.stepper, begin_at.frozen)
+            self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
+        else:
+            Checkpoint.path(output).unlink(missing_ok=True)     # that of an older run, whose results give way to these
+            self.account = Account(self.stepper.counters, [Reduction(name, text) for name, text in case.summary.items()],
+                                   WorkBalance(self.stepper.interface, case.wires), spent)
+        self.begin = clock.perf_counter() - self.account.wall_time
+        with writing(output):
+            self.recorder = Recorder(output, system.participants, case.record, {
+                "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, self.account.rows)
+            self.log = CouplingLog(output, timed.connections, self.account.counters)
+
+    def go(self):
+        """March to the stop time; the summary."""
+        stop, steps = self.system.stop, round(self.system.stop / self.system.step)
+        every = self.case.record.checkpoint_every
+        with listening() as heard:
+            if not self.account.rows:
+                self.recorder.write(0.0)
+            for k in range(self.account.steps_done, steps):
+                before, after = stop * k / steps, stop * (k + 1) / steps
+                self.stepper.advance(before, after - before)
+                self.account.steps_done = k + 1
+                if heard.signal or (every and (k + 1) % every == 0):
+                    self.keep()
+                if heard.signal and k + 1 < steps:
+                    raise Interrupted(self.output, after)
+        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        self.recorder.finish(summary)
+        Checkpoint.path(self.output).unlink(missing_ok=True)
+        return summary
+
+    def attempted(self, time, step, trail, failure):
+        """Log an attempt at a macro step."""
+        with writing(self.output):
+            self.log.attempt(time, step, trail, failure)
+
+    def accepted(self, time, solution):
+        """Record an accepted step, and tell of it."""
+        begin, account = clock.perf_counter(), self.account
+        values = self.recorder.write(time, solution)
+        for reduction in account.reductions:
+            reduction.add(values)
+        account.spent["recording"] += clock.perf_counter() - begin
+        if account.work.pairs:
+            account.work.add(time, solution.x, self.stepper.interface.read())
+        self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
+
+    def keep(self):
+        """Write a checkpoint, if all participants can put their states into a file."""
+        if not all(participant.can_serialise for participant in self.system.participants.values()):
+            return
+        begin = clock.perf_counter()
+        self.recorder.flush()
+        self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
+        with writing(Checkpoint.path(self.output)):
+            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(self.output)
+        self.account.spent["recording"] += clock.perf_counter() - begin
+
+    def close(self):
+        """Close the files; what they hold stays."""
+        self.recorder.close()
+        self.log.close()
+
+
+class Reduction:
+    """One summary entry: "min|max|mean|last participant.variable" over all macro steps."""
+
+    def __init__(self, name, text):
+        self.name = name
+        self.kind, port = text.split()
+        self.owner, self.variable = port.split(".")
+        self.values = []
+
+    def add(self, values):
+        self.values.append(values[self.owner][self.variable])
+
+    def result(self):
+        if self.kind == "last":
+            return self.values[-1]
+        return float({"min": np.min, "max": np.max, "mean": np.mean}[self.kind](self.values))
+
+
+def monitored(case, system, values):
+    """Monitor entries of the step just taken: name -> (value, unit)."""
+    found = {}
+    for name, text in case.monitor.items():
+        owner, variable = text.split()[1].split(".")
+        found[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
+    return found
+
+
+def summarise(account, control, wall_time):
+    """The summary of a finished run; only `explicit` coupling accepts a step unconverged."""
+    counters = account.counters
+    controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
+    return {"steps": counters.steps, "unconverged_steps": counters.unconverged_steps,
+            "halved_steps": counters.halved_steps, **controlled,
+            "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
+            "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
+            "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),
+            **account.work.summary(), **{r.name: r.result() for r in account.reductions}}
+
+
+def versions():
+    """Versions of everything that has a say in the numbers."""
+    return {"python": platform.python_version(), **{name: version(name) for name in VERSIONS}}

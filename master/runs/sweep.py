@@ -1,0 +1,238 @@
+"""Many runs of one case: axes over its keys, one row a run in one table, on local processes or any other executor."""
+
+import csv
+import hashlib
+import itertools
+import json
+import os
+import tomllib
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from ..case.schema import check_case, read_tree
+from ..fmi.builder import build_fmu
+from ..fmi.errors import BadInput
+from ..fmi.quantities import registry
+
+SHOWN = ("title", "label", "monitor", "pictures", "window", "report", "studies", "variants")
+"""Tables of a case that say how a run is shown: changing them changes no result."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What varies: dotted keys of the case that take the same value, and the values."""
+
+    name: str
+    keys: tuple
+    values: tuple
+
+
+def parse_axis(text, tree):
+    """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined by "+".
+
+    A key may be given by its last part alone where one place of the case has it.
+
+    Raises
+    ------
+    BadInput
+        With what is wrong with the text.
+    """
+    name, sign, rest = text.partition("=")
+    if not sign or not rest:
+        raise BadInput(f"--vary {text!r}: write KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE")
+    keys = tuple(_whole_key(key.strip(), tree) for key in name.split("+"))
+    values = _range(text, rest) if ".." in rest else tuple(_plain(part) for part in rest.split(";"))
+    return Axis(name.strip(), keys, values)
+
+
+def _whole_key(key, tree):
+    if "." in key:
+        return key
+    found = sorted(path for path in _paths(tree) if path.split(".")[-1] == key)
+    if len(found) != 1:
+        places = f"is in {', '.join(found)}" if found else "is nowhere in the case"
+        raise BadInput(f"--vary {key}: {places}; give its dotted path")
+    return found[0]
+
+
+def _paths(tree, before=""):
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            if key != "variants":
+                yield from _paths(value, f"{before}{key}.")
+        else:
+            yield before + key
+
+
+def _plain(text):
+    """A TOML value where the text reads as one, else the text."""
+    try:
+        return tomllib.loads(f"v = {text}")["v"]
+    except tomllib.TOMLDecodeError:
+        return text.strip()
+
+
+def _range(text, rest):
+    ends, _, count = rest.rpartition(":")
+    low, _, high = ends.partition("..")
+    try:
+        ureg, number = registry(), int(count)
+        first, last = ureg.Quantity(low), ureg.Quantity(high)
+        points = np.linspace(first.magnitude, last.to(first.units).magnitude, number)
+    except Exception:
+        raise BadInput(f"--vary {text!r}: write KEY=LOW..HIGH:COUNT, both ends in units of one kind") from None
+    if number < 2:
+        raise BadInput(f"--vary {text!r}: a range needs at least 2 values")
+    return tuple(f"{value:.10g} {first.units:~}".replace("µ", "u").strip() for value in points)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the content that bears on the run)."""
+
+    values: dict
+    tree: dict
+
+    @property
+    def name(self):
+        bearing = {key: value for key, value in self.tree.items() if key not in SHOWN}
+        return hashlib.sha256(json.dumps(bearing, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def points(path, changes, axes):
+    """All combinations of the axes as points; raises BadInput with every fault of every tree."""
+    found, faults = [], []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        made = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
+        try:
+            tree = read_tree(path, [*changes, *made])
+            check_case(tree, path)
+            found.append(Point({axis.name: value for axis, value in zip(axes, values)}, tree))
+        except BadInput as error:
+            faults += [fault for fault in error.faults if fault not in faults]
+    if faults:
+        raise BadInput(faults)
+    return found
+
+
+def run_point(tree, case_folder, output):
+    """Build, run and sum up one point, in any process.
+
+    Returns
+    -------
+    dict
+        status ("done", "failed" or "bad input"), message, and the summary of a run that is done.
+    """
+    from ..participants.fmi2 import ParticipantFault
+    from .run import run
+    from ..coupling.stepping import StepFailed
+    from ..case.system import open_system
+
+    try:
+        case = check_case(tree, case_folder)
+        return {"status": "done", "message": ""} | run(open_system(case, Path(case_folder), _silent), case, tree, Path(output))
+    except BadInput as error:
+        return {"status": "bad input", "message": "; ".join(error.faults)}
+    except (StepFailed, ParticipantFault) as error:
+        return {"status": "failed", "message": str(error).splitlines()[0]}
+
+
+def _silent(_text):
+    pass
+
+
+def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: None):
+    """Run the points that have no row yet; `<folder>/sweep.csv` holds a row for each that has.
+
+    Parameters
+    ----------
+    found : list of Point
+    case_folder : Path
+        Where the case's files are.
+    folder : Path
+        Rows and results go to `<folder>/runs`; what is there from an earlier sweep is taken, failed points included.
+    executor : concurrent.futures.Executor
+        Runs the points; its processes must see the same folders.
+    watch : callable(row, done, total)
+
+    Returns
+    -------
+    list of dict
+        The rows in the points' order.
+    """
+    runs = Path(folder) / "runs"
+    runs.mkdir(parents=True, exist_ok=True)
+    kept = {k: runs / f"{point.name}.json" for k, point in enumerate(found)}
+    rows = {k: json.loads(path.read_text()) for k, path in kept.items() if path.exists()}
+    waiting = {executor.submit(run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())): k
+               for k, p in enumerate(found) if k not in rows}
+    for future in as_completed(waiting):
+        k = waiting[future]
+        rows[k] = _row(future)
+        _replace(runs / f"{found[k].name}.json", json.dumps(rows[k]))
+        _write_table(Path(folder) / "sweep.csv", found, rows)
+        watch(found[k].values | rows[k], len(rows), len(found))
+    _write_table(Path(folder) / "sweep.csv", found, rows)
+    return [found[k].values | rows[k] for k in range(len(found))]
+
+
+def _row(future):
+    """What the run answered; a process that died is a failed row too."""
+    error = future.exception()
+    return future.result() if error is None else {"status": "failed", "message": f"{type(error).__name__}: {error}"}
+
+
+def _write_table(path, found, rows):
+    records = [found[k].values | {"results": f"runs/{found[k].name}.h5"} | rows[k] for k in sorted(rows)]
+    names = list(dict.fromkeys(name for record in records for name in record))
+    text = [names] + [[record.get(name, "") for name in names] for record in records]
+    with open(f"{path}.new", "w", newline="") as file:
+        csv.writer(file).writerows(text)
+    os.replace(f"{path}.new", path)
+
+
+def _replace(path, text):
+    fresh = path.with_suffix(".new")
+    fresh.write_text(text)
+    os.replace(fresh, path)
+
+
+def unfinished(found, folder):
+    """The points that have no row in `folder` yet. A row is known by the case's content, not by the code that made it."""
+    return [point for point in found if not (Path(folder) / "runs" / f"{point.name}.json").exists()]
+
+
+def build_all(found, case_folder, progress):
+    """Build every FMU the points need, each once, before processes race for it; faults are left to the rows."""
+    tables = {}
+    for point in found:
+        for table in check_case(point.tree, case_folder).participants.values():
+            if table.package:
+                tables[json.dumps([table.package, table.build], sort_keys=True)] = table
+    for table in tables.values():
+        try:
+            build_fmu(table.package, table.build, Path(case_folder), progress)
+        except BadInput:
+            continue
+
+
+def local_executor(workers):
+    """Processes of this machine, each started fresh: what an FMU loads in one is not seen by another."""
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+
+
+def dask_executor(address):
+    """An existing Dask cluster by its address; raises BadInput if dask is not installed or nobody answers."""
+    try:
+        from dask.distributed import Client
+
+        return Client(address, timeout=10).get_executor(pure=False)
+    except ImportError:
+        raise BadInput("--dask: install dask[distributed] first") from None
+    except OSError as error:
+        raise BadInput(f"--dask {address}: {error}") from None
+
