@@ -7,8 +7,8 @@ This folder is the installed package. Its rooms:
     master      coupling: knows participants and signals, neither films nor bodies
     models      cases and data
 
-The three parts meet in `master.fmi` alone. Inside the project every import is relative, so that an FMU can carry the same tree
-under a name of its own.
+The three parts meet in `master.fmi` alone. Inside the project every import is relative, so that an
+FMU can carry the same tree under a name of its own.
 """
 
 

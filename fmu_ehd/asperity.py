@@ -7,14 +7,13 @@ Eq. (A4):  A_c/A = pi^2 (eta beta sigma)^2 F_2(h/sigma)
 Eq. (A5):  F_5/2(H) = 4.4086e-5 (4 - H)^6.804, H < 4            the usual power fit, 4 to 74 % low for H = 0 to 3
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A                             boundary shear: Coulomb, and shear of the boundary layer
 
-D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances; with E' = 2/sum the
-factor of Eq. (A3) is half as large. For H < 0 the integrals go on along their tangent at H = 0: the height distribution says
-nothing about overlap, and a straight line keeps the contact stiffness finite there.
+D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances;
+with E' = 2/sum the factor of Eq. (A3) is half as large. For H < 0 the integrals go on along their
+tangent at H = 0: the height distribution says nothing about overlap, and a straight line keeps the
+contact stiffness finite there.
 
-References
-----------
-[Greenwood1970] J. A. Greenwood, J. H. Tripp, The contact of two nominally flat rough surfaces, Proc. Instn Mech.
-Engrs 185 (1970) 625-633.
+References ---------- [Greenwood1970] J. A. Greenwood, J. H. Tripp, The contact of two nominally
+flat rough surfaces, Proc. Instn Mech. Engrs 185 (1970) 625-633.
 """
 
 from functools import cache
@@ -50,7 +49,9 @@ def gaussian_integral(order, separation):
     [Greenwood1970]. Checked in fmu_ehd/verification.py against published values.
     """
     value, _ = pbdv(-order - 1.0, separation)
-    return gamma(order + 1.0) / np.sqrt(2.0 * np.pi) * np.exp(-np.square(separation) / 4.0) * value  # Eq. (A1)
+    return (
+        gamma(order + 1.0) / np.sqrt(2.0 * np.pi) * np.exp(-np.square(separation) / 4.0) * value
+    )  # Eq. (A1)
 
 
 def fitted_integral(separation):
@@ -74,7 +75,10 @@ def contact_table(law="greenwood_tripp_1970"):
         F_5/2, dF_5/2/dH, F_2, dF_2/dH [-].
     """
     separation = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
-    exact = gaussian_integral(2.5, separation), -2.5 * gaussian_integral(1.5, separation)  # Eq. (A2)
+    exact = (
+        gaussian_integral(2.5, separation),
+        -2.5 * gaussian_integral(1.5, separation),
+    )  # Eq. (A2)
     pressure = exact if law == "greenwood_tripp_1970" else fitted_integral(separation)
     area = gaussian_integral(2.0, separation), -2.0 * gaussian_integral(1.0, separation)
     return np.ascontiguousarray(np.stack([*pressure, *area], axis=1))
@@ -96,7 +100,8 @@ def pressure_scale(roughness_product, slope_ratio, contact_modulus):
     Parameters
     ----------
     roughness_product : float
-        eta beta sigma [-], asperity density x tip radius x composite rms height; 0.03 to 0.05 for engineering surfaces.
+        eta beta sigma [-], asperity density x tip radius x composite rms height; 0.03 to 0.05 for
+        engineering surfaces.
     slope_ratio : float
         sigma / beta [-], 1e-4 to 1e-2.
     contact_modulus : float
@@ -107,12 +112,23 @@ def pressure_scale(roughness_product, slope_ratio, contact_modulus):
     float
         [Pa].
     """
-    return 16.0 * np.sqrt(2.0) * np.pi / 15.0 * roughness_product**2 * np.sqrt(slope_ratio) * contact_modulus  # Eq. (A3)
+    return (
+        16.0
+        * np.sqrt(2.0)
+        * np.pi
+        / 15.0
+        * roughness_product**2
+        * np.sqrt(slope_ratio)
+        * contact_modulus
+    )  # Eq. (A3)
 
 
 @compiled
-def contact(film_thickness, roughness_rms, scale, area_scale, friction_coefficient, shear_strength, table):
-    """Asperity pressure, contact area fraction and boundary shear stress with their slopes, Eqs. (A3), (A4), (A6).
+def contact(
+    film_thickness, roughness_rms, scale, area_scale, friction_coefficient, shear_strength, table
+):
+    """Asperity pressure, contact area fraction and boundary shear stress with their slopes, Eqs.
+    (A3), (A4), (A6).
 
     Parameters
     ----------
@@ -136,7 +152,11 @@ def contact(film_thickness, roughness_rms, scale, area_scale, friction_coefficie
     pressure, slope, area, stress, stress_slope : ndarray, shape (n_c, n_a)
         p [Pa], dp/dh [Pa/m], A_c/A [-] up to 1, tau_b [Pa], dtau_b/dh [Pa/m].
     """
-    pressure, slope, area = np.zeros_like(film_thickness), np.zeros_like(film_thickness), np.zeros_like(film_thickness)
+    pressure, slope, area = (
+        np.zeros_like(film_thickness),
+        np.zeros_like(film_thickness),
+        np.zeros_like(film_thickness),
+    )
     stress, stress_slope = np.zeros_like(film_thickness), np.zeros_like(film_thickness)
     if roughness_rms <= 0.0:
         return pressure, slope, area, stress, stress_slope
@@ -150,6 +170,8 @@ def contact(film_thickness, roughness_rms, scale, area_scale, friction_coefficie
                 slope[i, j] = scale * derivative / roughness_rms
                 area[i, j] = min(1.0, area_scale * covered)  # Eq. (A4)
                 darea = area_scale * dcovered / roughness_rms if area[i, j] < 1.0 else 0.0
-                stress[i, j] = friction_coefficient * pressure[i, j] + shear_strength * area[i, j]  # Eq. (A6)
+                stress[i, j] = (
+                    friction_coefficient * pressure[i, j] + shear_strength * area[i, j]
+                )  # Eq. (A6)
                 stress_slope[i, j] = friction_coefficient * slope[i, j] + shear_strength * darea
     return pressure, slope, area, stress, stress_slope

@@ -5,13 +5,15 @@ Eq. (B2):  S_j = D_j - diag(back_j) S_{j-1}^-1 diag(ahead_{j-1})                
 Eq. (B3):  z_j = S_j^-1 (b_j - back_j z_{j-1}),   x_j = z_j - S_j^-1 (ahead_j x_{j+1})
 Eq. (B4):  S = [F 0; G E]  ->  S^-1 = [F^-1 0; -E^-1 G F^-1 E^-1]               E diagonal
 
-The matrix of the film balance is a column-dominant M-matrix, for which elimination without pivoting is stable
-[Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an open grid has zeros there.
+The matrix of the film balance is a column-dominant M-matrix, for which elimination without pivoting
+is stable [Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an
+open grid has zeros there.
 
-Stations are eliminated downstream (back = south, ahead = north, or the other way round): there the column of a cavitated cell
-has nothing but its diagonal, Eq. (B4), and only the m full cells of a station cost m^2 n operations instead of n^3. Of S_j^-1
-are kept the columns of full cells, as rows of length n, and 1/E. Loops go by elements: a view of a row is counted, as every
-reference is, which costs more than the row.
+Stations are eliminated downstream (back = south, ahead = north, or the other way round): there the
+column of a cavitated cell has nothing but its diagonal, Eq. (B4), and only the m full cells of a
+station cost m^2 n operations instead of n^3. Of S_j^-1 are kept the columns of full cells, as rows
+of length n, and 1/E. Loops go by elements: a view of a row is counted, as every reference is, which
+costs more than the row.
 
 References
 ----------
@@ -58,10 +60,11 @@ def _invert_four(pivot):
 
 @compiled
 def invert_in_place(a, places):
-    """Invert the square part of [F X] and multiply the rest by it: [F^-1 F^-1 X], by Gauss-Jordan elimination without pivoting.
+    """Invert the square part of [F X] and multiply the rest by it: [F^-1 F^-1 X], by Gauss-Jordan
+    elimination without pivoting.
 
-    Four pivots and two rows at a time: each element then costs a load and a store for four operations. Written out in one
-    function, because a call a row costs a third of the time.
+    Four pivots and two rows at a time: each element then costs a load and a store for four
+    operations. Written out in one function, because a call a row costs a third of the time.
 
     Parameters
     ----------
@@ -111,7 +114,9 @@ def invert_in_place(a, places):
 
 @compiled
 def _sort_cells(ahead, west, east, station, before, order):
-    """Cells of a station into `order`: those whose column has more than a diagonal, then the others; how many of the first."""
+    """Cells of a station into `order`: those whose column has more than a diagonal, then the
+    others; how many of the first.
+    """
     n = west.shape[0]
     m, last = 0, n
     for c in range(n):
@@ -126,11 +131,15 @@ def _sort_cells(ahead, west, east, station, before, order):
 
 
 @compiled
-def _schur(order, m, centre, back, ahead, west, east, station, before, previous, place, diagonal, own, s):
-    """Columns of the coupled cells of S_j, Eq. (B2): row a of `s` is column order[a], along it [F' -(E^-1 G)'] of Eq. (B4).
+def _schur(
+    order, m, centre, back, ahead, west, east, station, before, previous, place, diagonal, own, s
+):
+    """Columns of the coupled cells of S_j, Eq. (B2): row a of `s` is column order[a], along it [F'
+    -(E^-1 G)'] of Eq. (B4).
 
-    `previous`, `diagonal`: of S_{j-1}^-1; `place` says which row of `previous` is the column of a cell, -1 where that has
-    nothing but its diagonal. `own`: 1/E of this station, 0 for coupled cells.
+    `previous`, `diagonal`: of S_{j-1}^-1; `place` says which row of `previous` is the column of a
+    cell, -1 where that has nothing but its diagonal. `own`: 1/E of this station, 0 for coupled
+    cells.
     """
     n = west.shape[0]
     scale, weight = np.empty(n), np.empty(n)
@@ -154,16 +163,20 @@ def _schur(order, m, centre, back, ahead, west, east, station, before, previous,
 
 
 @compiled
-def factorise(centre, back, ahead, west, east, ascending, first, columns, diagonals, orders, counts):
+def factorise(
+    centre, back, ahead, west, east, ascending, first, columns, diagonals, orders, counts
+):
     """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
 
     Parameters
     ----------
     centre, back, ahead, west, east : ndarray, shape (n_c, n_a)
-        Coefficients of Eq. (B1); back and ahead are south and north if stations are eliminated with ascending j.
+        Coefficients of Eq. (B1); back and ahead are south and north if stations are eliminated with
+        ascending j.
     ascending : bool
     first : int
-        Number of stations, in the order of elimination, that are taken as factorised already (their columns unchanged).
+        Number of stations, in the order of elimination, that are taken as factorised already (their
+        columns unchanged).
     columns : ndarray, shape (n_a, n_c, n_c)
         Overwritten: the first m rows of a station are the columns of S_j^-1 of its m coupled cells.
     diagonals : ndarray, shape (n_a, n_c)
@@ -184,8 +197,22 @@ def factorise(centre, back, ahead, west, east, ascending, first, columns, diagon
         for a in range(n):
             c = orders[k, a]
             diagonals[k, c] = 0.0 if a < m else 1.0 / centre[c, j]
-        _schur(orders[k], m, centre, back, ahead, west, east, j, before, columns[k - 1], place, diagonals[k - 1], diagonals[k],
-               columns[k])
+        _schur(
+            orders[k],
+            m,
+            centre,
+            back,
+            ahead,
+            west,
+            east,
+            j,
+            before,
+            columns[k - 1],
+            place,
+            diagonals[k - 1],
+            diagonals[k],
+            columns[k],
+        )
         invert_in_place(columns[k, :m], orders[k])  # Eq. (B4)
 
 
@@ -197,9 +224,19 @@ def _multiply(columns, diagonals, orders, m, k, b, out):
         out[r] = diagonals[k, r] * b[r]
     whole = m - m % 4
     for a in range(0, whole, 4):
-        f0, f1, f2, f3 = b[orders[k, a]], b[orders[k, a + 1]], b[orders[k, a + 2]], b[orders[k, a + 3]]
+        f0, f1, f2, f3 = (
+            b[orders[k, a]],
+            b[orders[k, a + 1]],
+            b[orders[k, a + 2]],
+            b[orders[k, a + 3]],
+        )
         for r in range(n):
-            out[r] += f0 * columns[k, a, r] + f1 * columns[k, a + 1, r] + f2 * columns[k, a + 2, r] + f3 * columns[k, a + 3, r]
+            out[r] += (
+                f0 * columns[k, a, r]
+                + f1 * columns[k, a + 1, r]
+                + f2 * columns[k, a + 2, r]
+                + f3 * columns[k, a + 3, r]
+            )
     for a in range(whole, m):
         f = b[orders[k, a]]
         for r in range(n):
@@ -249,7 +286,9 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
 
 @compiled
 def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right, work):
-    """As `substitute`, all right-hand sides through a station at once, by matrix products; `work` as large as `right`."""
+    """As `substitute`, all right-hand sides through a station at once, by matrix products; `work`
+    as large as `right`.
+    """
     m, n, stations = right.shape
     x = work.reshape((stations, n, m))
     b, y = np.empty((n, m)), np.empty((n, m))
@@ -266,7 +305,7 @@ def substitute_together(columns, diagonals, orders, counts, back, ahead, ascendi
             if k > 0:
                 for q in range(m):
                     b[a, q] -= back[c, j] * x[k - 1, c, q]
-        np.dot(columns[k, :counts[k]].T, b[:counts[k]], x[k])
+        np.dot(columns[k, : counts[k]].T, b[: counts[k]], x[k])
         for a in range(counts[k], n):
             c = orders[k, a]
             for q in range(m):
@@ -277,7 +316,7 @@ def substitute_together(columns, diagonals, orders, counts, back, ahead, ascendi
             c = orders[k, a]
             for q in range(m):
                 b[a, q] = ahead[c, j] * x[k + 1, c, q]
-        np.dot(columns[k, :counts[k]].T, b[:counts[k]], y)
+        np.dot(columns[k, : counts[k]].T, b[: counts[k]], y)
         for i in range(n):
             for q in range(m):
                 x[k, i, q] -= y[i, q]
@@ -302,8 +341,12 @@ class BlockTridiagonal:
 
     def __init__(self, shape):
         across, stations = shape
-        self._factors = (np.empty((stations, across, across)), np.empty((stations, across)),
-                         np.zeros((stations, across), np.int64), np.zeros(stations, np.int64))
+        self._factors = (
+            np.empty((stations, across, across)),
+            np.empty((stations, across)),
+            np.zeros((stations, across), np.int64),
+            np.zeros(stations, np.int64),
+        )
         self._couplings = None
         self._ascending = None
         self._work = np.empty(0)
@@ -316,10 +359,13 @@ class BlockTridiagonal:
         stencil : tuple of ndarray, each shape (n_c, n_a)
             centre, south, north, west, east of Eq. (B1).
         stations : tuple of int, optional
-            First and last axial station in which a column changed since the last call; None: all of them.
+            First and last axial station in which a column changed since the last call; None: all of
+            them.
         """
         centre, south, north, west, east = stencil
-        ascending = np.count_nonzero(north) <= np.count_nonzero(south)  # downstream: cavitated cells see nothing ahead
+        ascending = np.count_nonzero(north) <= np.count_nonzero(
+            south
+        )  # downstream: cavitated cells see nothing ahead
         first = 0
         if stations is not None and ascending == self._ascending:
             first = stations[0] if ascending else centre.shape[1] - 1 - stations[1]
@@ -332,7 +378,11 @@ class BlockTridiagonal:
         if right.shape[0] < TOGETHER:
             substitute(*self._factors, *self._couplings, self._ascending, right)
         else:
-            if self._work.size < right.size:  # kept: memory that is returned and asked for again costs more than the solution
+            if (
+                self._work.size < right.size
+            ):  # kept: memory that is returned and asked for again costs more than the solution
                 self._work = np.empty(right.size)
-            substitute_together(*self._factors, *self._couplings, self._ascending, right, self._work[:right.size])
+            substitute_together(
+                *self._factors, *self._couplings, self._ascending, right, self._work[: right.size]
+            )
         return right

@@ -9,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 from ..master.fmi.errors import BadInput
 from ..master.fmi.quantities import to_si
 from ..models import MODELS
-
 from .oil import vogel_constants
 from .variables import CHOICES, CONDITIONS, OIL
 
@@ -33,7 +32,8 @@ class Options(BaseModel):
     oil_library : str
         TOML file, relative to the case's folder; the one shipped by default.
     mask : str
-        CSV file relative to the case's folder, one row a circumferential cell: 1 = film, 0 = cut-out without a film.
+        CSV file relative to the case's folder, one row a circumferential cell: 1 = film, 0 =
+        cut-out without a film.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -55,12 +55,15 @@ class Options(BaseModel):
     @classmethod
     def _known(cls, names):
         if unknown := [n for n in names if n not in POSSIBLE_INPUTS]:
-            raise ValueError(f"{', '.join(unknown)}: possible inputs are {', '.join(POSSIBLE_INPUTS)}")
+            raise ValueError(
+                f"{', '.join(unknown)}: possible inputs are {', '.join(POSSIBLE_INPUTS)}"
+            )
         return names
 
 
 def prepare(options, folder, progress):
-    """Check the build options and read the oil and the mask; the lubrication FMU needs no offline work.
+    """Check the build options and read the oil and the mask; the lubrication FMU needs no offline
+    work.
 
     Parameters
     ----------
@@ -74,7 +77,8 @@ def prepare(options, folder, progress):
     Returns
     -------
     options : dict
-        Complete, JSON-able: grid, no_fields, inputs, oil (start values in SI by parameter), mask (list of rows or None).
+        Complete, JSON-able: grid, no_fields, inputs, oil (start values in SI by parameter), mask
+        (list of rows or None).
     files : list of pathlib.Path
         Empty.
 
@@ -86,13 +90,17 @@ def prepare(options, folder, progress):
     try:
         chosen = Options(**options)
     except ValidationError as error:
-        raise BadInput([f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors()]) from None
+        raise BadInput(
+            [f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors()]
+        ) from None
     faults = []
     oil = _oil(chosen, Path(folder), faults)
     mask = _mask(chosen, Path(folder), faults)
     if faults:
         raise BadInput(faults)
-    return dict(grid=list(chosen.grid), no_fields=chosen.no_fields, inputs=chosen.inputs, oil=oil, mask=mask), []
+    return dict(
+        grid=list(chosen.grid), no_fields=chosen.no_fields, inputs=chosen.inputs, oil=oil, mask=mask
+    ), []
 
 
 def _oil(chosen, folder, faults):
@@ -136,9 +144,14 @@ def oil_values(name, entry, faults):
             faults.append(f"oil {name}: {key} has no source")
         try:
             if key == "points":
-                temperatures, viscosities = ([to_si(point[k], unit) for point in value] for k, unit in ((0, "K"), (1, "Pa.s")))
+                temperatures, viscosities = (
+                    [to_si(point[k], unit) for point in value]
+                    for k, unit in ((0, "K"), (1, "Pa.s"))
+                )
                 constants = vogel_constants(viscosities, temperatures)
-                values |= dict(zip(("vogel_viscosity", "vogel_b", "vogel_c"), map(float, constants)))
+                values |= dict(
+                    zip(("vogel_viscosity", "vogel_b", "vogel_c"), map(float, constants))
+                )
             elif key in CHOICES:
                 values[key] = value
             elif key in known:
@@ -165,8 +178,10 @@ def _mask(chosen, folder, faults):
         faults.append(f"mask = {chosen.mask!r}: {error}")
         return None
     if mask.shape != tuple(chosen.grid):
-        faults.append(f"mask = {chosen.mask!r}: {mask.shape[0]} x {mask.shape[1]} values, the grid has "
-                      f"{chosen.grid[0]} x {chosen.grid[1]} cells")
+        faults.append(
+            f"mask = {chosen.mask!r}: {mask.shape[0]} x {mask.shape[1]} values, the grid has "
+            f"{chosen.grid[0]} x {chosen.grid[1]} cells"
+        )
     elif not np.isin(mask, (0.0, 1.0)).all():
         faults.append(f"mask = {chosen.mask!r}: only 1 (film) and 0 (cut-out) are allowed")
     elif not mask.any():

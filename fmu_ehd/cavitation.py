@@ -6,15 +6,15 @@ Eq. (C3):  reynolds:  p = max(u, 0), f = 1; balance where p > 0, surplus of oil 
 Eq. (C4):  gumbel:    p = max(u, 0), f = 1; balance with p = u everywhere
 Eq. (C5):  full_film: p = u, f = 1
 
-The balance is piecewise linear in u, so a repeated pattern is its exact solution (semismooth Newton). Should the pattern
-wander, cells are switched singly in a fixed order, which ends for every M-matrix [Murty1974]. Only jfo conserves oil; the
-others are there for comparison, and their mass_imbalance says what they lose.
+The balance is piecewise linear in u, so a repeated pattern is its exact solution (semismooth
+Newton). Should the pattern wander, cells are switched singly in a fixed order, which ends for every
+M-matrix [Murty1974]. Only jfo conserves oil; the others are there for comparison, and their
+mass_imbalance says what they lose.
 
-References
-----------
-[Jakobsson1957] B. Jakobsson, L. Floberg, The finite journal bearing considering vaporization, Chalmers 1957;
-K.-O. Olsson, Cavitation in dynamically loaded bearings, Chalmers 1965 (C2).
-[Murty1974] K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11 (1974) 123-130.
+References ---------- [Jakobsson1957] B. Jakobsson, L. Floberg, The finite journal bearing
+considering vaporization, Chalmers 1957; K.-O. Olsson, Cavitation in dynamically loaded bearings,
+Chalmers 1965 (C2). [Murty1974] K. G. Murty, Note on a Bard-type scheme for solving the
+complementarity problem, Opsearch 11 (1974) 123-130.
 """
 
 from dataclasses import dataclass
@@ -23,15 +23,21 @@ import numpy as np
 
 from ..master.fmi.compiled import compiled
 
-FRACTION_ROUNDOFF = 1e-13  # a cell this little over-full stays cavitated: rounding of film_fraction - 1
-PRESSURE_ROUNDOFF = 1e-12  # a full cell with this share of the largest pressure below zero stays full
+FRACTION_ROUNDOFF = (
+    1e-13  # a cell this little over-full stays cavitated: rounding of film_fraction - 1
+)
+PRESSURE_ROUNDOFF = (
+    1e-12  # a full cell with this share of the largest pressure below zero stays full
+)
 PRESSURE_NEGLIGIBLE = 1e-9  # [Pa] the same where there is no pressure at all
 ALL_AT_ONCE = 25  # iterations in which all cells switch together
 LIMIT = 1000  # iterations in all
 
 
 class NotConverged(RuntimeError):
-    """A step that has no solution, or none was found; the message says what, where and by how much."""
+    """A step that has no solution, or none was found; the message says what, where and by how
+    much.
+    """
 
 
 @compiled
@@ -81,17 +87,26 @@ class Cavitation:
     def shares(self, unknown, full):
         """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
         kept = full & (unknown > 0.0) if self.clipping else full
-        return kept.astype(float), (~full).astype(float) if self.conserving else np.zeros_like(unknown)
+        return kept.astype(float), (~full).astype(float) if self.conserving else np.zeros_like(
+            unknown
+        )
 
 
-CAVITATION = {model.name: model for model in (
-    Cavitation("jfo", True, True, False), Cavitation("reynolds", False, True, False),
-    Cavitation("gumbel", False, False, True), Cavitation("full_film", False, False, False))}
+CAVITATION = {
+    model.name: model
+    for model in (
+        Cavitation("jfo", True, True, False),
+        Cavitation("reynolds", False, True, False),
+        Cavitation("gumbel", False, False, True),
+        Cavitation("full_film", False, False, False),
+    )
+}
 
 
 @compiled
 def without_pressure(full, centre, south, north, west, east):
-    """Take the pressure of cells outside the pattern out of their neighbours' balance, Eq. (C3); in place.
+    """Take the pressure of cells outside the pattern out of their neighbours' balance, Eq. (C3); in
+    place.
 
     Parameters
     ----------
@@ -111,7 +126,9 @@ def without_pressure(full, centre, south, north, west, east):
 
 @compiled
 def _switch(full, unknown, fixed, conserving, singly):
-    """New pattern, number of switched cells (-1: not finite), their first and last axial station, and their first cell."""
+    """New pattern, number of switched cells (-1: not finite), their first and last axial station,
+    and their first cell.
+    """
     highest = 0.0
     for row in unknown:
         for u in row:
@@ -144,7 +161,8 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
     assemble : callable
         pattern -> (stencil, right-hand side), e.g. `reynolds.assemble`.
     solver : object
-        `factorise(stencil, stations)`, `solve(right)`; left with the factorisation of the settled pattern.
+        `factorise(stencil, stations)`, `solve(right)`; left with the factorisation of the settled
+        pattern.
     full : ndarray of bool, shape (n_c, n_a)
         First guess.
     fixed : ndarray of bool, shape (n_c, n_a)
@@ -170,12 +188,18 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
         stencil, right = assemble(full)
         solver.factorise(stencil, stations)
         unknown = solver.solve(right[None])[0]
-        pattern, count, stations, first = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
+        pattern, count, stations, first = _switch(
+            full, unknown, fixed, model.conserving, iteration >= all_at_once
+        )
         if count < 0:
-            raise NotConverged(f"the film solution is not finite, first at [{first[0] + 1},{first[1] + 1}]: film thickness or "
-                               "viscosity out of all proportion")
+            raise NotConverged(
+                f"the film solution is not finite, first at [{first[0] + 1},{first[1] + 1}]: film thickness or "
+                "viscosity out of all proportion"
+            )
         if count == 0 or not model.switching:  # Eq. (C1)
             return unknown, full, iteration + 1
         full = pattern
-    raise NotConverged(f"cavitation did not settle in {LIMIT} iterations: {count} cells still switch, first "
-                       f"[{first[0] + 1},{first[1] + 1}] with u = {unknown[first]:g}")
+    raise NotConverged(
+        f"cavitation did not settle in {LIMIT} iterations: {count} cells still switch, first "
+        f"[{first[0] + 1},{first[1] + 1}] with u = {unknown[first]:g}"
+    )

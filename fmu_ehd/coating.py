@@ -3,9 +3,9 @@
 Eq. (L1):  w = c (p + p_a),   c = d (1 + nu) (1 - 2 nu) / [E (1 - nu)]          thin bonded layer, no lateral strain
 Eq. (L2):  film = h + w,   p_a = p_a(h + w)
 
-Each point yields by itself: valid where the layer is thin against the width of the pressure, d << 1 mm here, and nu is not
-near 1/2. Newton's method on Eqs. (E1), (L1), (L2) together: with k = 1 / (1 - c dp_a/dh), the change of the deflection
-from its last value w_0 is
+Each point yields by itself: valid where the layer is thin against the width of the pressure, d << 1
+mm here, and nu is not near 1/2. Newton's method on Eqs. (E1), (L1), (L2) together: with k = 1 / (1
+- c dp_a/dh), the change of the deflection from its last value w_0 is
 
 Eq. (L3):  w - w_0 = k [c p + c p_a(h + w_0) - w_0]
 
@@ -21,7 +21,9 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 
 LIMIT = 40  # Newton iterations
-TOLERANCE = 1e-11  # last change of the deflection over the deflection: what is left is second order in it
+TOLERANCE = (
+    1e-11  # last change of the deflection over the deflection: what is left is second order in it
+)
 NEGLIGIBLE = 1e-19  # [m]
 
 
@@ -37,11 +39,14 @@ def compliance(thickness, modulus, poisson):
     poisson : float
         nu [-], 0 to 0.45.
     """
-    return thickness * (1.0 + poisson) * (1.0 - 2.0 * poisson) / (modulus * (1.0 - poisson))  # Eq. (L1)
+    return (
+        thickness * (1.0 + poisson) * (1.0 - 2.0 * poisson) / (modulus * (1.0 - poisson))
+    )  # Eq. (L1)
 
 
 def linear_deflection(c, deflection, asperity_pressure, asperity_slope, pressure, ratio, reduced):
-    """Change of the deflection as a linear function of the (reduced) pressure of the step, Eq. (L3).
+    """Change of the deflection as a linear function of the (reduced) pressure of the step, Eq.
+    (L3).
 
     Parameters
     ----------
@@ -58,7 +63,9 @@ def linear_deflection(c, deflection, asperity_pressure, asperity_slope, pressure
         w - w_0 = weight q + offset [m/Pa], [m].
     """
     k = 1.0 / (1.0 - c * asperity_slope)
-    return k * c * ratio, k * (c * (pressure - ratio * reduced + asperity_pressure) - deflection)  # Eq. (L3)
+    return k * c * ratio, k * (
+        c * (pressure - ratio * reduced + asperity_pressure) - deflection
+    )  # Eq. (L3)
 
 
 @compiled

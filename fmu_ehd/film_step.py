@@ -1,4 +1,6 @@
-"""One time step of the film on a grid: balance, cavitation, linear solver and tangent put together."""
+"""One time step of the film on a grid: balance, cavitation, linear solver and tangent put
+together.
+"""
 
 from dataclasses import dataclass
 
@@ -18,14 +20,15 @@ class FilmSolution:
     Parameters
     ----------
     unknown, pressure, film_fraction, content : ndarray, shape (n_c, n_a)
-        Signed unknown u, pressure above cavitation pressure [Pa], film fraction [-], content f s [m].
+        Signed unknown u, pressure above cavitation pressure [Pa], film fraction [-], content f s
+        [m].
     full : ndarray of bool, shape (n_c, n_a)
         True where the film is full.
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
-        |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq. (T1); throughput = edge flows + growth,
-        at least 0.1 % of the film volume a step.
+        |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq. (T1);
+        throughput = edge flows + growth, at least 0.1 % of the film volume a step.
     iterations : int
         Number of factorisations.
     """
@@ -63,7 +66,8 @@ class FilmStep:
     model : str
         Name of the cavitation model, a key of `cavitation.CAVITATION`.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cells without a film (cut-outs), which hold the pressure and film fraction of the lower edge.
+        Cells without a film (cut-outs), which hold the pressure and film fraction of the lower
+        edge.
     solver : object, optional
         Linear solver with `factorise` and `solve`; `sparse.linear_solver` by default.
     """
@@ -89,7 +93,8 @@ class FilmStep:
         edges : grid.Edges
             At the end of the step.
         content : ndarray, shape (n_c, n_a)
-            c_e that the step starts from [m], Eq. (T1); with backward Euler the content f s at its beginning.
+            c_e that the step starts from [m], Eq. (T1); with backward Euler the content f s at its
+            beginning.
         full : ndarray of bool, shape (n_c, n_a)
             Guess of the full cells.
         step : float
@@ -106,8 +111,15 @@ class FilmStep:
         cavitation.NotConverged
         """
         grid, model = self.grid, self.model
-        faces = reynolds.faces(film.conductivity_c, film.conductivity_a, film.transport, velocity_c, velocity_a,
-                               *grid.spacing, grid.ring)
+        faces = reynolds.faces(
+            film.conductivity_c,
+            film.conductivity_a,
+            film.transport,
+            velocity_c,
+            velocity_a,
+            *grid.spacing,
+            grid.ring,
+        )
         rate = grid.cell_area / step
         held = edges.pressure[0] if edges.film_fraction[0] >= 1.0 else edges.film_fraction[0] - 1.0
         if self._has_openings:
@@ -115,8 +127,16 @@ class FilmStep:
         guess = model.first_guess(full)
 
         def assemble(pattern):
-            stencil, right = reynolds.assemble(pattern if model.conserving else self._everywhere, *faces, film.stored, content,
-                                               rate, edges.pressure, edges.film_fraction, grid.ring)
+            stencil, right = reynolds.assemble(
+                pattern if model.conserving else self._everywhere,
+                *faces,
+                film.stored,
+                content,
+                rate,
+                edges.pressure,
+                edges.film_fraction,
+                grid.ring,
+            )
             if model.switching and not model.conserving:
                 cavitation.without_pressure(pattern, *stencil)
             if softness is not None:
@@ -125,33 +145,54 @@ class FilmStep:
                 reynolds.hold(self.open_cells, held, *stencil, right)
             return stencil, right
 
-        unknown, full, iterations = cavitation.settle(model, assemble, self.solver, guess, self.open_cells)
+        unknown, full, iterations = cavitation.settle(
+            model, assemble, self.solver, guess, self.open_cells
+        )
         self._step = _Step(film, velocity_c, velocity_a, faces, content, rate, edges, full)
         pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
         if model.conserving and softness is None and imbalance > REFINE_ABOVE:
             unknown = unknown + self.solver.solve(residual[None])[0]
             pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
         self._unknown, self._fraction = unknown, fraction
-        self._pressure = unknown if model.clipping else pressure  # the pressure that the balance was solved with
-        return FilmSolution(unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations)
+        self._pressure = (
+            unknown if model.clipping else pressure
+        )  # the pressure that the balance was solved with
+        return FilmSolution(
+            unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations
+        )
 
     def _balance(self, unknown):
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""
         s = self._step
         pressure, deficit = self.model.interpret(unknown, s.full)
-        return pressure, *reynolds.balance(pressure, deficit, s.faces, s.film.stored, s.content, s.rate, s.edges.pressure,
-                                           s.edges.film_fraction, self.grid.ring, self.open_cells)
+        return pressure, *reynolds.balance(
+            pressure,
+            deficit,
+            s.faces,
+            s.film.stored,
+            s.content,
+            s.rate,
+            s.edges.pressure,
+            s.edges.film_fraction,
+            self.grid.ring,
+            self.open_cells,
+        )
 
-    def slopes(self, film, by_film, by_velocity, velocities, dvelocities, pressure, fraction, edges, step):
-        """Derivative of the film balance to film thickness and sliding velocity, as from `reynolds.linearise`.
+    def slopes(
+        self, film, by_film, by_velocity, velocities, dvelocities, pressure, fraction, edges, step
+    ):
+        """Derivative of the film balance to film thickness and sliding velocity, as from
+        `reynolds.linearise`.
 
         Parameters
         ----------
         film : films.FlowFilm
         by_film, by_velocity : ndarray, shape (7, n_c, n_a)
-            Derivatives of the film's quantities to film thickness and to sliding velocity; shape (0, n_c, n_a) if all zero.
+            Derivatives of the film's quantities to film thickness and to sliding velocity; shape
+            (0, n_c, n_a) if all zero.
         velocities, dvelocities : pair of ndarray, shape (n_c, n_a)
-            Entrainment velocities along i and j [m/s], and their derivatives to the sliding velocity [-].
+            Entrainment velocities along i and j [m/s], and their derivatives to the sliding
+            velocity [-].
         pressure, fraction : ndarray, shape (n_c, n_a)
             [Pa], [-].
         edges : grid.Edges
@@ -163,9 +204,19 @@ class FilmStep:
         ndarray, shape (2, 5, n_c, n_a)
         """
         stencil = reynolds.linearise(
-            (film.conductivity_c, film.transport, velocities[0]), (film.conductivity_a, film.transport, velocities[1]),
-            by_film, by_velocity, *dvelocities, pressure, fraction, *self.grid.spacing, self.grid.cell_area / step,
-            edges.pressure, edges.film_fraction, self.grid.ring)
+            (film.conductivity_c, film.transport, velocities[0]),
+            (film.conductivity_a, film.transport, velocities[1]),
+            by_film,
+            by_velocity,
+            *dvelocities,
+            pressure,
+            fraction,
+            *self.grid.spacing,
+            self.grid.cell_area / step,
+            edges.pressure,
+            edges.film_fraction,
+            self.grid.ring,
+        )
         if self._has_openings:
             stencil[:, :, self.open_cells] = 0.0
         return stencil
@@ -176,7 +227,8 @@ class FilmStep:
         Parameters
         ----------
         by_film, by_velocity : ndarray, shape (7, n_c, n_a)
-            Derivatives of `films.FlowFilm` quantities to film thickness and to sliding velocity, as in `slopes`.
+            Derivatives of `films.FlowFilm` quantities to film thickness and to sliding velocity, as
+            in `slopes`.
         *dvelocities : ndarray, shape (n_c, n_a)
             Derivatives of the entrainment velocities along i and j to the sliding velocity [-].
 
@@ -186,8 +238,17 @@ class FilmStep:
             Derivatives of pressure and film fraction to the signed unknown.
         """
         s = self._step
-        self._stencil = self.slopes(s.film, by_film, by_velocity, (s.velocity_c, s.velocity_a), dvelocities, self._pressure,
-                                    self._fraction, s.edges, self.grid.cell_area / s.rate)
+        self._stencil = self.slopes(
+            s.film,
+            by_film,
+            by_velocity,
+            (s.velocity_c, s.velocity_a),
+            dvelocities,
+            self._pressure,
+            self._fraction,
+            s.edges,
+            self.grid.cell_area / s.rate,
+        )
         return self.model.shares(self._unknown, s.full)
 
     def tangent(self, dfilm, dvelocity):
@@ -205,6 +266,6 @@ class FilmStep:
         """
         if self._right.size < dfilm.size:  # kept, as in `blocks`
             self._right = np.empty(dfilm.size)
-        right = self._right[:dfilm.size].reshape(dfilm.shape)
+        right = self._right[: dfilm.size].reshape(dfilm.shape)
         reynolds.apply_stencils(self._stencil, dfilm, dvelocity, right)
         return self.solver.solve(right)  # Eq. (E6)

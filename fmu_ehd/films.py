@@ -4,9 +4,10 @@ Eq. (E7):  s = t = max(h, h_min),  g = s^3 / (12 mu),  c = mu / s,  b = s / 2   
 Eq. (E8):  s = h_T,  t = h_T - (2 Y - 1) sigma Phi_s,  g = phi h^3 / (12 mu),  c = phi_f mu / h,
            d = (2 Y - 1) Phi_fs mu / h,  b = phi_fp h / 2                                   rough surfaces, h >= h_min
 
-s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c, d and b give the shear stress of
-`friction`. The factors phi are those of `roughness`; Y is the skirt's share of the roughness variance. In the frame of the
-grid the skirt rests and the bore moves with twice the entrainment velocity, so a rough skirt holds oil back (t < h_T).
+s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c, d and b give the
+shear stress of `friction`. The factors phi are those of `roughness`; Y is the skirt's share of the
+roughness variance. In the frame of the grid the skirt rests and the bore moves with twice the
+entrainment velocity, so a rough skirt holds oil back (t < h_T).
 """
 
 from typing import NamedTuple
@@ -21,8 +22,8 @@ from .roughness import TABLE_END
 class FlowFilm(NamedTuple):
     """Film seen by flow and shear, each an ndarray of shape (n_c, n_a).
 
-    stored, transport [m]; conductivity_c, conductivity_a across i and j [m3/(Pa s)]; couette c, drag d [Pa s/m];
-    poiseuille b [m].
+    stored, transport [m]; conductivity_c, conductivity_a across i and j [m3/(Pa s)]; couette c,
+    drag d [Pa s/m]; poiseuille b [m].
     """
 
     stored: np.ndarray
@@ -69,7 +70,8 @@ def smooth_film(film_thickness, viscosity, minimum_flow_film):
 
 
 def thin(values, slopes, factor, slope, thickness, above_floor, sliding_velocity):
-    """Shear thinning: conductivities grow by mu_0/mu, Couette stress and drag fall by mu/mu_0; `values` and `slopes` in place.
+    """Shear thinning: conductivities grow by mu_0/mu, Couette stress and drag fall by mu/mu_0;
+    `values` and `slopes` in place.
 
     Parameters
     ----------
@@ -122,7 +124,10 @@ def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asym
     n_c, n_a = film_thickness.shape
     values, slopes = np.empty((7, n_c, n_a)), np.empty((7, n_c, n_a))
     last = table.shape[0] - 1
-    f, df = np.empty(7), np.empty(7)  # deviation of each factor from its smooth limit, and its slope to h
+    f, df = (
+        np.empty(7),
+        np.empty(7),
+    )  # deviation of each factor from its smooth limit, and its slope to h
     for i in range(n_c):
         for j in range(n_a):
             mu, separation = viscosity[i, j], film_thickness[i, j] / roughness_rms
@@ -130,8 +135,13 @@ def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asym
                 if 0.0 <= separation < TABLE_END:
                     f[k], df[k] = interpolate(table, 2 * k, TABLE_END, separation)
                     df[k] /= roughness_rms
-                elif k == 0 and separation < 0.0:  # the average gap goes on along its tangent, until the floor holds
-                    f[k], df[k] = table[0, 0] + table[0, 1] * separation, table[0, 1] / roughness_rms
+                elif (
+                    k == 0 and separation < 0.0
+                ):  # the average gap goes on along its tangent, until the floor holds
+                    f[k], df[k] = (
+                        table[0, 0] + table[0, 1] * separation,
+                        table[0, 1] / roughness_rms,
+                    )
                 else:
                     f[k], df[k] = table[0 if separation < 0.0 else last, 2 * k], 0.0
             gap = film_thickness[i, j] + roughness_rms * f[0]  # h_T
@@ -145,10 +155,25 @@ def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asym
             if h < minimum_flow_film:
                 h, dh = minimum_flow_film, 0.0
             cube, dcube = h * h * h / (12.0 * mu), dh * h * h / (4.0 * mu)
-            values[2, i, j], slopes[2, i, j] = (1.0 + f[1]) * cube, (1.0 + f[1]) * dcube + df[1] * cube
-            values[3, i, j], slopes[3, i, j] = (1.0 + f[2]) * cube, (1.0 + f[2]) * dcube + df[2] * cube
+            values[2, i, j], slopes[2, i, j] = (
+                (1.0 + f[1]) * cube,
+                (1.0 + f[1]) * dcube + df[1] * cube,
+            )
+            values[3, i, j], slopes[3, i, j] = (
+                (1.0 + f[2]) * cube,
+                (1.0 + f[2]) * dcube + df[2] * cube,
+            )
             shear, dshear = mu / h, -mu * dh / (h * h)
-            values[4, i, j], slopes[4, i, j] = (1.0 + f[4]) * shear, (1.0 + f[4]) * dshear + df[4] * shear
-            values[5, i, j], slopes[5, i, j] = asymmetry * f[5] * shear, asymmetry * (f[5] * dshear + df[5] * shear)
-            values[6, i, j], slopes[6, i, j] = 0.5 * (1.0 + f[6]) * h, 0.5 * ((1.0 + f[6]) * dh + df[6] * h)
+            values[4, i, j], slopes[4, i, j] = (
+                (1.0 + f[4]) * shear,
+                (1.0 + f[4]) * dshear + df[4] * shear,
+            )
+            values[5, i, j], slopes[5, i, j] = (
+                asymmetry * f[5] * shear,
+                asymmetry * (f[5] * dshear + df[5] * shear),
+            )
+            values[6, i, j], slopes[6, i, j] = (
+                0.5 * (1.0 + f[6]) * h,
+                0.5 * ((1.0 + f[6]) * dh + df[6] * h),
+            )
     return values, slopes

@@ -4,13 +4,15 @@ Eq. (F1):  tau_v = -f (c - d) V - b dp/dy                    on the skirt, which
 Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
 Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]       shear of the film on the bore x sliding velocity
 
-tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth surfaces: mu/h, 0, h/2).
-f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with `cavity_shear = full_film` f = 1 there.
-dp/dy is the central difference of face pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at
-rest, so that friction has a derivative.
+tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth
+surfaces: mu/h, 0, h/2). f is the film fraction: in the cavitated part only the oil shears
+[Elrod1981]; with `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face
+pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that
+friction has a derivative.
 
-The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the sloping skirt. The bore is
-the straight surface, so its shear is the whole axial force between the bodies and gives the power that sliding costs.
+The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the
+sloping skirt. The bore is the straight surface, so its shear is the whole axial force between the
+bodies and gives the power that sliding costs.
 
 References
 ----------
@@ -37,8 +39,20 @@ def _gradients(pressure, lower, upper, dy, out):
 
 
 @compiled
-def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy,
-                 boundary_stress, rounding_velocity, area):
+def shear_forces(
+    pressure,
+    shearing,
+    velocity,
+    couette,
+    drag,
+    poiseuille,
+    lower,
+    upper,
+    dy,
+    boundary_stress,
+    rounding_velocity,
+    area,
+):
     """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
 
     Parameters
@@ -76,13 +90,30 @@ def shear_forces(pressure, shearing, velocity, couette, drag, poiseuille, lower,
             viscous[i, j] = -a * (f * (couette[i, j] - drag[i, j]) * v + flow)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
             boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
-            power[i, j] = v * (a * (f * (couette[i, j] + drag[i, j]) * v - flow) - boundary[i, j])  # Eq. (F3)
+            power[i, j] = v * (
+                a * (f * (couette[i, j] + drag[i, j]) * v - flow) - boundary[i, j]
+            )  # Eq. (F3)
     return viscous, boundary, power
 
 
 @compiled
-def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower, upper, dy, boundary_stress, rounding_velocity,
-                 area, by_film, by_velocity, boundary_slope):
+def shear_slopes(
+    pressure,
+    shearing,
+    velocity,
+    couette,
+    drag,
+    poiseuille,
+    lower,
+    upper,
+    dy,
+    boundary_stress,
+    rounding_velocity,
+    area,
+    by_film,
+    by_velocity,
+    boundary_slope,
+):
     """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
 
     Parameters
@@ -90,14 +121,16 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
     pressure ... area
         As in `shear_forces`.
     by_film, by_velocity : ndarray, shape (3, n_c, n_a)
-        Derivatives of c, d, b to film thickness and to sliding velocity; the latter of shape (0, n_c, n_a) if all zero.
+        Derivatives of c, d, b to film thickness and to sliding velocity; the latter of shape (0,
+        n_c, n_a) if all zero.
     boundary_slope : ndarray, shape (n_c, n_a)
         Derivative of tau_b to film thickness [Pa/m].
 
     Returns
     -------
     ndarray, shape (4, n_c, n_a)
-        To film thickness [N/m], sliding velocity [N s/m], shearing share [N], and to the pressure gradient [N m/Pa].
+        To film thickness [N/m], sliding velocity [N s/m], shearing share [N], and to the pressure
+        gradient [N m/Pa].
     """
     n_c, n_a = pressure.shape
     slopes = np.empty((4, n_c, n_a))
@@ -108,20 +141,39 @@ def shear_slopes(pressure, shearing, velocity, couette, drag, poiseuille, lower,
             v, f, c, a = velocity[i, j], shearing[i, j], couette[i, j] - drag[i, j], -area[i, j]
             square = v * v + rounding_velocity * rounding_velocity
             direction = v / np.sqrt(square)
-            slopes[0, i, j] = a * (f * v * (by_film[0, i, j] - by_film[1, i, j]) + by_film[2, i, j] * gradient[j]
-                                   + boundary_slope[i, j] * direction)
-            slopes[1, i, j] = a * (f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square))
+            slopes[0, i, j] = a * (
+                f * v * (by_film[0, i, j] - by_film[1, i, j])
+                + by_film[2, i, j] * gradient[j]
+                + boundary_slope[i, j] * direction
+            )
+            slopes[1, i, j] = a * (
+                f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square)
+            )
             if by_velocity.shape[0] > 0:
-                slopes[1, i, j] += a * (f * v * (by_velocity[0, i, j] - by_velocity[1, i, j])
-                                        + by_velocity[2, i, j] * gradient[j])
+                slopes[1, i, j] += a * (
+                    f * v * (by_velocity[0, i, j] - by_velocity[1, i, j])
+                    + by_velocity[2, i, j] * gradient[j]
+                )
             slopes[2, i, j] = a * c * v
             slopes[3, i, j] = a * poiseuille[i, j]
     return slopes
 
 
 @compiled
-def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, fraction_share, dfilm, dvelocity, dunknown,
-                  normal, shear):
+def force_changes(
+    slopes,
+    by_pressure,
+    contact_slope,
+    area,
+    dy,
+    pressure_share,
+    fraction_share,
+    dfilm,
+    dvelocity,
+    dunknown,
+    normal,
+    shear,
+):
     """Changes of both nodal forces.
 
     Parameters
@@ -144,15 +196,21 @@ def force_changes(slopes, by_pressure, contact_slope, area, dy, pressure_share, 
     m, n_c, n_a = dfilm.shape
     p = np.empty(n_a)
     half, last = 0.5 / dy, n_a - 1
-    for i in range(n_c):  # what stands before the changes of a row stays in the cache for all directions
+    for i in range(
+        n_c
+    ):  # what stands before the changes of a row stays in the cache for all directions
         for q in range(m):
             for j in range(n_a):
                 p[j] = pressure_share[i, j] * dunknown[q, i, j]
             for j in range(n_a):
                 normal[q, i, j] = area[i, j] * (p[j] + contact_slope[i, j] * dfilm[q, i, j])
             for j in range(n_a):
-                shear[q, i, j] = (slopes[0, i, j] * dfilm[q, i, j] + slopes[1, i, j] * dvelocity[q, i, j]
-                                  + slopes[2, i, j] * fraction_share[i, j] * dunknown[q, i, j] + by_pressure[i, j] * p[j])
+                shear[q, i, j] = (
+                    slopes[0, i, j] * dfilm[q, i, j]
+                    + slopes[1, i, j] * dvelocity[q, i, j]
+                    + slopes[2, i, j] * fraction_share[i, j] * dunknown[q, i, j]
+                    + by_pressure[i, j] * p[j]
+                )
             for j in range(1, last):
                 shear[q, i, j] += slopes[3, i, j] * half * (p[j + 1] - p[j - 1])
             if n_a > 1:

@@ -38,15 +38,16 @@ class Grid:
 
 @dataclass(frozen=True)
 class Edges:
-    """Oil supply at the edges, in the order lower, upper, first, last (the last two unused on a ring).
+    """Oil supply at the edges, in the order lower, upper, first, last (the last two unused on a
+    ring).
 
     Parameters
     ----------
     pressure : ndarray, shape (4,)
         Pressure above cavitation pressure [Pa], >= 0.
     film_fraction : ndarray, shape (4,)
-        Film fraction of the oil that sliding drags in [-], 0 to 1. An edge with less than 1 should have
-        the cavitation pressure: the model knows no gas at another pressure inside the film.
+        Film fraction of the oil that sliding drags in [-], 0 to 1. An edge with less than 1 should
+        have the cavitation pressure: the model knows no gas at another pressure inside the film.
     """
 
     pressure: np.ndarray = field(default_factory=lambda: np.zeros(4))

@@ -1,4 +1,6 @@
-"""Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a consistent slope."""
+"""Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a
+consistent slope.
+"""
 
 from ..master.fmi.compiled import compiled
 

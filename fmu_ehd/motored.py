@@ -1,4 +1,6 @@
-"""A skirt that moves on a given path: the transient film that verification, tests and benchmarks share."""
+"""A skirt that moves on a given path: the transient film that verification, tests and benchmarks
+share.
+"""
 
 import numpy as np
 
@@ -10,7 +12,8 @@ UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
 
 
 def motored_film(shape, time):
-    """A skirt that shifts and tilts in its bore at 3000 rpm, with rupture, reformation and reversal of sliding.
+    """A skirt that shifts and tilts in its bore at 3000 rpm, with rupture, reformation and reversal
+    of sliding.
 
     Returns
     -------
@@ -43,22 +46,30 @@ def motored_until(parameters, ends):
 
 
 def central_difference(model, state, inputs, change, size=1e-5):
-    """Central difference of both force fields along a change of (film_thickness, sliding_velocity) at the end of a step.
+    """Central difference of both force fields along a change of (film_thickness, sliding_velocity)
+    at the end of a step.
 
     Returns
     -------
     list of ndarray or None
         None if a cell switches between full and cavitated meanwhile: there is no derivative then.
     """
-    forward, backward = (model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), UNEVEN)
-                         for sign in (1.0, -1.0))
+    forward, backward = (
+        model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), UNEVEN)
+        for sign in (1.0, -1.0)
+    )
     if not np.array_equal(forward[0].unknown > 0.0, backward[0].unknown > 0.0):
         return None
-    return [(forward[1][name] - backward[1][name]) / (2.0 * size) for name in ("nodal_pressure_force", "nodal_friction_force")]
+    return [
+        (forward[1][name] - backward[1][name]) / (2.0 * size)
+        for name in ("nodal_pressure_force", "nodal_friction_force")
+    ]
 
 
 def tangent_error(parameters, steps=100, seed=0):
-    """Largest difference of tangent and central difference, relative to the largest entry, over directions without switching."""
+    """Largest difference of tangent and central difference, relative to the largest entry, over
+    directions without switching.
+    """
     model, state, _ = motored(parameters, steps)
     inputs = motored_film(parameters.shape, steps * DEGREE + UNEVEN)
     rng, worst, tried = np.random.default_rng(seed), 0.0, 0
@@ -70,7 +81,9 @@ def tangent_error(parameters, steps=100, seed=0):
         tried += 1
         model.advance(state, *inputs, UNEVEN)
         for tangent, reference in zip(model.tangent(*change), difference):
-            worst = np.maximum(worst, np.abs(tangent - reference).max() / np.abs(reference).max())  # keeps a NaN
+            worst = np.maximum(
+                worst, np.abs(tangent - reference).max() / np.abs(reference).max()
+            )  # keeps a NaN
     return worst
 
 
@@ -78,7 +91,9 @@ def opening(shape):
     """Cut-outs for the pin on both sides of a skirt grid."""
     cells = np.zeros(shape, dtype=bool)
     half, middle = shape[0] // 2, slice(shape[1] // 3, shape[1] - shape[1] // 5)
-    cells[0, middle] = cells[half, middle] = cells[half + 1, middle.start + 1:middle.stop - 1] = True
+    cells[0, middle] = cells[half, middle] = cells[half + 1, middle.start + 1 : middle.stop - 1] = (
+        True
+    )
     return cells
 
 
@@ -98,13 +113,27 @@ def physics(shape):
         "roelands": dict(oil=Oil(pressure_viscosity_law="roelands_1966"), pressure_upper_edge=1e5),
         "cross": dict(oil=Oil(shear_thinning_law="cross_1965")),
         "carreau": dict(oil=Oil(shear_thinning_law="carreau_1972", shear_thinning_exponent=0.6)),
-        "flow factors": dict(roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0),
-        "oblong roughness": dict(roughness_rms=3e-6, flow_factors="patir_cheng_1978", peklenik_number=4.0,
-                                 roughness_share_skirt=0.1),
+        "flow factors": dict(
+            roughness_rms=2e-6, flow_factors="patir_cheng_1978", roughness_share_skirt=1.0
+        ),
+        "oblong roughness": dict(
+            roughness_rms=3e-6,
+            flow_factors="patir_cheng_1978",
+            peklenik_number=4.0,
+            roughness_share_skirt=0.1,
+        ),
         "cut-out": dict(open_cells=opening(shape)),
         "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6),
-        "coating and roelands": dict(coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")),
-        "everything": dict(oil=Oil("vogel_1921", "roelands_1966", "cross_1965"), roughness_rms=3e-6, peklenik_number=0.2,
-                           flow_factors="patir_cheng_1978", film_fraction_lower_edge=0.7, open_cells=opening(shape),
-                           coating_thickness=1e-5),
+        "coating and roelands": dict(
+            coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")
+        ),
+        "everything": dict(
+            oil=Oil("vogel_1921", "roelands_1966", "cross_1965"),
+            roughness_rms=3e-6,
+            peklenik_number=0.2,
+            flow_factors="patir_cheng_1978",
+            film_fraction_lower_edge=0.7,
+            open_cells=opening(shape),
+            coating_thickness=1e-5,
+        ),
     }

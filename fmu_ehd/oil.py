@@ -10,15 +10,15 @@ Eq. (O7):  cross_1965:    mu/mu_0 = m + (1 - m) / [1 + (g/g_c)^n]               
 Eq. (O8):  carreau_1972:  mu/mu_0 = m + (1 - m) [1 + (g/g_c)^2]^((n-1)/2)
 Eq. (O9):  lg g_c = a + b t                                                     critical shear rate [1/s]
 
-The shear rate is that of sliding: the film of a skirt is sheared by |V|/h, pressure flow adds little, and so the thinned
-viscosity is a function of film and velocity in the same cell, with an exact derivative. Eq. (O6) is exact where alpha and Z do
-not vary over the film; with a temperature field Z belongs to the mean of mu_0.
+The shear rate is that of sliding: the film of a skirt is sheared by |V|/h, pressure flow adds
+little, and so the thinned viscosity is a function of film and velocity in the same cell, with an
+exact derivative. Eq. (O6) is exact where alpha and Z do not vary over the film; with a temperature
+field Z belongs to the mean of mu_0.
 
-References
-----------
-[Vogel1921] H. Vogel, Phys. Z. 22 (1921) 645. [Walther1931] C. Walther, Erdoel und Teer 7 (1931) 382; ASTM D341.
-[Barus1893] C. Barus, Am. J. Sci. 45 (1893) 87. [Roelands1966] C. J. A. Roelands, thesis, Delft 1966.
-[Cross1965] M. M. Cross, J. Colloid Sci. 20 (1965) 417. [Carreau1972] P. J. Carreau, Trans. Soc. Rheol. 16 (1972) 99.
+References ---------- [Vogel1921] H. Vogel, Phys. Z. 22 (1921) 645. [Walther1931] C. Walther, Erdoel
+und Teer 7 (1931) 382; ASTM D341. [Barus1893] C. Barus, Am. J. Sci. 45 (1893) 87. [Roelands1966] C.
+J. A. Roelands, thesis, Delft 1966. [Cross1965] M. M. Cross, J. Colloid Sci. 20 (1965) 417.
+[Carreau1972] P. J. Carreau, Trans. Soc. Rheol. 16 (1972) 99.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,9 @@ import numpy as np
 ZERO_CELSIUS = 273.15  # [K]
 POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
 POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
-LARGEST_RATIO = 1e3  # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
+LARGEST_RATIO = (
+    1e3  # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
+)
 TABLE_CELLS = 2000  # of Eq. (O6): interpolation error below 1 mPa
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
 
@@ -86,30 +88,42 @@ class Oil:
         return VISCOSITY_LAWS[self.viscosity_law](self, temperature)
 
     def thinning(self, shear_rate, temperature):
-        """mu/mu_0 [-] and its derivative [s] at a shear rate [1/s] and temperature [K], Eqs. (O7) to (O9)."""
-        critical = 10.0 ** (self.critical_shear_rate_a + self.critical_shear_rate_b * (temperature - ZERO_CELSIUS))  # Eq. (O9)
-        factor, slope = SHEAR_THINNING_LAWS[self.shear_thinning_law](self.shear_thinning_exponent, shear_rate / critical)
+        """mu/mu_0 [-] and its derivative [s] at a shear rate [1/s] and temperature [K], Eqs. (O7)
+        to (O9).
+        """
+        critical = 10.0 ** (
+            self.critical_shear_rate_a + self.critical_shear_rate_b * (temperature - ZERO_CELSIUS)
+        )  # Eq. (O9)
+        factor, slope = SHEAR_THINNING_LAWS[self.shear_thinning_law](
+            self.shear_thinning_exponent, shear_rate / critical
+        )
         m = self.high_shear_ratio
         return m + (1.0 - m) * factor, (1.0 - m) * slope / critical
 
     def thickening(self, low_shear_viscosity):
         """The pressure law of an oil whose mean mu_0 is given [Pa s]."""
-        return PRESSURE_VISCOSITY_LAWS[self.pressure_viscosity_law](self.pressure_viscosity_coefficient, low_shear_viscosity)
+        return PRESSURE_VISCOSITY_LAWS[self.pressure_viscosity_law](
+            self.pressure_viscosity_coefficient, low_shear_viscosity
+        )
 
 
-# ---- temperature --------------------------------------------------------------------------------------------------------
+# ---- temperature
+# --------------------------------------------------------------------------------------------------------
+
 
 def _constant(oil, temperature):
     return np.full_like(temperature, oil.viscosity, dtype=float)
 
 
 def _vogel_1921(oil, temperature):
-    return oil.vogel_viscosity * np.exp(oil.vogel_b / (temperature - ZERO_CELSIUS + oil.vogel_c))  # Eq. (O1)
+    return oil.vogel_viscosity * np.exp(
+        oil.vogel_b / (temperature - ZERO_CELSIUS + oil.vogel_c)
+    )  # Eq. (O1)
 
 
 def walther_viscosity(a, m, temperature):
     """Kinematic viscosity [m2/s] at a temperature [K], Eq. (O2)."""
-    return 1e-6 * (10.0 ** 10.0 ** (a - m * np.log10(temperature)) - 0.7)  # Eq. (O2)
+    return 1e-6 * (10.0**10.0 ** (a - m * np.log10(temperature)) - 0.7)  # Eq. (O2)
 
 
 def walther_constants(viscosities, temperatures):
@@ -124,16 +138,24 @@ def _walther_1931(oil, temperature):
 
 
 def _two_point(oil, temperature):
-    constants = walther_constants((oil.viscosity_40 / oil.density, oil.viscosity_100 / oil.density),
-                                  (ZERO_CELSIUS + 40.0, ZERO_CELSIUS + 100.0))
+    constants = walther_constants(
+        (oil.viscosity_40 / oil.density, oil.viscosity_100 / oil.density),
+        (ZERO_CELSIUS + 40.0, ZERO_CELSIUS + 100.0),
+    )
     return oil.density * walther_viscosity(*constants, temperature)
 
 
-VISCOSITY_LAWS = {"constant": _constant, "vogel_1921": _vogel_1921, "walther_1931": _walther_1931, "two_point": _two_point}
+VISCOSITY_LAWS = {
+    "constant": _constant,
+    "vogel_1921": _vogel_1921,
+    "walther_1931": _walther_1931,
+    "two_point": _two_point,
+}
 
 
 def vogel_constants(viscosities, temperatures):
-    """K [Pa s], B and C [K] of Eq. (O1) through three dynamic viscosities [Pa s] at three temperatures [K].
+    """K [Pa s], B and C [K] of Eq. (O1) through three dynamic viscosities [Pa s] at three
+    temperatures [K].
 
     The ratio of the two logarithmic viscosity steps is linear in C; B and K follow.
     """
@@ -145,7 +167,9 @@ def vogel_constants(viscosities, temperatures):
     return viscosities[0] / np.exp(b / (t[0] + c)), b, c
 
 
-# ---- shear rate ---------------------------------------------------------------------------------------------------------
+# ---- shear rate
+# ---------------------------------------------------------------------------------------------------------
+
 
 def _cross_1965(n, ratio):
     """(mu - m mu_0) / (mu_0 - m mu_0) and its derivative to g/g_c, Eq. (O7)."""
@@ -163,13 +187,16 @@ def _carreau_1972(n, ratio):
 SHEAR_THINNING_LAWS = {"none": None, "cross_1965": _cross_1965, "carreau_1972": _carreau_1972}
 
 
-# ---- pressure -----------------------------------------------------------------------------------------------------------
+# ---- pressure
+# -----------------------------------------------------------------------------------------------------------
+
 
 class _Thickening:
-    """A pressure law up to mu/mu_0 = `LARGEST_RATIO` at the pressure `limit`, constant viscosity beyond.
+    """A pressure law up to mu/mu_0 = `LARGEST_RATIO` at the pressure `limit`, constant viscosity
+    beyond.
 
-    Without the limit q would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q
-    exists and grows steeply. Skirt films stay far below it.
+    Without the limit q would be bounded and a hard squeeze would have no pressure at all; with it
+    the pressure of any q exists and grows steeply. Skirt films stay far below it.
     """
 
     def ratio(self, pressure):
@@ -179,12 +206,18 @@ class _Thickening:
 
     def reduced(self, pressure):
         """q [Pa] of p [Pa], Eq. (O6)."""
-        return self._reduced(np.minimum(pressure, self.limit)) + np.maximum(pressure - self.limit, 0.0) / LARGEST_RATIO
+        return (
+            self._reduced(np.minimum(pressure, self.limit))
+            + np.maximum(pressure - self.limit, 0.0) / LARGEST_RATIO
+        )
 
     def pressure(self, reduced):
         """p [Pa] of q [Pa]."""
         most = self._reduced(np.array(self.limit))
-        return self._pressure(np.minimum(reduced, most)) + np.maximum(reduced - most, 0.0) * LARGEST_RATIO
+        return (
+            self._pressure(np.minimum(reduced, most))
+            + np.maximum(reduced - most, 0.0) * LARGEST_RATIO
+        )
 
 
 class Barus1893(_Thickening):
@@ -236,7 +269,9 @@ class Roelands1966(_Thickening):
     def __init__(self, alpha, low_shear_viscosity):
         self.level = np.log(low_shear_viscosity) + POLE_LOGARITHM
         self.z = alpha * POLE_PRESSURE / self.level
-        self.limit = POLE_PRESSURE * ((np.log(LARGEST_RATIO) / self.level + 1.0) ** (1.0 / self.z) - 1.0)
+        self.limit = POLE_PRESSURE * (
+            (np.log(LARGEST_RATIO) / self.level + 1.0) ** (1.0 / self.z) - 1.0
+        )
         self._nodes = np.linspace(0.0, self.limit, TABLE_CELLS + 1)
         half = 0.5 * self._nodes[1]
         points = self._nodes[:-1, None] + half * (1.0 + GAUSS_NODES)

@@ -20,7 +20,8 @@ class Parameters:
         Chosen laws, keys of `variables.CHOICES`.
     bore_radius, skirt_length, minimum_flow_film, roughness_rms : float
         [m].
-    pressure_lower_edge, pressure_upper_edge, cavitation_pressure, contact_modulus, boundary_shear_strength : float
+    pressure_lower_edge, pressure_upper_edge, cavitation_pressure, contact_modulus,
+    boundary_shear_strength : float
         [Pa], pressures on one datum, edges not below cavitation.
     film_fraction_lower_edge, film_fraction_upper_edge : float
         [-].
@@ -69,8 +70,14 @@ class Parameters:
     open_cells: np.ndarray | None = None
 
 
-CONDITIONS = ("pressure_lower_edge", "pressure_upper_edge", "film_fraction_lower_edge", "film_fraction_upper_edge",
-              "oil_temperature_lower_edge", "oil_temperature_upper_edge")
+CONDITIONS = (
+    "pressure_lower_edge",
+    "pressure_upper_edge",
+    "film_fraction_lower_edge",
+    "film_fraction_upper_edge",
+    "oil_temperature_lower_edge",
+    "oil_temperature_upper_edge",
+)
 
 
 def faults(parameters):
@@ -86,11 +93,15 @@ def faults(parameters):
         One sentence a fault.
     """
     p = parameters
-    found = [f"pressure_{edge}_edge = {pressure:g} Pa: must not be below cavitation_pressure = {p.cavitation_pressure:g} Pa"
-             for edge, pressure in (("lower", p.pressure_lower_edge), ("upper", p.pressure_upper_edge))
-             if pressure < p.cavitation_pressure]
+    found = [
+        f"pressure_{edge}_edge = {pressure:g} Pa: must not be below cavitation_pressure = {p.cavitation_pressure:g} Pa"
+        for edge, pressure in (("lower", p.pressure_lower_edge), ("upper", p.pressure_upper_edge))
+        if pressure < p.cavitation_pressure
+    ]
     if p.oil.viscosity_law == "two_point" and p.oil.viscosity_40 <= p.oil.viscosity_100:
-        found.append(f"viscosity_40 = {p.oil.viscosity_40:g} Pa.s: must be above viscosity_100 = {p.oil.viscosity_100:g} Pa.s")
+        found.append(
+            f"viscosity_40 = {p.oil.viscosity_40:g} Pa.s: must be above viscosity_100 = {p.oil.viscosity_100:g} Pa.s"
+        )
     if p.flow_factors != "none" and p.roughness_rms <= 0.0:
         found.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
     return found

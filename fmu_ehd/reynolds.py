@@ -7,25 +7,26 @@ Eq. (E4):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u                      
 Eq. (E5):  q = c_a u_a + c_b u_b + T,  c_a = K or max(T, 0), c_b = -K or min(T, 0)   where (a, b) is full or cavitated
 Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)                  tangent with the matrix M of the step
 
-A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f film fraction [-], p
-pressure above cavitation pressure [Pa], w face width, d distance between cell centres [m], U entrainment velocity at the
-face, the mean of both cells [m/s]. Per cell: s stored film [m], t transported film [m], g conductivity [m3/(Pa s)]; for
-smooth surfaces s = t = h and g = h^3 / (12 mu).
+A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
+film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
+centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
+film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
+h^3 / (12 mu).
 
-The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped film is exact on every grid
-and a smooth one of second order; it stays near the thinner film where the film jumps. Film fraction multiplies the
-same face film upstream, so the flow is continuous when a cell fills or empties, f >= 0, and the
-matrix is a column-dominant M-matrix. Its columns for u <= 0 need no scaling: elimination is indifferent to column scale.
-Edges are half a cell away from the centre (d/2), with the film of their cell.
+The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
+film is exact on every grid and a smooth one of second order; it stays near the thinner film where
+the film jumps. Film fraction multiplies the same face film upstream, so the flow is continuous when
+a cell fills or empties, f >= 0, and the matrix is a column-dominant M-matrix. Its columns for u <=
+0 need no scaling: elimination is indifferent to column scale. Edges are half a cell away from the
+centre (d/2), with the film of their cell.
 
-Arrays have the shape (n_c, n_a) of the grid; faces (n_c + 1, n_a) across i and (n_c, n_a + 1) across j.
-Face i lies between cells i - 1 and i. All functions are pure.
+Arrays have the shape (n_c, n_a) of the grid; faces (n_c + 1, n_a) across i and (n_c, n_a + 1)
+across j. Face i lies between cells i - 1 and i. All functions are pure.
 
-References
-----------
-[Elrod1981] H. G. Elrod, A cavitation algorithm, J. Lubr. Technol. 103 (1981) 350-354 (the film content as unknown).
-[Woloszynski2015] T. Woloszynski, P. Podsiadlo, G. W. Stachowiak, Efficient solution to the cavitation problem in
-hydrodynamic lubrication, Tribol. Lett. 58 (2015) 18 (the complementarity form).
+References ---------- [Elrod1981] H. G. Elrod, A cavitation algorithm, J. Lubr. Technol. 103 (1981)
+350-354 (the film content as unknown). [Woloszynski2015] T. Woloszynski, P. Podsiadlo, G. W.
+Stachowiak, Efficient solution to the cavitation problem in hydrodynamic lubrication, Tribol. Lett.
+58 (2015) 18 (the complementarity form).
 """
 
 import numpy as np
@@ -60,7 +61,8 @@ def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx,
     Returns
     -------
     tuple of ndarray
-        K and T across i, shape (n_c + 1, n_a), K and T across j, shape (n_c, n_a + 1) [m3/(Pa s)], [m3/s].
+        K and T across i, shape (n_c + 1, n_a), K and T across j, shape (n_c, n_a + 1) [m3/(Pa s)],
+        [m3/s].
     """
     n_c, n_a = transport.shape
     k_c, t_c = np.empty((n_c + 1, n_a)), np.empty((n_c + 1, n_a))
@@ -72,21 +74,38 @@ def faces(conductivity_c, conductivity_a, transport, velocity_c, velocity_a, dx,
         aspect = dy / dx if ring or 0 < i < n_c else 2.0 * dy / dx
         for j in range(n_a):
             velocity = 0.5 * (velocity_c[below, j] + velocity_c[above, j])
-            k_c[i, j], t_c[i, j] = _face(conductivity_c[below, j], conductivity_c[above, j],
-                                         transport[below, j], transport[above, j], velocity, aspect, dy)
+            k_c[i, j], t_c[i, j] = _face(
+                conductivity_c[below, j],
+                conductivity_c[above, j],
+                transport[below, j],
+                transport[above, j],
+                velocity,
+                aspect,
+                dy,
+            )
     for i in range(n_c):
         for j in range(n_a + 1):
             below, above = max(j - 1, 0), min(j, n_a - 1)
             aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
             velocity = 0.5 * (velocity_a[i, below] + velocity_a[i, above])
-            k_a[i, j], t_a[i, j] = _face(conductivity_a[i, below], conductivity_a[i, above],
-                                         transport[i, below], transport[i, above], velocity, aspect, dx)
+            k_a[i, j], t_a[i, j] = _face(
+                conductivity_a[i, below],
+                conductivity_a[i, above],
+                transport[i, below],
+                transport[i, above],
+                velocity,
+                aspect,
+                dx,
+            )
     return k_c, t_c, k_a, t_a
 
 
 @compiled
-def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pressure, edge_fraction, ring):
-    """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq. (E5).
+def assemble(
+    full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pressure, edge_fraction, ring
+):
+    """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq.
+    (E5).
 
     Parameters
     ----------
@@ -95,7 +114,8 @@ def assemble(full, k_c, t_c, k_a, t_a, stored, content, area_per_step, edge_pres
     k_c, t_c, k_a, t_a : ndarray
         From `faces`.
     stored, content : ndarray, shape (n_c, n_a)
-        Stored film s of a full cell at the end of the step, and content c_e that the step starts from [m].
+        Stored film s of a full cell at the end of the step, and content c_e that the step starts
+        from [m].
     area_per_step : float
         A / H_e [m2/s]; 0 for a steady film.
     edge_pressure, edge_fraction : ndarray, shape (4,)
@@ -209,15 +229,31 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
     edge_flow = np.zeros(4)
     gross = 0.0
     for i in range(n_c):
-        q = _flow(k_a[i, 0], t_a[i, 0], edge_pressure[0], pressure[i, 0], edge_fraction[0], fraction[i, 0])
+        q = _flow(
+            k_a[i, 0], t_a[i, 0], edge_pressure[0], pressure[i, 0], edge_fraction[0], fraction[i, 0]
+        )
         edge_flow[0] += q
         out[i, 0] -= q
         for j in range(1, n_a):
-            q = _flow(k_a[i, j], t_a[i, j], pressure[i, j - 1], pressure[i, j], fraction[i, j - 1], fraction[i, j])
+            q = _flow(
+                k_a[i, j],
+                t_a[i, j],
+                pressure[i, j - 1],
+                pressure[i, j],
+                fraction[i, j - 1],
+                fraction[i, j],
+            )
             out[i, j - 1] += q
             out[i, j] -= q
         last = n_a - 1
-        q = _flow(k_a[i, n_a], t_a[i, n_a], pressure[i, last], edge_pressure[1], fraction[i, last], edge_fraction[1])
+        q = _flow(
+            k_a[i, n_a],
+            t_a[i, n_a],
+            pressure[i, last],
+            edge_pressure[1],
+            fraction[i, last],
+            edge_fraction[1],
+        )
         edge_flow[1] -= q
         out[i, last] += q
         gross += k_a[i, 0] * (pressure[i, 0] + edge_pressure[0]) + abs(t_a[i, 0])
@@ -225,18 +261,46 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
     last = n_c - 1
     for j in range(n_a):
         for i in range(1, n_c):
-            q = _flow(k_c[i, j], t_c[i, j], pressure[i - 1, j], pressure[i, j], fraction[i - 1, j], fraction[i, j])
+            q = _flow(
+                k_c[i, j],
+                t_c[i, j],
+                pressure[i - 1, j],
+                pressure[i, j],
+                fraction[i - 1, j],
+                fraction[i, j],
+            )
             out[i - 1, j] += q
             out[i, j] -= q
         if ring:
-            q = _flow(k_c[0, j], t_c[0, j], pressure[last, j], pressure[0, j], fraction[last, j], fraction[0, j])
+            q = _flow(
+                k_c[0, j],
+                t_c[0, j],
+                pressure[last, j],
+                pressure[0, j],
+                fraction[last, j],
+                fraction[0, j],
+            )
             out[last, j] += q
             out[0, j] -= q
         else:
-            q = _flow(k_c[0, j], t_c[0, j], edge_pressure[2], pressure[0, j], edge_fraction[2], fraction[0, j])
+            q = _flow(
+                k_c[0, j],
+                t_c[0, j],
+                edge_pressure[2],
+                pressure[0, j],
+                edge_fraction[2],
+                fraction[0, j],
+            )
             edge_flow[2] += q
             out[0, j] -= q
-            q = _flow(k_c[n_c, j], t_c[n_c, j], pressure[last, j], edge_pressure[3], fraction[last, j], edge_fraction[3])
+            q = _flow(
+                k_c[n_c, j],
+                t_c[n_c, j],
+                pressure[last, j],
+                edge_pressure[3],
+                fraction[last, j],
+                edge_fraction[3],
+            )
             edge_flow[3] -= q
             out[last, j] += q
             gross += k_c[0, j] * (pressure[0, j] + edge_pressure[2]) + abs(t_c[0, j])
@@ -245,8 +309,20 @@ def outflow(pressure, fraction, k_c, t_c, k_a, t_a, edge_pressure, edge_fraction
 
 
 @compiled
-def balance(pressure, deficit, faces, stored, content, area_per_step, edge_pressure, edge_fraction, ring, open_cells):
-    """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of the whole film.
+def balance(
+    pressure,
+    deficit,
+    faces,
+    stored,
+    content,
+    area_per_step,
+    edge_pressure,
+    edge_fraction,
+    ring,
+    open_cells,
+):
+    """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of
+    the whole film.
 
     Parameters
     ----------
@@ -288,14 +364,17 @@ def balance(pressure, deficit, faces, stored, content, area_per_step, edge_press
             else:
                 total += growth
                 throughput += abs(growth)
-    # round-off of pressures and film fractions says nothing about a film in which next to nothing moves
+    # round-off of pressures and film fractions says nothing about a film in which next to nothing
+    # moves
     floor = max(1e-3 * gross, 1e-3 * area_per_step * volume, 1e-300)
     return fraction, now, residual, edge_flow, abs(inflow - total) / max(throughput, floor)
 
 
 @compiled(inline="always")
 def _flow_slopes(g_a, g_b, t_a, t_b, velocity_a, velocity_b, aspect, width, p_a, p_b, f_a, f_b):
-    """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of either cell."""
+    """Derivatives of the face flow, Eqs. (E2), (E3), to g_a, g_b, t_a, t_b and to the velocity of
+    either cell.
+    """
     velocity = 0.5 * (velocity_a + velocity_b)
     upstream = f_a if velocity > 0.0 else f_b
     inverse = 1.0 / (g_a + g_b)
@@ -303,12 +382,20 @@ def _flow_slopes(g_a, g_b, t_a, t_b, velocity_a, velocity_b, aspect, width, p_a,
     moved = width * velocity * upstream
     bend, driven = moved * (t_b - t_a) * inverse, 2.0 * aspect * (p_a - p_b)
     by_g_a, by_g_b = share_b * (share_b * driven + bend), share_a * (share_a * driven - bend)
-    return by_g_a, by_g_b, moved * share_b, moved * share_a, 0.5 * width * upstream * (t_a * share_b + t_b * share_a)
+    return (
+        by_g_a,
+        by_g_b,
+        moved * share_b,
+        moved * share_a,
+        0.5 * width * upstream * (t_a * share_b + t_b * share_a),
+    )
 
 
 @compiled(inline="always")
 def _edge_changes(slopes, by_film, by_velocity, dvelocity, row, i, j):
-    """Derivatives of the flow over an edge to film and sliding velocity of its cell, which stands on both sides of the face."""
+    """Derivatives of the flow over an edge to film and sliding velocity of its cell, which stands
+    on both sides of the face.
+    """
     g_a, g_b, t_a, t_b, v = slopes
     film = (g_a + g_b) * by_film[row, i, j] + (t_a + t_b) * by_film[1, i, j]
     velocity = 2.0 * v * dvelocity[i, j]
@@ -318,16 +405,47 @@ def _edge_changes(slopes, by_film, by_velocity, dvelocity, row, i, j):
 
 
 @compiled
-def _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
-                 edge_fraction, ring, centre):
-    """Add the derivatives of the flows over the edges to the centre of both stencils, shape (2, n_c, n_a)."""
+def _edge_slopes(
+    film_c,
+    film_a,
+    by_film,
+    by_velocity,
+    dvelocity_c,
+    dvelocity_a,
+    pressure,
+    fraction,
+    dx,
+    dy,
+    edge_pressure,
+    edge_fraction,
+    ring,
+    centre,
+):
+    """Add the derivatives of the flows over the edges to the centre of both stencils, shape (2,
+    n_c, n_a).
+    """
     (g, t, u), n_c, n_a = film_a, *pressure.shape
     for i in range(n_c):
         for edge in range(2):
-            j, sign = (0, -1.0) if edge == 0 else (n_a - 1, 1.0)  # inward flow over the lower edge, outward over the upper one
+            j, sign = (
+                (0, -1.0) if edge == 0 else (n_a - 1, 1.0)
+            )  # inward flow over the lower edge, outward over the upper one
             p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[edge], edge_fraction[edge]
             p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
-            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dx / dy, dx, p_a, p_b, f_a, f_b)
+            slopes = _flow_slopes(
+                g[i, j],
+                g[i, j],
+                t[i, j],
+                t[i, j],
+                u[i, j],
+                u[i, j],
+                2.0 * dx / dy,
+                dx,
+                p_a,
+                p_b,
+                f_a,
+                f_b,
+            )
             film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_a, 3, i, j)
             centre[0, i, j] += sign * film
             centre[1, i, j] += sign * velocity
@@ -335,28 +453,63 @@ def _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a,
     for j in range(0 if ring else n_a):
         for edge in range(2):
             i, sign = (0, -1.0) if edge == 0 else (n_c - 1, 1.0)
-            p, f, q, r = pressure[i, j], fraction[i, j], edge_pressure[2 + edge], edge_fraction[2 + edge]
+            p, f, q, r = (
+                pressure[i, j],
+                fraction[i, j],
+                edge_pressure[2 + edge],
+                edge_fraction[2 + edge],
+            )
             p_a, p_b, f_a, f_b = (q, p, r, f) if edge == 0 else (p, q, f, r)
-            slopes = _flow_slopes(g[i, j], g[i, j], t[i, j], t[i, j], u[i, j], u[i, j], 2.0 * dy / dx, dy, p_a, p_b, f_a, f_b)
+            slopes = _flow_slopes(
+                g[i, j],
+                g[i, j],
+                t[i, j],
+                t[i, j],
+                u[i, j],
+                u[i, j],
+                2.0 * dy / dx,
+                dy,
+                p_a,
+                p_b,
+                f_a,
+                f_b,
+            )
             film, velocity = _edge_changes(slopes, by_film, by_velocity, dvelocity_c, 2, i, j)
             centre[0, i, j] += sign * film
             centre[1, i, j] += sign * velocity
 
 
 @compiled
-def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, area_per_step,
-              edge_pressure, edge_fraction, ring):
-    """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two five-point stencils.
+def linearise(
+    film_c,
+    film_a,
+    by_film,
+    by_velocity,
+    dvelocity_c,
+    dvelocity_a,
+    pressure,
+    fraction,
+    dx,
+    dy,
+    area_per_step,
+    edge_pressure,
+    edge_fraction,
+    ring,
+):
+    """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two
+    five-point stencils.
 
-    What is upstream of a face stays so; at rest the cell before the face counts as downstream of the one behind it.
+    What is upstream of a face stays so; at rest the cell before the face counts as downstream of
+    the one behind it.
 
     Parameters
     ----------
     film_c, film_a : tuple of ndarray, each shape (n_c, n_a)
-        Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along j.
+        Conductivity [m3/(Pa s)], transported film [m], entrainment velocity [m/s] along i and along
+        j.
     by_film, by_velocity : ndarray, shape (4 or more, n_c, n_a)
-        Derivatives of stored film, transported film, conductivity along i and along j to film thickness and to sliding velocity;
-        the latter of shape (0, n_c, n_a) if all zero.
+        Derivatives of stored film, transported film, conductivity along i and along j to film
+        thickness and to sliding velocity; the latter of shape (0, n_c, n_a) if all zero.
     dvelocity_c, dvelocity_a : ndarray, shape (n_c, n_a)
         Derivatives of the entrainment velocity along i and along j to the sliding velocity [-].
     pressure, fraction : ndarray, shape (n_c, n_a)
@@ -377,28 +530,56 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
     g, t, u = film_a
     for i in range(n_c):
         for j in range(n_a - 1):
-            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[i, j + 1], t[i, j], t[i, j + 1], u[i, j], u[i, j + 1], dx / dy, dx,
-                                                 pressure[i, j], pressure[i, j + 1], fraction[i, j], fraction[i, j + 1])
+            g_a, g_b, t_a, t_b, v = _flow_slopes(
+                g[i, j],
+                g[i, j + 1],
+                t[i, j],
+                t[i, j + 1],
+                u[i, j],
+                u[i, j + 1],
+                dx / dy,
+                dx,
+                pressure[i, j],
+                pressure[i, j + 1],
+                fraction[i, j],
+                fraction[i, j + 1],
+            )
             stencil[0, 1, i, j + 1] = -g_a * by_film[3, i, j] - t_a * by_film[1, i, j]
             stencil[0, 2, i, j] = g_b * by_film[3, i, j + 1] + t_b * by_film[1, i, j + 1]
             stencil[1, 1, i, j + 1] = -v * dvelocity_a[i, j]
             stencil[1, 2, i, j] = v * dvelocity_a[i, j + 1]
             if by_velocity.shape[0] > 0:
                 stencil[1, 1, i, j + 1] -= g_a * by_velocity[3, i, j] + t_a * by_velocity[1, i, j]
-                stencil[1, 2, i, j] += g_b * by_velocity[3, i, j + 1] + t_b * by_velocity[1, i, j + 1]
+                stencil[1, 2, i, j] += (
+                    g_b * by_velocity[3, i, j + 1] + t_b * by_velocity[1, i, j + 1]
+                )
     g, t, u = film_c
     for i in range(n_c if ring else n_c - 1):
         after = (i + 1) % n_c
         for j in range(n_a):
-            g_a, g_b, t_a, t_b, v = _flow_slopes(g[i, j], g[after, j], t[i, j], t[after, j], u[i, j], u[after, j], dy / dx, dy,
-                                                 pressure[i, j], pressure[after, j], fraction[i, j], fraction[after, j])
+            g_a, g_b, t_a, t_b, v = _flow_slopes(
+                g[i, j],
+                g[after, j],
+                t[i, j],
+                t[after, j],
+                u[i, j],
+                u[after, j],
+                dy / dx,
+                dy,
+                pressure[i, j],
+                pressure[after, j],
+                fraction[i, j],
+                fraction[after, j],
+            )
             stencil[0, 3, after, j] = -g_a * by_film[2, i, j] - t_a * by_film[1, i, j]
             stencil[0, 4, i, j] = g_b * by_film[2, after, j] + t_b * by_film[1, after, j]
             stencil[1, 3, after, j] = -v * dvelocity_c[i, j]
             stencil[1, 4, i, j] = v * dvelocity_c[after, j]
             if by_velocity.shape[0] > 0:
                 stencil[1, 3, after, j] -= g_a * by_velocity[2, i, j] + t_a * by_velocity[1, i, j]
-                stencil[1, 4, i, j] += g_b * by_velocity[2, after, j] + t_b * by_velocity[1, after, j]
+                stencil[1, 4, i, j] += (
+                    g_b * by_velocity[2, after, j] + t_b * by_velocity[1, after, j]
+                )
     for k in range(2):
         for i in range(n_c):
             before, after = (i - 1) % n_c, (i + 1) % n_c
@@ -408,8 +589,22 @@ def linearise(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pr
                 stencil[k, 0, i, j] -= stencil[k, 1, i, j + 1]
             for j in range(1, n_a):
                 stencil[k, 0, i, j] -= stencil[k, 2, i, j - 1]
-    _edge_slopes(film_c, film_a, by_film, by_velocity, dvelocity_c, dvelocity_a, pressure, fraction, dx, dy, edge_pressure,
-                 edge_fraction, ring, stencil[:, 0])
+    _edge_slopes(
+        film_c,
+        film_a,
+        by_film,
+        by_velocity,
+        dvelocity_c,
+        dvelocity_a,
+        pressure,
+        fraction,
+        dx,
+        dy,
+        edge_pressure,
+        edge_fraction,
+        ring,
+        stencil[:, 0],
+    )
     for i in range(n_c):
         for j in range(n_a):
             stencil[0, 0, i, j] += area_per_step * fraction[i, j] * by_film[0, i, j]
@@ -437,14 +632,26 @@ def apply_stencils(stencil, dfilm, dvelocity, out):
         for i in range(n_c):
             before, after = (i - 1) % n_c, (i + 1) % n_c
             for j in range(n_a):
-                row[j] = (stencil[0, 0, i, j] * dfilm[q, i, j] + stencil[0, 3, i, j] * dfilm[q, before, j]
-                          + stencil[0, 4, i, j] * dfilm[q, after, j])
+                row[j] = (
+                    stencil[0, 0, i, j] * dfilm[q, i, j]
+                    + stencil[0, 3, i, j] * dfilm[q, before, j]
+                    + stencil[0, 4, i, j] * dfilm[q, after, j]
+                )
             for j in range(n_a):
-                row[j] += (stencil[1, 0, i, j] * dvelocity[q, i, j] + stencil[1, 3, i, j] * dvelocity[q, before, j]
-                           + stencil[1, 4, i, j] * dvelocity[q, after, j])
+                row[j] += (
+                    stencil[1, 0, i, j] * dvelocity[q, i, j]
+                    + stencil[1, 3, i, j] * dvelocity[q, before, j]
+                    + stencil[1, 4, i, j] * dvelocity[q, after, j]
+                )
             for j in range(1, n_a):
-                row[j] += stencil[0, 1, i, j] * dfilm[q, i, j - 1] + stencil[1, 1, i, j] * dvelocity[q, i, j - 1]
+                row[j] += (
+                    stencil[0, 1, i, j] * dfilm[q, i, j - 1]
+                    + stencil[1, 1, i, j] * dvelocity[q, i, j - 1]
+                )
             for j in range(n_a - 1):
-                row[j] += stencil[0, 2, i, j] * dfilm[q, i, j + 1] + stencil[1, 2, i, j] * dvelocity[q, i, j + 1]
+                row[j] += (
+                    stencil[0, 2, i, j] * dfilm[q, i, j + 1]
+                    + stencil[1, 2, i, j] * dvelocity[q, i, j + 1]
+                )
             for j in range(n_a):
                 out[q, i, j] = -row[j]

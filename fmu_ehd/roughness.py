@@ -1,4 +1,5 @@
-"""Average flow between rough surfaces: average gap and the flow and shear stress factors of Patir and Cheng.
+"""Average flow between rough surfaces: average gap and the flow and shear stress factors of Patir
+and Cheng.
 
 Eq. (R1):  h_T/sigma = H/2 (1 + erf(H/sqrt 2)) + (2 pi)^-1/2 exp(-H^2/2),   H = h/sigma          Gaussian heights
 Eq. (R2):  phi_x = 1 - C exp(-r H), Peklenik number <= 1;   phi_x = 1 + C H^-r, > 1;   phi_y(H, gamma) = phi_x(H, 1/gamma)
@@ -7,23 +8,23 @@ Eq. (R4):  phi_f = h E(1/h_T), heights (35/96)(1 - (s/3)^2)^3, local films cut o
 Eq. (R5):  Phi_fs = A3 H^a4 exp(-a5 H + a6 H^2), H < 7;   0, H >= 7
 Eq. (R6):  phi_fp = 1 - D exp(-s H)
 
-Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along, < 1 grooves across.
-The factors are published for seven values of gamma from 1/9 to 9; between them the factors (not their
-coefficients, whose formula changes at gamma = 1) are interpolated linearly in ln gamma. Below the published range of H,
-which starts between 0.5 and 1, phi_x and phi_fp keep their value; the others go on by their formula, which ends well at H = 0.
+Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along,
+< 1 grooves across. The factors are published for seven values of gamma from 1/9 to 9; between them
+the factors (not their coefficients, whose formula changes at gamma = 1) are interpolated linearly
+in ln gamma. Below the published range of H, which starts between 0.5 and 1, phi_x and phi_fp keep
+their value; the others go on by their formula, which ends well at H = 0.
 
-What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at H = 5 to the printed digits for
-all seven gamma, which ties six numbers of each row together (tests/ehd/test_films.py). For gamma = 1 the open code [Boman] has
-the same (R4) to (R6), and its line A2 = 1.0766 - 0.3776 ln gamma, fitted through all gamma, passes within 0.11 of every A2 here.
+What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at H =
+5 to the printed digits for all seven gamma, which ties six numbers of each row together
+(tests/ehd/test_films.py). For gamma = 1 the open code [Boman] has the same (R4) to (R6), and its
+line A2 = 1.0766 - 0.3776 ln gamma, fitted through all gamma, passes within 0.11 of every A2 here.
 For the rows of (R5) and (R6) with gamma other than 1 no second source was found.
 
-References
-----------
-[Patir1978] N. Patir, H. S. Cheng, An average flow model for determining effects of three-dimensional roughness on partial
-hydrodynamic lubrication, J. Lubr. Technol. 100 (1978) 12-17 (R2).
-[Patir1979] N. Patir, H. S. Cheng, Application of average flow model to lubrication between rough sliding surfaces,
-J. Lubr. Technol. 101 (1979) 220-229 (R3 to R6).
-[Boman] R. Boman, github.com/rboman/progs, apps/EHD (read for comparison).
+References ---------- [Patir1978] N. Patir, H. S. Cheng, An average flow model for determining
+effects of three-dimensional roughness on partial hydrodynamic lubrication, J. Lubr. Technol. 100
+(1978) 12-17 (R2). [Patir1979] N. Patir, H. S. Cheng, Application of average flow model to
+lubrication between rough sliding surfaces, J. Lubr. Technol. 101 (1979) 220-229 (R3 to R6). [Boman]
+R. Boman, github.com/rboman/progs, apps/EHD (read for comparison).
 """
 
 from functools import cache
@@ -32,32 +33,44 @@ import numpy as np
 from scipy.special import erf
 
 PEKLENIK = np.array([1 / 9, 1 / 6, 1 / 3, 1.0, 3.0, 6.0, 9.0])
-# one row a gamma: C, r, lowest H of (R2) | A1, a1, a2, a3, A2 of (R3) | A3, a4, a5, a6 of (R5) | D, s of (R6)
-COEFFICIENTS = np.array([
-    [1.48, 0.42, 1.00, 2.046, 1.12, 0.78, 0.03, 1.856, 14.1, 2.45, 2.30, 0.10, 1.51, 0.52],
-    [1.38, 0.42, 1.00, 1.962, 1.08, 0.77, 0.03, 1.754, 13.4, 2.42, 2.30, 0.10, 1.51, 0.54],
-    [1.18, 0.42, 0.75, 1.858, 1.01, 0.76, 0.03, 1.561, 12.3, 2.32, 2.30, 0.10, 1.47, 0.58],
-    [0.90, 0.56, 0.50, 1.899, 0.98, 0.92, 0.05, 1.126, 11.1, 2.31, 2.38, 0.11, 1.40, 0.66],
-    [0.225, 1.5, 0.50, 1.560, 0.85, 1.13, 0.08, 0.556, 9.8, 2.25, 2.80, 0.18, 0.98, 0.79],
-    [0.520, 1.5, 0.50, 1.290, 0.62, 1.09, 0.08, 0.388, 10.1, 2.25, 2.90, 0.18, 0.97, 0.91],
-    [0.870, 1.5, 0.50, 1.011, 0.54, 1.07, 0.08, 0.295, 8.7, 2.15, 2.97, 0.18, 0.73, 0.91]])
+# one row a gamma: C, r, lowest H of (R2) | A1, a1, a2, a3, A2 of (R3) | A3, a4, a5, a6 of (R5) | D,
+# s of (R6)
+COEFFICIENTS = np.array(
+    [
+        [1.48, 0.42, 1.00, 2.046, 1.12, 0.78, 0.03, 1.856, 14.1, 2.45, 2.30, 0.10, 1.51, 0.52],
+        [1.38, 0.42, 1.00, 1.962, 1.08, 0.77, 0.03, 1.754, 13.4, 2.42, 2.30, 0.10, 1.51, 0.54],
+        [1.18, 0.42, 0.75, 1.858, 1.01, 0.76, 0.03, 1.561, 12.3, 2.32, 2.30, 0.10, 1.47, 0.58],
+        [0.90, 0.56, 0.50, 1.899, 0.98, 0.92, 0.05, 1.126, 11.1, 2.31, 2.38, 0.11, 1.40, 0.66],
+        [0.225, 1.5, 0.50, 1.560, 0.85, 1.13, 0.08, 0.556, 9.8, 2.25, 2.80, 0.18, 0.98, 0.79],
+        [0.520, 1.5, 0.50, 1.290, 0.62, 1.09, 0.08, 0.388, 10.1, 2.25, 2.90, 0.18, 0.97, 0.91],
+        [0.870, 1.5, 0.50, 1.011, 0.54, 1.07, 0.08, 0.295, 8.7, 2.15, 2.97, 0.18, 0.73, 0.91],
+    ]
+)
 LOWEST = 0.5  # start of the published range of (R6)
-TABLE_END = 32.0  # H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
+TABLE_END = (
+    32.0  # H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
+)
 TABLE_CELLS = 2048
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
 
 
 def average_gap(separation):
     """Average gap of Gaussian surfaces over sigma, Eq. (R1), for H = h/sigma [-] of any sign."""
-    return 0.5 * separation * (1.0 + erf(separation / np.sqrt(2.0))) + np.exp(-separation**2 / 2.0) / np.sqrt(2.0 * np.pi)
+    return 0.5 * separation * (1.0 + erf(separation / np.sqrt(2.0))) + np.exp(
+        -(separation**2) / 2.0
+    ) / np.sqrt(2.0 * np.pi)
 
 
 def _between(formula, gamma):
-    """A factor between published Peklenik numbers, linear in ln gamma; `formula(row of COEFFICIENTS, gamma of it)`."""
+    """A factor between published Peklenik numbers, linear in ln gamma; `formula(row of
+    COEFFICIENTS, gamma of it)`.
+    """
     x, known = np.log(gamma), np.log(PEKLENIK)
     k = min(max(int(np.searchsorted(known, x)) - 1, 0), known.size - 2)
     weight = (x - known[k]) / (known[k + 1] - known[k])
-    return (1.0 - weight) * formula(COEFFICIENTS[k], PEKLENIK[k]) + weight * formula(COEFFICIENTS[k + 1], PEKLENIK[k + 1])
+    return (1.0 - weight) * formula(COEFFICIENTS[k], PEKLENIK[k]) + weight * formula(
+        COEFFICIENTS[k + 1], PEKLENIK[k + 1]
+    )
 
 
 def _from(separation, lowest):
@@ -66,10 +79,15 @@ def _from(separation, lowest):
 
 
 def pressure_flow_factor(separation, gamma):
-    """Pressure flow factor phi_x along sliding, Eq. (R2), for H [-] and Peklenik number gamma from 1/9 to 9."""
+    """Pressure flow factor phi_x along sliding, Eq. (R2), for H [-] and Peklenik number gamma from
+    1/9 to 9.
+    """
+
     def formula(row, tabulated):
         h = _from(separation, row[2])
-        return 1.0 - row[0] * np.exp(-row[1] * h) if tabulated <= 1.0 else 1.0 + row[0] * h**-row[1]
+        return (
+            1.0 - row[0] * np.exp(-row[1] * h) if tabulated <= 1.0 else 1.0 + row[0] * h ** -row[1]
+        )
 
     return _between(formula, gamma)  # Eq. (R2)
 
@@ -79,21 +97,33 @@ def shear_flow_factor(separation, gamma):
     h = np.asarray(separation)
 
     def formula(row, _):
-        near = row[3] * h**row[4] * np.exp(-row[5] * h + row[6] * h * h)
+        near = row[3] * h ** row[4] * np.exp(-row[5] * h + row[6] * h * h)
         return np.where(np.real(h) <= 5.0, near, row[7] * np.exp(-0.25 * h))
 
     return _between(formula, gamma)  # Eq. (R3)
 
 
 def shear_stress_factor(separation):
-    """Factor phi_f of the mean Couette stress, Eq. (R4) in closed form; Eq. (R4) by moments for H > 30."""
+    """Factor phi_f of the mean Couette stress, Eq. (R4) in closed form; Eq. (R4) by moments for H >
+    30.
+    """
     z = np.asarray(separation) / 3.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        cube = (1.0 - z * z)**3
-        polynomial = -55.0 + z * (132.0 + z * (345.0 + z * (-160.0 + z * (-405.0 + z * (60.0 + 147.0 * z)))))
+        cube = (1.0 - z * z) ** 3
+        polynomial = -55.0 + z * (
+            132.0 + z * (345.0 + z * (-160.0 + z * (-405.0 + z * (60.0 + 147.0 * z))))
+        )
         near = 35.0 / 32.0 * z * (cube * np.log((z + 1.0) / CUT_OFF) + polynomial / 60.0)
-        middle = 35.0 / 32.0 * z * (cube * np.log((z + 1.0) / (z - 1.0)) + z / 15.0 * (66.0 + z * z * (30.0 * z * z - 80.0)))
-        far = 1.0 + (3.0 * z)**-2.0 + 27.0 / 11.0 * (3.0 * z)**-4.0
+        middle = (
+            35.0
+            / 32.0
+            * z
+            * (
+                cube * np.log((z + 1.0) / (z - 1.0))
+                + z / 15.0 * (66.0 + z * z * (30.0 * z * z - 80.0))
+            )
+        )
+        far = 1.0 + (3.0 * z) ** -2.0 + 27.0 / 11.0 * (3.0 * z) ** -4.0
     return np.where(np.real(z) <= 1.0, near, np.where(np.real(z) <= 10.0, middle, far))
 
 
@@ -102,7 +132,9 @@ def sliding_stress_factor(separation, gamma):
     h = np.asarray(separation)
 
     def formula(row, _):
-        return np.where(np.real(h) < 7.0, row[8] * h**row[9] * np.exp(-row[10] * h + row[11] * h * h), 0.0)
+        return np.where(
+            np.real(h) < 7.0, row[8] * h ** row[9] * np.exp(-row[10] * h + row[11] * h * h), 0.0
+        )
 
     return _between(formula, gamma)  # Eq. (R5)
 
@@ -115,7 +147,8 @@ def pressure_stress_factor(separation, gamma):
 
 @cache
 def factor_table(gamma):
-    """Deviations of all factors from their smooth limit on a uniform grid of H from 0 to `TABLE_END`.
+    """Deviations of all factors from their smooth limit on a uniform grid of H from 0 to
+    `TABLE_END`.
 
     Parameters
     ----------
@@ -125,16 +158,25 @@ def factor_table(gamma):
     Returns
     -------
     ndarray, shape (TABLE_CELLS + 1, 14)
-        Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 across j, Phi_s, phi_f - 1, Phi_fs,
-        phi_fp - 1 [-].
+        Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 across j,
+        Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-].
     """
-    separation = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1) + 1e-30j  # complex step: slopes to round-off
+    separation = (
+        np.linspace(0.0, TABLE_END, TABLE_CELLS + 1) + 1e-30j
+    )  # complex step: slopes to round-off
     separation[0] += 1e-12  # 0 to a power has no complex logarithm
-    factors = [average_gap(separation) - separation, pressure_flow_factor(separation, 1.0 / gamma) - 1.0,
-               pressure_flow_factor(separation, gamma) - 1.0, shear_flow_factor(separation, gamma),
-               shear_stress_factor(separation) - 1.0, sliding_stress_factor(separation, gamma),
-               pressure_stress_factor(separation, gamma) - 1.0]
+    factors = [
+        average_gap(separation) - separation,
+        pressure_flow_factor(separation, 1.0 / gamma) - 1.0,
+        pressure_flow_factor(separation, gamma) - 1.0,
+        shear_flow_factor(separation, gamma),
+        shear_stress_factor(separation) - 1.0,
+        sliding_stress_factor(separation, gamma),
+        pressure_stress_factor(separation, gamma) - 1.0,
+    ]
     table = np.stack([part for f in factors for part in (f.real, np.imag(f) * 1e30)], axis=1)
     rise = (table[1, 6] - table[0, 6]) * TABLE_CELLS / TABLE_END
-    table[0, 7] = 1.5 * rise - 0.5 * table[1, 7]  # H^a1 with a1 < 1 has no slope at 0: a cubic without curvature there
+    table[0, 7] = (
+        1.5 * rise - 0.5 * table[1, 7]
+    )  # H^a1 with a1 < 1 has no slope at 0: a cubic without curvature there
     return np.ascontiguousarray(table)

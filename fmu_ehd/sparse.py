@@ -1,4 +1,6 @@
-"""Sparse direct solvers with the interface of `blocks.BlockTridiagonal`, and the choice among them all."""
+"""Sparse direct solvers with the interface of `blocks.BlockTridiagonal`, and the choice among them
+all.
+"""
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
@@ -20,14 +22,24 @@ class FivePointPattern:
 
     def __init__(self, shape, by_rows):
         cell = np.arange(shape[0] * shape[1]).reshape(shape)
-        neighbours = cell, np.roll(cell, 1, 1), np.roll(cell, -1, 1), np.roll(cell, 1, 0), np.roll(cell, -1, 0)
+        neighbours = (
+            cell,
+            np.roll(cell, 1, 1),
+            np.roll(cell, -1, 1),
+            np.roll(cell, 1, 0),
+            np.roll(cell, -1, 0),
+        )
         inside = [np.ones(shape, dtype=bool) for _ in neighbours]
-        inside[1][:, 0] = inside[2][:, -1] = False  # no neighbour south of the first and north of the last station
+        inside[1][:, 0] = inside[2][:, -1] = (
+            False  # no neighbour south of the first and north of the last station
+        )
         self._kept = np.flatnonzero(np.concatenate([k.ravel() for k in inside]))
         rows = np.concatenate([cell.ravel()] * 5)[self._kept]
         columns = np.concatenate([n.ravel() for n in neighbours])[self._kept]
         self._kind = csr_matrix if by_rows else csc_matrix
-        numbered = self._kind((np.arange(1.0, rows.size + 1.0), (rows, columns)), shape=(cell.size, cell.size))
+        numbered = self._kind(
+            (np.arange(1.0, rows.size + 1.0), (rows, columns)), shape=(cell.size, cell.size)
+        )
         numbered.sort_indices()
         self._order = self._kept[numbered.data.astype(np.int64) - 1]
         self._indices, self._indptr, self._size = numbered.indices, numbered.indptr, cell.size
@@ -56,13 +68,18 @@ class SuperLU:
         self._factors = splu(self._pattern.matrix(stencil))
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left alone."""
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
+        alone.
+        """
         columns = right.reshape(right.shape[0], -1).T
-        return np.ascontiguousarray(self._factors.solve(np.asfortranarray(columns)).T).reshape(right.shape)
+        return np.ascontiguousarray(self._factors.solve(np.asfortranarray(columns)).T).reshape(
+            right.shape
+        )
 
 
 class Pardiso:
-    """Factorisation by PARDISO of the MKL through pypardiso; the ordering is found once, for the sparsity never changes.
+    """Factorisation by PARDISO of the MKL through pypardiso; the ordering is found once, for the
+    sparsity never changes.
 
     One thread, so that a repeated step gives the same bits.
 
@@ -87,7 +104,9 @@ class Pardiso:
         self._solver.set_iparm(1, 1)  # the settings below, not the defaults
         self._solver.set_iparm(2, 2)  # nested dissection
         self._solver.set_iparm(10, 13)  # pivots below 1e-13 are perturbed: an M-matrix has none
-        self._solver.set_iparm(11, 0)  # no scaling and no matching, which would need a new analysis for each matrix:
+        self._solver.set_iparm(
+            11, 0
+        )  # no scaling and no matching, which would need a new analysis for each matrix:
         self._solver.set_iparm(13, 0)  # elimination of an M-matrix is stable without
         self._matrix = self._scale = None
 
@@ -95,13 +114,17 @@ class Pardiso:
         """Factorise anew, whatever changed."""
         first = self._matrix is None
         self._matrix = self._pattern.matrix(stencil)
-        self._scale = stencil[0].ravel()  # columns of pressure and of film fraction differ by orders of magnitude
+        self._scale = stencil[
+            0
+        ].ravel()  # columns of pressure and of film fraction differ by orders of magnitude
         self._matrix.data /= self._scale[self._matrix.indices]
         for phase in (self.ANALYSE, self.FACTORISE) if first else (self.FACTORISE,):
             self._call(phase, np.zeros((self._matrix.shape[0], 1)))
 
     def solve(self, right):
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left alone."""
+        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
+        alone.
+        """
         columns = np.asfortranarray(right.reshape(right.shape[0], -1).T)
         return (self._call(self.SOLVE, columns).T / self._scale).reshape(right.shape)
 
@@ -114,16 +137,21 @@ class Pardiso:
             self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
 
     def __del__(self):
-        if getattr(self, "_matrix", None) is not None:  # PARDISO's own memory outlives the object otherwise
+        if (
+            getattr(self, "_matrix", None) is not None
+        ):  # PARDISO's own memory outlives the object otherwise
             self._call(self.RELEASE, np.zeros((self._matrix.shape[0], 1)))
 
 
-WIDEST_DENSE = 192  # cells across up to which dense blocks are faster than PARDISO, tests/bench/ehd_grids.py
+WIDEST_DENSE = (
+    192  # cells across up to which dense blocks are faster than PARDISO, tests/bench/ehd_grids.py
+)
 LARGEST_DENSE = 2e9  # bytes of dense blocks that are still acceptable where there is no PARDISO
 
 
 def linear_solver(shape):
-    """The fastest solver at hand for a grid: dense blocks, else PARDISO if installed, else blocks while they fit, else SuperLU.
+    """The fastest solver at hand for a grid: dense blocks, else PARDISO if installed, else blocks
+    while they fit, else SuperLU.
 
     Parameters
     ----------
@@ -135,4 +163,8 @@ def linear_solver(shape):
     try:
         return Pardiso(shape)
     except ImportError:
-        return BlockTridiagonal(shape) if 8.0 * shape[0] ** 2 * shape[1] <= LARGEST_DENSE else SuperLU(shape)
+        return (
+            BlockTridiagonal(shape)
+            if 8.0 * shape[0] ** 2 * shape[1] <= LARGEST_DENSE
+            else SuperLU(shape)
+        )

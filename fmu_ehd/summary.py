@@ -15,19 +15,21 @@ def halves(n_circumferential):
     Returns
     -------
     share, sine : ndarray, shape (n_c,)
-        1 on the thrust side (+x; i runs from +z towards +x), 0 on the other, 1/2 on the pin axis; sin(theta) [-].
+        1 on the thrust side (+x; i runs from +z towards +x), 0 on the other, 1/2 on the pin axis;
+        sin(theta) [-].
     """
     sine = np.sin((np.arange(n_circumferential) + 0.5) * 2.0 * np.pi / n_circumferential)
     return np.where(np.abs(sine) < 1e-12, 0.5, (sine > 0.0).astype(float)), sine
 
 
 @compiled
-def summarise(film_thickness, pressure, pressure_force, viscous, boundary, power, contact_area, share, sine):
+def summarise(
+    film_thickness, pressure, pressure_force, viscous, boundary, power, contact_area, share, sine
+):
     """Extremes and sums of a film; pairs are (thrust, anti-thrust half).
 
-    Parameters
-    ----------
-    film_thickness, pressure, pressure_force, viscous, boundary, power, contact_area : ndarray, shape (n_c, n_a)
+    Parameters ---------- film_thickness, pressure, pressure_force, viscous, boundary, power,
+    contact_area : ndarray, shape (n_c, n_a)
         [m], [Pa], [N], [N], [N], [W], [-].
     share, sine : ndarray, shape (n_c,)
         From `halves`.
@@ -67,5 +69,13 @@ def summarise(film_thickness, pressure, pressure_force, viscous, boundary, power
                 thinnest[side] = min(thinnest[side], low)
             radial[side] += part * abs(sine[i]) * normal
             friction[side] += part * (wet + dry)
-    return ((thinnest[0], thinnest[1]), highest, (radial[0], radial[1]), (friction[0], friction[1]), hydrodynamic, asperity,
-            total, area / (n_c * n_a))
+    return (
+        (thinnest[0], thinnest[1]),
+        highest,
+        (radial[0], radial[1]),
+        (friction[0], friction[1]),
+        hydrodynamic,
+        asperity,
+        total,
+        area / (n_c * n_a),
+    )

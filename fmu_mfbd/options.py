@@ -16,8 +16,9 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Surface(BaseModel):
-    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a bore about z, a plane across
-    y."""
+    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a
+    bore about z, a plane across y.
+    """
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
@@ -28,25 +29,35 @@ class Surface(BaseModel):
 
     @model_validator(mode="after")
     def _complete(self):
-        for key in {"cylinder": ("radius", "lower", "upper"), "bore": ("radius",), "plane": ("height",)}[self.shape]:
+        for key in {
+            "cylinder": ("radius", "lower", "upper"),
+            "bore": ("radius",),
+            "plane": ("height",),
+        }[self.shape]:
             if getattr(self, key) is None:
                 raise ValueError(f"a {self.shape} needs {key}")
         return self
 
     def rule(self):
         """As `mesh.read_mesh` takes it."""
-        return {"cylinder": ("cylinder", self.radius, self.lower, self.upper), "bore": ("bore", self.radius),
-                "plane": ("plane", self.height)}[self.shape]
+        return {
+            "cylinder": ("cylinder", self.radius, self.lower, self.upper),
+            "bore": ("bore", self.radius),
+            "plane": ("plane", self.height),
+        }[self.shape]
 
 
 class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the file's directions that are
-    thrust (x), towards the head (y) and pin (z); `origin` is where this project's origin lies in the file. `surfaces` finds by
-    geometry what the file does not name. `modes_off` switches single modes off, by their number in the table of modes.
+    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the
+    file's directions that are thrust (x), towards the head (y) and pin (z); `origin` is where this
+    project's origin lies in the file. `surfaces` finds by geometry what the file does not name.
+    `modes_off` switches single modes off, by their number in the table of modes.
 
-    `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of density, young and poisson;
-    `mesh` then gives the nodes and their surfaces, or a CSV file does (`point_cloud.read_nodes`). `reduced` names a body that is
-    reduced already (.npz as `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes."""
+    `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of
+    density, young and poisson; `mesh` then gives the nodes and their surfaces, or a CSV file does
+    (`point_cloud.read_nodes`). `reduced` names a body that is reduced already (.npz as
+    `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes.
+    """
 
     model_config = STRICT
     mesh: str | None = None
@@ -62,7 +73,9 @@ class Body(BaseModel):
     mass: str | None = None
     stiffness_unit: Annotated[Quantity("N/m"), Field(gt=0)] | None = None
     mass_unit: Annotated[Quantity("kg"), Field(gt=0)] | None = None
-    basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = "pressure_modes"
+    basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = (
+        "pressure_modes"
+    )
     modes: Annotated[int, Field(ge=0, le=200)] = 60
     modes_off: list[Annotated[int, Field(ge=1)]] = []
 
@@ -70,16 +83,27 @@ class Body(BaseModel):
     def _source(self):
         if (self.mesh is None) == (self.reduced is None):
             raise ValueError("give either mesh or reduced")
-        material, matrices = ("density", "young", "poisson"), ("stiffness", "stiffness_unit", "mass", "mass_unit")
-        needed = matrices if self.stiffness or self.mass or (self.mesh or "").endswith(".csv") else material
+        material, matrices = (
+            ("density", "young", "poisson"),
+            ("stiffness", "stiffness_unit", "mass", "mass_unit"),
+        )
+        needed = (
+            matrices
+            if self.stiffness or self.mass or (self.mesh or "").endswith(".csv")
+            else material
+        )
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
-            raise ValueError(f"{'a mesh' if needed == material else 'a body of matrices'} needs {', '.join(missing)}")
+            raise ValueError(
+                f"{'a mesh' if needed == material else 'a body of matrices'} needs {', '.join(missing)}"
+            )
         return self
 
 
 class ShapeTable(BaseModel):
-    """A measured shape in a file, see `tables.profile_table`; the units are those of its numbers."""
+    """A measured shape in a file, see `tables.profile_table`; the units are those of its
+    numbers.
+    """
 
     model_config = STRICT
     file: str
@@ -115,14 +139,18 @@ class Table(BaseModel):
 
 
 class Gas(Table):
-    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input `gas_pressure`."""
+    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input
+    `gas_pressure`.
+    """
 
     angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
     pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
 
 
 class Speed(Table):
-    """Crank speed over time or crank angle, see `speed_table.speed_table`; it takes the place of the input `crank_speed`."""
+    """Crank speed over time or crank angle, see `speed_table.speed_table`; it takes the place of
+    the input `crank_speed`.
+    """
 
     time_unit: Annotated[Quantity("s"), Field(gt=0)] | None = None
     angle_unit: Annotated[Quantity("rad"), Field(gt=0)] | None = None
@@ -136,11 +164,12 @@ class Speed(Table):
 
 
 class Piston(Body):
-    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`, `pin_bore`.
+    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`,
+    `pin_bore`.
 
-    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores hang on A, every node rigidly
-    (rbe2) or the mean motion of both, or of each (rbe3, rbe3_per_boss); it changes the skirt's compliance more than any choice
-    of modes.
+    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores
+    hang on A, every node rigidly (rbe2) or the mean motion of both, or of each (rbe3,
+    rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
     """
 
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
@@ -154,8 +183,9 @@ class Piston(Body):
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
 
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface in the mesh unless given.
-    `tie`: bolt faces clamped (rbe2) or on springs of `spring_stiffness` in each direction, spread over all bolt faces.
+    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface
+    in the mesh unless given. `tie`: bolt faces clamped (rbe2) or on springs of `spring_stiffness`
+    in each direction, spread over all bolt faces.
     """
 
     tie: Literal["rbe2", "springs"] = "rbe2"
@@ -177,9 +207,11 @@ class Band(BaseModel):
 
 
 class Bodies(BaseModel):
-    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt. `damping_bands` take the place
-    of the parameters damping_ratio, high_frequency_damping_ratio and damping_transition_frequency; `start`, a file of
-    `piston-cosim snapshot` (`start_state.read_start`), that of the parameters start_*."""
+    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt.
+    `damping_bands` take the place of the parameters damping_ratio, high_frequency_damping_ratio and
+    damping_transition_frequency; `start`, a file of `piston-cosim snapshot`
+    (`start_state.read_start`), that of the parameters start_*.
+    """
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
@@ -193,7 +225,9 @@ class Bodies(BaseModel):
     @field_validator("damping_bands")
     @classmethod
     def _rising(cls, bands):
-        if bands and (bands[0].above != 0.0 or any(a.above >= b.above for a, b in zip(bands, bands[1:]))):
+        if bands and (
+            bands[0].above != 0.0 or any(a.above >= b.above for a, b in zip(bands, bands[1:]))
+        ):
             raise ValueError("the first band begins at 0 Hz, and the others above the one before")
         return bands
 
@@ -237,23 +271,44 @@ def read_options(options, folder, kind=Build):
     except ValidationError as error:
         raise BadInput([_sentence(fault) for fault in error.errors()]) from None
     resolved, faults = build.model_dump(mode="json"), []
-    for name, low, high in (("piston", "skirt_lower", "skirt_upper"), ("block", "bore_lower", "bore_upper")):
+    for name, low, high in (
+        ("piston", "skirt_lower", "skirt_upper"),
+        ("block", "bore_lower", "bore_upper"),
+    ):
         part = resolved[name]
         if part is None:
             continue
-        part["surfaces"] = {key: surface.rule() for key, surface in getattr(build, name).surfaces.items()}
+        part["surfaces"] = {
+            key: surface.rule() for key, surface in getattr(build, name).surfaces.items()
+        }
         unknown = sorted({n for n in part["modes_off"] if n > part["modes"]})
         if unknown:
-            faults.append(f"{name}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes")
-        faults += [_found(part, source, f"{name}.{source} = {part[source]!r}", folder) for source in SOURCES if part[source]]
-        faults += [_found(table, "file", f"{name}.profiles: {table['file']!r}", folder) for table in part["profiles"]]
+            faults.append(
+                f"{name}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes"
+            )
+        faults += [
+            _found(part, source, f"{name}.{source} = {part[source]!r}", folder)
+            for source in SOURCES
+            if part[source]
+        ]
+        faults += [
+            _found(table, "file", f"{name}.profiles: {table['file']!r}", folder)
+            for table in part["profiles"]
+        ]
         if None not in (part[low], part[high]) and part[low] >= part[high]:
-            faults.append(f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m")
+            faults.append(
+                f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m"
+            )
     if resolved["start"]:
         faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
-    faults += [_found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder) for name in ("gas", "speed")
-               if resolved[name] and resolved[name]["file"]]
-    resolved["damping_bands"] = [(band["above"], band["ratio"]) for band in resolved["damping_bands"]]
+    faults += [
+        _found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder)
+        for name in ("gas", "speed")
+        if resolved[name] and resolved[name]["file"]
+    ]
+    resolved["damping_bands"] = [
+        (band["above"], band["ratio"]) for band in resolved["damping_bands"]
+    ]
     if any(faults):
         raise BadInput([fault for fault in faults if fault])
     return resolved
@@ -276,5 +331,9 @@ def _sentence(fault):
         return f"{path}: unknown key"
     if fault["type"] == "missing":
         return f"{path}: is missing"
-    units = " in SI units" if isinstance(fault["input"], str) and fault["type"].startswith(("greater", "less")) else ""
+    units = (
+        " in SI units"
+        if isinstance(fault["input"], str) and fault["type"].startswith(("greater", "less"))
+        else ""
+    )
     return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}{units}"

@@ -1,4 +1,6 @@
-"""Verification of the bodies: figures with closed forms or independent codes behind them, for the command line and the tests."""
+"""Verification of the bodies: figures with closed forms or independent codes behind them, for the
+command line and the tests.
+"""
 
 import itertools
 from tempfile import TemporaryDirectory
@@ -8,17 +10,6 @@ import scipy.linalg as la
 
 from ..models import MODELS
 from .dynamics.assembly import assemble
-from .reduction.bases import (
-    Elastic,
-    characteristic_constraint_modes,
-    craig_bampton,
-    expected_pressure,
-    orthonormal_modes,
-    pressure_modes,
-)
-from .exudyn_reference import Drive, exudyn_motion, own_motion
-from .finite_elements.faces import face_load
-from .finite_elements.element import rigid_motions, consistent_mass, quadrature, stiffness
 from .dynamics.floating_frame import (
     FlexibleBody,
     frame_arrow,
@@ -28,22 +19,34 @@ from .dynamics.floating_frame import (
     whole,
 )
 from .dynamics.generalised_alpha import coefficients, predict
-from .finite_elements.mesh import read_mesh, second_order
 from .dynamics.model import Inputs
-from .options import read_options
 from .dynamics.piston_motion import Load, imbalance
-from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
 from .dynamics.slider_crank import Mechanism, height, motion
-from .reduction.interpolation import interpolation, radial_and_axial
+from .exudyn_reference import Drive, exudyn_motion, own_motion
+from .finite_elements.element import consistent_mass, quadrature, rigid_motions, stiffness
+from .finite_elements.faces import face_load
+from .finite_elements.mesh import read_mesh, second_order
 from .geometry.grid import cell_centres
+from .options import read_options
+from .reduction.bases import (
+    Elastic,
+    characteristic_constraint_modes,
+    craig_bampton,
+    expected_pressure,
+    orthonormal_modes,
+    pressure_modes,
+)
+from .reduction.interpolation import interpolation, radial_and_axial
+from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
 from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
 
 
 def checks():
-    """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative, absolute, at most), source,
-    reason."""
+    """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative,
+    absolute, at most), source, reason.
+    """
     yield from slider_crank_checks()
     yield from element_checks()
     yield from bar_checks()
@@ -60,66 +63,146 @@ def slow_checks():
 
 def figure(case, quantity, computed, reference, tolerance, kind, source, reason):
     """One row of the table."""
-    return dict(case=case, quantity=quantity, computed=float(computed), reference=float(reference), tolerance=tolerance,
-                kind=kind,
-                source=source, reason=reason)
+    return dict(
+        case=case,
+        quantity=quantity,
+        computed=float(computed),
+        reference=float(reference),
+        tolerance=tolerance,
+        kind=kind,
+        source=source,
+        reason=reason,
+    )
 
 
 def slider_crank_checks():
     """Rigid slider-crank at 3000 rpm, no gas, piston guided on the bore axis."""
     mechanism = Mechanism(0.0288, 0.110, 0.0, 0.35, 6e-4, 30 / 110, 0.0)
-    body, still, nothing = rigid_body(0.315, (0.0, 0.0), 1e-4), np.zeros(2), Load(0.0, 0.0, 0.0, np.zeros(0))
+    body, still, nothing = (
+        rigid_body(0.315, (0.0, 0.0), 1e-4),
+        np.zeros(2),
+        Load(0.0, 0.0, 0.0, np.zeros(0)),
+    )
     speed, found = 100 * np.pi, {}
     for degrees in (30, 60, 90):
         angle = np.radians(degrees)
-        guide, _, pin, _, torque = imbalance(body, mechanism, nothing, still, still, still, angle, speed, 0.0)
-        found[degrees] = (height(mechanism, 0.0, angle)[0], motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0], -guide[0],
-                          pin, torque)
-    names = ("height of A [m]", "acceleration of A [m/s2]", "side force [N]", "pin force along y [N]", "crank torque [N m]")
-    references = {30: (0.13399491, -2846.7789, -181.47237, -896.73536, 21.352215), 60: (None, None, -150.83006),
-                  90: (None, None, 25.33294)}
+        guide, _, pin, _, torque = imbalance(
+            body, mechanism, nothing, still, still, still, angle, speed, 0.0
+        )
+        found[degrees] = (
+            height(mechanism, 0.0, angle)[0],
+            motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0],
+            -guide[0],
+            pin,
+            torque,
+        )
+    names = (
+        "height of A [m]",
+        "acceleration of A [m/s2]",
+        "side force [N]",
+        "pin force along y [N]",
+        "crank torque [N m]",
+    )
+    references = {
+        30: (0.13399491, -2846.7789, -181.47237, -896.73536, 21.352215),
+        60: (None, None, -150.83006),
+        90: (None, None, 25.33294),
+    }
     for degrees, row in references.items():
         for name, reference, computed in zip(names, row, found[degrees]):
             if reference is not None:
-                yield figure(f"Slider-crank {degrees} deg", name, computed, reference, 2.5e-7, "relative", "closed form",
-                             "printed with seven to eight digits; tests/mfbd holds the equations to 1e-9")
+                yield figure(
+                    f"Slider-crank {degrees} deg",
+                    name,
+                    computed,
+                    reference,
+                    2.5e-7,
+                    "relative",
+                    "closed form",
+                    "printed with seven to eight digits; tests/mfbd holds the equations to 1e-9",
+                )
 
 
 def element_checks():
     """Ten-node tetrahedron: rigid motions, mass properties, and FElupe where it is installed."""
     points, tets = box_mesh((2, 2, 3), (0.1, 0.2, 0.3))
-    found = floating_frame_integrals(consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0)))
+    found = floating_frame_integrals(
+        consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0))
+    )
     mass = 2700.0 * 0.1 * 0.2 * 0.3
-    for name, computed, reference in (("mass [kg]", found["mass"], mass),
-                                      ("first moment along x [kg m]", found["S"][0], mass * 0.05),
-                                      ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3)):
-        yield figure("Box of TET10", name, computed, reference, 1e-12, "relative", "closed form",
-                     "the consistent mass is exact for degree 2")
+    for name, computed, reference in (
+        ("mass [kg]", found["mass"], mass),
+        ("first moment along x [kg m]", found["S"][0], mass * 0.05),
+        ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3),
+    ):
+        yield figure(
+            "Box of TET10",
+            name,
+            computed,
+            reference,
+            1e-12,
+            "relative",
+            "closed form",
+            "the consistent mass is exact for degree 2",
+        )
     points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
     K = stiffness(points, tets, **STEEL)
-    yield figure("Warped TET10", "force of rigid-body motions / norm of K [-]",
-                 np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
-                 0.0, 1e-12, "at most", "closed form", "round-off")
+    yield figure(
+        "Warped TET10",
+        "force of rigid-body motions / norm of K [-]",
+        np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
+        0.0,
+        1e-12,
+        "at most",
+        "closed form",
+        "round-off",
+    )
     eigenvalues = np.linalg.eigvalsh(K.toarray())
-    yield figure("Warped TET10", "rigid-body modes", np.sum(eigenvalues < 1e-10 * eigenvalues[-1]), 6, 0.0, "absolute",
-                 "closed form", "a count")
+    yield figure(
+        "Warped TET10",
+        "rigid-body modes",
+        np.sum(eigenvalues < 1e-10 * eigenvalues[-1]),
+        6,
+        0.0,
+        "absolute",
+        "closed form",
+        "a count",
+    )
     for name, difference in felupe_difference(points, tets):
-        yield figure("Warped TET10", f"{name} against FElupe [-]", difference, 0.0, 1e-12, "at most", "independent code",
-                     "same quadrature, sums in another order")
+        yield figure(
+            "Warped TET10",
+            f"{name} against FElupe [-]",
+            difference,
+            0.0,
+            1e-12,
+            "at most",
+            "independent code",
+            "same quadrature, sums in another order",
+        )
 
 
 def felupe_difference(points, tets):
-    """Largest difference of stiffness and of mass to those of FElupe, by the largest entry; nothing where it is not installed."""
+    """Largest difference of stiffness and of mass to those of FElupe, by the largest entry; nothing
+    where it is not installed.
+    """
     try:
         import felupe
     except ImportError:
         return
-    ours = {"stiffness": stiffness(points, tets, **STEEL), "mass": consistent_mass(points, tets, 2700.0)}
+    ours = {
+        "stiffness": stiffness(points, tets, **STEEL),
+        "mass": consistent_mass(points, tets, 2700.0),
+    }
     for (name, matrix), side in zip(ours.items(), (3, 4)):
-        region = felupe.RegionQuadraticTetra(felupe.Mesh(points, tets, "tetra10"),
-                                             quadrature=felupe.quadrature.Scheme(*quadrature(side)))
-        body = felupe.SolidBody(felupe.LinearElastic(E=STEEL["young"], nu=STEEL["poisson"]),
-                                felupe.FieldContainer([felupe.Field(region, dim=3)]), density=2700.0)
+        region = felupe.RegionQuadraticTetra(
+            felupe.Mesh(points, tets, "tetra10"),
+            quadrature=felupe.quadrature.Scheme(*quadrature(side)),
+        )
+        body = felupe.SolidBody(
+            felupe.LinearElastic(E=STEEL["young"], nu=STEEL["poisson"]),
+            felupe.FieldContainer([felupe.Field(region, dim=3)]),
+            density=2700.0,
+        )
         theirs = body.assemble.matrix() if name == "stiffness" else body.assemble.mass()
         yield name, abs(matrix - theirs).max() / abs(theirs).max()
 
@@ -130,12 +213,17 @@ def box_mesh(cells, size):
     points = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(points)).reshape([n + 1 for n in cells])
     tets = []
-    for order in itertools.permutations(range(3)):              # the six paths from one corner of a cell to the opposite one
+    for order in itertools.permutations(
+        range(3)
+    ):  # the six paths from one corner of a cell to the opposite one
         corner, path = np.zeros(3, int), [(0, 0, 0)]
         for axis in order:
             corner[axis] = 1
             path.append(tuple(corner))
-        tet = np.stack([number[tuple(slice(c, c + n) for c, n in zip(at, cells))].ravel() for at in path], axis=1)
+        tet = np.stack(
+            [number[tuple(slice(c, c + n) for c, n in zip(at, cells))].ravel() for at in path],
+            axis=1,
+        )
         odd = la.det(np.eye(3)[list(order)]) < 0
         tets.append(tet[:, [1, 0, 2, 3]] if odd else tet)
     return second_order(points, np.concatenate(tets))
@@ -149,7 +237,8 @@ def bar(cells=(80, 4, 2)):
 
 
 def craig_bampton_free(points, K, M, ends, modes):
-    """Free-free frequencies [Hz] of a body with two rigid ends, from 12 constraint modes and `modes` fixed-interface modes.
+    """Free-free frequencies [Hz] of a body with two rigid ends, from 12 constraint modes and
+    `modes` fixed-interface modes.
 
     Eq. (W1):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
     """
@@ -158,8 +247,8 @@ def craig_bampton_free(points, K, M, ends, modes):
     moves = np.zeros((K.shape[0], 12))
     for k, end in enumerate(ends):
         rows = (3 * end[:, None] + np.arange(3)).ravel()
-        moves[rows, 6 * k:6 * k + 6] = rigid_motions(points[end] - points[end].mean(axis=0))
-    moves[body.free] -= body.solve((K @ moves)[body.free])                                                      # Eq. (W1)
+        moves[rows, 6 * k : 6 * k + 6] = rigid_motions(points[end] - points[end].mean(axis=0))
+    moves[body.free] -= body.solve((K @ moves)[body.free])  # Eq. (W1)
     shapes = np.hstack([moves, body.full(craig_bampton(body, modes))])
     square = la.eigh(shapes.T @ (K @ shapes), shapes.T @ (M @ shapes), eigvals_only=True)
     return np.sqrt(np.abs(square)) / (2 * np.pi)
@@ -171,25 +260,47 @@ def bar_checks():
     body = Elastic(K, M, np.concatenate(ends))
     fixed = orthonormal_modes(body, craig_bampton(body, 8))[1] / (2 * np.pi)
     for computed, reference in zip(fixed, (213.041, 422.001, 585.289, 1142.306)):
-        yield figure("Bar, both ends held", "fixed-interface frequency [Hz]", computed, reference, 1.5e-3, "relative",
-                     "independent code",
-                     "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3")
+        yield figure(
+            "Bar, both ends held",
+            "fixed-interface frequency [Hz]",
+            computed,
+            reference,
+            1.5e-3,
+            "relative",
+            "independent code",
+            "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3",
+        )
     exact = craig_bampton_free(points, K, M, ends, 120)[6:9]
     for computed, reference in zip(exact, (212.374, 422.909, 583.981)):
-        yield figure("Bar, free", "free-free frequency, full model [Hz]", computed, reference, 1.5e-3, "relative",
-                     "independent code",
-                     "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3")
+        yield figure(
+            "Bar, free",
+            "free-free frequency, full model [Hz]",
+            computed,
+            reference,
+            1.5e-3,
+            "relative",
+            "independent code",
+            "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3",
+        )
     reduced = craig_bampton_free(points, K, M, ends, 8)[6:9]
     for k, bound in enumerate((0.043e-2, 0.053e-2, 0.10e-2)):
         excess = reduced[k] / exact[k] - 1
-        yield figure("Bar, 12 + 8 coordinates", f"f{k + 7} above the full model [-]", excess, bound, 0.02, "relative",
-                     "independent code",
-                     "the reference has two to three digits and another mesh")
+        yield figure(
+            "Bar, 12 + 8 coordinates",
+            f"f{k + 7} above the full model [-]",
+            excess,
+            bound,
+            0.02,
+            "relative",
+            "independent code",
+            "the reference has two to three digits and another mesh",
+        )
 
 
 def beam_in_frame():
-    """Slender steel bar, one end clamped in the frame whose point A it carries, long axis along x, bending in x, y:
-    FlexibleBody."""
+    """Slender steel bar, one end clamped in the frame whose point A it carries, long axis along x,
+    bending in x, y: FlexibleBody.
+    """
     points, K, M, ends = bar((16, 2, 2))
     body = Elastic(K, M, ends[0])
     modes, omega = orthonormal_modes(body, craig_bampton(body, 6))
@@ -200,14 +311,17 @@ def beam_in_frame():
 
 
 def swing(body, angle_rate, bend, step, steps, spectral_radius=1.0):
-    """Free flexible pendulum about A, no gravity: history of (place, rate), place = [angle, modal coordinates].
+    """Free flexible pendulum about A, no gravity: history of (place, rate), place = [angle, modal
+    coordinates].
 
     It starts turning at angle_rate [rad/s], bent by `bend` [kg^1/2 m] in its lowest mode.
     """
     c = coefficients(step, spectral_radius)
     place, rate = np.zeros(1 + len(body.stiffness)), np.zeros(1 + len(body.stiffness))
     rate[0], place[1] = angle_rate, bend
-    place, rate, acceleration = _pendulum_step(body, place, rate, np.zeros_like(place), coefficients(0.0, spectral_radius))
+    place, rate, acceleration = _pendulum_step(
+        body, place, rate, np.zeros_like(place), coefficients(0.0, spectral_radius)
+    )
     auxiliary, history = acceleration, [(place, rate)]
     for _ in range(steps):
         p, r, a = predict(c, place, rate, acceleration, auxiliary)
@@ -223,8 +337,10 @@ def _pendulum_step(body, place, rate, guess, c):
     for _ in range(12):
         p, r = place + c.place * a, rate + c.rate * a
         residual = frame_force(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:])[2:]
-        matrix = whole(frame_arrow(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place),
-                       mode_coupling(body, a[0], r[0], c.rate, c.place))[2:, 2:]
+        matrix = whole(
+            frame_arrow(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place),
+            mode_coupling(body, a[0], r[0], c.rate, c.place),
+        )[2:, 2:]
         a = a - np.linalg.solve(matrix, residual)
     return place + c.place * a, rate + c.rate * a, a
 
@@ -235,89 +351,152 @@ def energy(body, place, rate):
     Eq. (W2):  E = w^2 (I0 + 2 b.q + q.B q)/2 + w (g + G q).q' + q'.q'/2 + q.Omega^2 q/2
     """
     w, q, dq = rate[0], place[1:], rate[1:]
-    return (w**2 * (body.I0 + 2 * body.b @ q + q @ body.B @ q) / 2 + w * (body.g + body.G @ q) @ dq + dq @ dq / 2
-            + q @ (body.stiffness * q) / 2)                                                                     # Eq. (W2)
+    return (
+        w**2 * (body.I0 + 2 * body.b @ q + q @ body.B @ q) / 2
+        + w * (body.g + body.G @ q) @ dq
+        + dq @ dq / 2
+        + q @ (body.stiffness * q) / 2
+    )  # Eq. (W2)
 
 
 def pendulum_checks():
-    """Free flexible pendulum: turning at 30 rad/s while its lowest bending mode rings with 4.5 mm at the tip; nothing is lost."""
+    """Free flexible pendulum: turning at 30 rad/s while its lowest bending mode rings with 4.5 mm
+    at the tip; nothing is lost.
+    """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
     levels = np.array([energy(body, *at) for at in swing(body, 30.0, 2e-3, period / 100, 2000)])
-    yield figure("Flexible pendulum, 20 periods", "energy drift [-]", np.ptp(levels) / levels[0], 0.0, 1e-10, "at most",
-                 "conservation",
-                 "spectral radius 1 keeps the energy; what is left falls with the fourth power of the step")
+    yield figure(
+        "Flexible pendulum, 20 periods",
+        "energy drift [-]",
+        np.ptp(levels) / levels[0],
+        0.0,
+        1e-10,
+        "at most",
+        "conservation",
+        "spectral radius 1 keeps the energy; what is left falls with the fourth power of the step",
+    )
 
 
 def order_check():
-    """Observed order of the integrator in the step: modal coordinates of the pendulum after three quarters of a period."""
+    """Observed order of the integrator in the step: modal coordinates of the pendulum after three
+    quarters of a period.
+    """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
     ends = [swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1][0][1:] for n in (40, 80, 160)]
     order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[2]))
-    return figure("Flexible pendulum, steps halved", "observed order [-]", order, 2.0, 0.02, "absolute", "order of the method",
-                  "finite steps: the next order is 1/40 of the leading one")
+    return figure(
+        "Flexible pendulum, steps halved",
+        "observed order [-]",
+        order,
+        2.0,
+        0.02,
+        "absolute",
+        "order of the method",
+        "finite steps: the next order is 1/40 of the leading one",
+    )
 
 
-BODIES = {"piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], density=2680.0, young=78e9),
-          "block": dict(surface="bore", fixed="bolts", others=[], density=2700.0, young=72e9)}
+BODIES = {
+    "piston": dict(surface="skirt", fixed="pin_bore", others=["crown"], density=2680.0, young=78e9),
+    "block": dict(surface="bore", fixed="bolts", others=[], density=2700.0, young=72e9),
+}
 
 
 def shipped_body(name):
-    """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's grid, angles, heights."""
+    """A body of the shipped case as a full model: mesh, Elastic, radial operator on its surface's
+    grid, angles, heights.
+    """
     kind = BODIES[name]
-    mesh = read_mesh(MODELS / "numerical_example" / f"{name}.msh.gz",
-                     dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]))
+    mesh = read_mesh(
+        MODELS / "numerical_example" / f"{name}.msh.gz",
+        dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]),
+    )
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
-    body = Elastic(stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"]))
+    body = Elastic(
+        stiffness(mesh.points, mesh.tets, kind["young"], 0.33), M, mesh.nodes(kind["fixed"])
+    )
     at = mesh.points[mesh.nodes(kind["surface"])]
     angle, height = cell_centres(40, 40, at[:, 1].min(), at[:, 1].max())
-    radial, _ = radial_and_axial(interpolation(mesh.points, mesh.faces[kind["surface"]], angle, height, 28.2e-3), angle, 40)
+    radial, _ = radial_and_axial(
+        interpolation(mesh.points, mesh.faces[kind["surface"]], angle, height, 28.2e-3), angle, 40
+    )
     return mesh, M, body, radial[:, body.free], angle, height
 
 
 def film_loads(angle, height, skirt_length):
-    """Pressure patches like a film's, (patches, c a): on the thrust and the other side, at three heights, wide and narrow."""
+    """Pressure patches like a film's, (patches, c a): on the thrust and the other side, at three
+    heights, wide and narrow.
+    """
     loads = []
-    for side, width, place, length in itertools.product((np.pi / 2, 3 * np.pi / 2), (0.35, 0.7), (0.25, 0.5, 0.75), (0.2, 0.35)):
+    for side, width, place, length in itertools.product(
+        (np.pi / 2, 3 * np.pi / 2), (0.35, 0.7), (0.25, 0.5, 0.75), (0.2, 0.35)
+    ):
         middle = height[0] + place * (height[-1] - height[0])
-        around = np.maximum(0.0, 1 - (np.remainder(angle - side + np.pi, 2 * np.pi) - np.pi) ** 2 / width**2)
+        around = np.maximum(
+            0.0, 1 - (np.remainder(angle - side + np.pi, 2 * np.pi) - np.pi) ** 2 / width**2
+        )
         along = np.maximum(0.0, 1 - (height - middle) ** 2 / (length * skirt_length) ** 2)
         loads.append(np.outer(around, along).ravel())
     return np.array(loads)
 
 
 def deflection_error(body, read, shapes, loads, full):
-    """Largest relative error (root mean square over the grid) of the static deflection in a basis, over all loads."""
+    """Largest relative error (root mean square over the grid) of the static deflection in a basis,
+    over all loads.
+    """
     modes, omega = orthonormal_modes(body, shapes)
     reduced = (read @ modes) @ ((modes.T @ loads) / omega[:, None] ** 2)
     return np.max(np.linalg.norm(reduced - full, axis=0) / np.linalg.norm(full, axis=0))
 
 
-BOUNDS = {("piston", "craig_bampton"): (0.20, 0.11, 0.05), ("piston", "pressure_modes"): (0.08, 0.025, 0.01),
-          ("piston", "characteristic_constraint_modes"): (0.19, 0.09, 0.04),
-          ("block", "craig_bampton"): (0.30, 0.20, 0.18), ("block", "pressure_modes"): (0.10, 0.04, 0.025),
-          ("block", "characteristic_constraint_modes"): (0.30, 0.15, 0.09)}
-"""Largest error with 20, 40, 60 modes: measured on these meshes, with a quarter to spare for others alike."""
+BOUNDS = {
+    ("piston", "craig_bampton"): (0.20, 0.11, 0.05),
+    ("piston", "pressure_modes"): (0.08, 0.025, 0.01),
+    ("piston", "characteristic_constraint_modes"): (0.19, 0.09, 0.04),
+    ("block", "craig_bampton"): (0.30, 0.20, 0.18),
+    ("block", "pressure_modes"): (0.10, 0.04, 0.025),
+    ("block", "characteristic_constraint_modes"): (0.30, 0.15, 0.09),
+}
+"""Largest error with 20, 40, 60 modes: measured on these meshes, with a quarter to spare for others
+alike.
+"""
 
 
 def deflection_checks():
-    """Static deflection under film-like patches, gas and inertia: reduced against the full finite-element model."""
+    """Static deflection under film-like patches, gas and inertia: reduced against the full
+    finite-element model.
+    """
     for name in BODIES:
         mesh, M, body, read, angle, height = shipped_body(name)
         loads = read.T @ film_loads(angle, height, 27e-3).T
         full = read @ body.solve(loads)
-        extra = rigid_loads(mesh, M)[body.free] if name == "piston" else np.empty((len(body.free), 0))
+        extra = (
+            rigid_loads(mesh, M)[body.free] if name == "piston" else np.empty((len(body.free), 0))
+        )
         wet = mesh.nodes(BODIES[name]["surface"])
-        nested = {"craig_bampton": craig_bampton(body, 60),
-                  "characteristic_constraint_modes": characteristic_constraint_modes(body, wet, 60)}
+        nested = {
+            "craig_bampton": craig_bampton(body, 60),
+            "characteristic_constraint_modes": characteristic_constraint_modes(body, wet, 60),
+        }
         for basis in (*nested, "pressure_modes"):
             for modes, bound in zip((20, 40, 60), BOUNDS[name, basis]):
-                shapes = (nested[basis][:, :modes] if basis in nested else
-                          pressure_modes(body, read, expected_pressure(angle, 40), modes, extra))
-                yield figure(f"{name}, {modes} {basis}", "deflection under film patches, error [-]",
-                             deflection_error(body, read, shapes, loads, full), 0.0, bound, "at most", "full model",
-                             "truncation of the basis")
+                shapes = (
+                    nested[basis][:, :modes]
+                    if basis in nested
+                    else pressure_modes(body, read, expected_pressure(angle, 40), modes, extra)
+                )
+                yield figure(
+                    f"{name}, {modes} {basis}",
+                    "deflection under film patches, error [-]",
+                    deflection_error(body, read, shapes, loads, full),
+                    0.0,
+                    bound,
+                    "at most",
+                    "full model",
+                    "truncation of the basis",
+                )
         if name == "piston":
             yield from load_checks(body, mesh, read, shapes, extra)
 
@@ -325,33 +504,63 @@ def deflection_checks():
 def rigid_loads(mesh, M):
     """Gas pressure on the crown and unit accelerations along y, x and about A, (3 n, 4)."""
     gas = face_load(mesh.points, mesh.faces["crown"])
-    fields = [np.tile(v, (len(mesh.points), 1)) for v in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))] + [mesh.points @ Z.T]
+    fields = [np.tile(v, (len(mesh.points), 1)) for v in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))] + [
+        mesh.points @ Z.T
+    ]
     return np.column_stack([gas.ravel()] + [M @ field.ravel() for field in fields])
 
 
 def load_checks(body, mesh, read, shapes, extra):
-    """Crown and skirt under gas pressure and steady inertia: 60 pressure modes against the full model."""
+    """Crown and skirt under gas pressure and steady inertia: 60 pressure modes against the full
+    model.
+    """
     modes, omega = orthonormal_modes(body, shapes)
     crown = np.zeros((len(mesh.points), 3), dtype=bool)
     crown[mesh.nodes("crown"), 1] = True
     pick = crown.ravel()[body.free]
-    for name, load in zip(("gas pressure", "acceleration along y", "acceleration along x", "angular acceleration"), extra.T):
+    for name, load in zip(
+        ("gas pressure", "acceleration along y", "acceleration along x", "angular acceleration"),
+        extra.T,
+    ):
         full, reduced = body.solve(load), modes @ ((modes.T @ load) / omega**2)
         for place, choose in (("crown", lambda u: u[pick]), ("skirt", lambda u: read @ u)):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
-            yield figure(f"piston, {name}", f"deflection of the {place}, error [-]", error, 0.0, 1e-6, "at most", "full model",
-                         "the load's own static shape is in the basis")
+            yield figure(
+                f"piston, {name}",
+                f"deflection of the {place}, error [-]",
+                error,
+                0.0,
+                1e-6,
+                "at most",
+                "full model",
+                "the load's own static shape is in the basis",
+            )
 
 
 def step_checks():
-    """The shipped bodies with 60 modes each on the crank: derivative of the step, work on both sides, redone steps."""
+    """The shipped bodies with 60 modes each on the crank: derivative of the step, work on both
+    sides, redone steps.
+    """
     with TemporaryDirectory() as folder:
-        table = read_options({name: {
-            "mesh": f"{name}.msh.gz", "density": f"{kind['density']} kg/m^3", "young": f"{kind['young']} Pa", "poisson": 0.33}
-            for name, kind in BODIES.items()}, MODELS / "numerical_example")
-        reduced = (np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
-                   for name, reduce in (("piston", reduce_piston), ("block", reduce_block)))
-        model = assemble(*(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()})
+        table = read_options(
+            {
+                name: {
+                    "mesh": f"{name}.msh.gz",
+                    "density": f"{kind['density']} kg/m^3",
+                    "young": f"{kind['young']} Pa",
+                    "poisson": 0.33,
+                }
+                for name, kind in BODIES.items()
+            },
+            MODELS / "numerical_example",
+        )
+        reduced = (
+            np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
+            for name, reduce in (("piston", reduce_piston), ("block", reduce_block))
+        )
+        model = assemble(
+            *(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()}
+        )
     rng = np.random.default_rng(0)
     push, drag = rng.random((40, 40)), -0.1 * rng.random((40, 40))
     state, _ = model.start(0.4, 0.0, 0.0, Inputs(314.0, 0.0, 0 * push, 0 * drag))
@@ -359,27 +568,54 @@ def step_checks():
     for _ in range(20):
         state, out = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)
         errors.append(out["interface_work_error"])
-    yield figure("60 + 60 modes, 20 steps", "work of the interface forces, difference [-]", max(errors), 0.0, 1e-10, "at most",
-                 "conservation",
-                 "round-off")
-    ends = [model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1] for e in (1.0, -1.0)]
+    yield figure(
+        "60 + 60 modes, 20 steps",
+        "work of the interface forces, difference [-]",
+        max(errors),
+        0.0,
+        1e-10,
+        "at most",
+        "conservation",
+        "round-off",
+    )
+    ends = [
+        model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1]
+        for e in (1.0, -1.0)
+    ]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    for name, product in zip(("film_thickness", "sliding_velocity"), model.directional_derivative(drag, push)):
+    for name, product in zip(
+        ("film_thickness", "sliding_velocity"), model.directional_derivative(drag, push)
+    ):
         difference = (ends[0][name] - ends[1][name]) / 2
-        yield figure("60 + 60 modes, one step", f"derivative of {name} against differences [-]",
-                     np.abs(product - difference).max() / np.abs(difference).max(), 0.0, 1e-7, "at most", "central differences",
-                     "the step is nearly affine in the forces")
+        yield figure(
+            "60 + 60 modes, one step",
+            f"derivative of {name} against differences [-]",
+            np.abs(product - difference).max() / np.abs(difference).max(),
+            0.0,
+            1e-7,
+            "at most",
+            "central differences",
+            "the step is nearly affine in the forces",
+        )
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    yield figure("60 + 60 modes, one step redone", "bytes that differ", np.sum(first.place.tobytes() != again.place.tobytes()),
-                 0, 0.0, "absolute",
-                 "rollback", "a count")
+    yield figure(
+        "60 + 60 modes, one step redone",
+        "bytes that differ",
+        np.sum(first.place.tobytes() != again.place.tobytes()),
+        0,
+        0.0,
+        "absolute",
+        "rollback",
+        "a count",
+    )
 
 
 def exudyn_checks():
-    """Shipped piston with 20 modes on the crank, against Exudyn's floating-frame body where it is installed; steps of 10, 5 and
-    2.5 us over 2 ms, a motion of about 50 um."""
+    """Shipped piston with 20 modes on the crank, against Exudyn's floating-frame body where it is
+    installed; steps of 10, 5 and 2.5 us over 2 ms, a motion of about 50 um.
+    """
     try:
-        import exudyn                                                                                           # noqa: F401
+        import exudyn
     except ImportError:
         return
     mesh, M, held, *_ = shipped_body("piston")
@@ -388,8 +624,11 @@ def exudyn_checks():
     gas = face_load(mesh.points, mesh.faces["crown"]).ravel()
     gas_shape = modes.T @ (gas / -gas[1::3].sum())
     integrals = floating_frame_integrals(M, mesh.points, modes.reshape(len(mesh.points), 3, -1))
-    body = FlexibleBody(**{name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()},
-                        stiffness=omega**2, damping=np.zeros_like(omega))
+    body = FlexibleBody(
+        **{name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()},
+        stiffness=omega**2,
+        damping=np.zeros_like(omega),
+    )
     mechanism = Mechanism(24.75e-3, 0.1, 1e-3, 0.14, 2.2e-4, 0.3, 0.0)
     drive = Drive(0.3, 100 * np.pi, 2e7, 2e4, 5e3, 1e-3)
     K, apart = stiffness(mesh.points, mesh.tets, 78e9, 0.33), []
@@ -399,11 +638,40 @@ def exudyn_checks():
         other = exudyn_motion(mesh.points, K, M, modes, mechanism, gas_shape, *run)
         difference, case = np.abs(own - other), f"Piston against Exudyn, {step * 1e6:g} us"
         apart.append(difference[:, 0].max())
-        yield figure(case, f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]", apart[-1], 0.0,
-                     bound, "at most", "independent code", "differences that two such codes had before at these steps")
-        for name, columns in (("rocking angle", slice(1, 2)), ("modal coordinates", slice(2, None))):
-            sizes = [np.linalg.norm(values[:, columns], axis=1).max() for values in (difference, own)]
-            yield figure(case, f"{name}, relative difference [-]", sizes[0] / sizes[1], 0.0, 2e-4 * (step / 1e-5) ** 2, "at most",
-                         "independent code", "both integrators err with the square of the step, not alike")
-    yield figure("Piston against Exudyn, steps quartered", "order of the difference", np.log2(apart[0] / apart[2]) / 2, 2.0, 0.2,
-                 "absolute", "independent code", "both are of order 2; a step of 10 us does not resolve the highest modes yet")
+        yield figure(
+            case,
+            f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]",
+            apart[-1],
+            0.0,
+            bound,
+            "at most",
+            "independent code",
+            "differences that two such codes had before at these steps",
+        )
+        for name, columns in (
+            ("rocking angle", slice(1, 2)),
+            ("modal coordinates", slice(2, None)),
+        ):
+            sizes = [
+                np.linalg.norm(values[:, columns], axis=1).max() for values in (difference, own)
+            ]
+            yield figure(
+                case,
+                f"{name}, relative difference [-]",
+                sizes[0] / sizes[1],
+                0.0,
+                2e-4 * (step / 1e-5) ** 2,
+                "at most",
+                "independent code",
+                "both integrators err with the square of the step, not alike",
+            )
+    yield figure(
+        "Piston against Exudyn, steps quartered",
+        "order of the difference",
+        np.log2(apart[0] / apart[2]) / 2,
+        2.0,
+        0.2,
+        "absolute",
+        "independent code",
+        "both are of order 2; a step of 10 us does not resolve the highest modes yet",
+    )

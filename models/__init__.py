@@ -1,4 +1,6 @@
-"""Cases and data: one folder a case (case.toml, README.md, meshes and the scripts that make them)."""
+"""Cases and data: one folder a case (case.toml, README.md, meshes and the scripts that make
+them).
+"""
 
 from pathlib import Path
 

@@ -1,8 +1,10 @@
-"""Parametric meshes of a piston and of a finned cylinder block by gmsh (running a case does not need it).
+"""Parametric meshes of a piston and of a finned cylinder block by gmsh (running a case does not
+need it).
 
-One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that the mesh is symmetric to the
-last bit about the thrust plane z = 0 and about x = 0. Lengths are millimetres here, metres in the files. Axes: x thrust, y
-towards the head, z along the pin; the piston's origin is pin point A, the block's lies on the crank axis.
+One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that
+the mesh is symmetric to the last bit about the thrust plane z = 0 and about x = 0. Lengths are
+millimetres here, metres in the files. Axes: x thrust, y towards the head, z along the pin; the
+piston's origin is pin point A, the block's lies on the crank axis.
 """
 
 import gzip
@@ -15,12 +17,13 @@ import meshio
 import numpy as np
 
 MM = 1e-3
-NEAR = 1e-4     # distance from a surface below which a node belongs to it [mm]
+NEAR = 1e-4  # distance from a surface below which a node belongs to it [mm]
 
 
 @dataclass(frozen=True)
 class Piston:
-    """Crown, ring belt, full-round tapered skirt, pin bosses on pillars, perhaps box walls; ring grooves left out. In mm.
+    """Crown, ring belt, full-round tapered skirt, pin bosses on pillars, perhaps box walls; ring
+    grooves left out. In mm.
 
     Parameters
     ----------
@@ -39,11 +42,14 @@ class Piston:
     boss, boss_from, boss_length : float
         Outer radius of the bosses, where they begin along z, how far they would reach.
     pillar_width, pillar_from, pillar_length : float
-        Box that carries a boss from the crown: along x, where it begins along z, how far it would reach.
+        Box that carries a boss from the crown: along x, where it begins along z, how far it would
+        reach.
     reach, root : float
-        Radius at which bosses, pillars and walls end inside the skirt; depth below the top at which they end in the crown.
+        Radius at which bosses, pillars and walls end inside the skirt; depth below the top at which
+        they end in the crown.
     box_wall : (float, float), optional
-        Thickness, and distance from z = 0, of two flat walls that join both thrust sides of the skirt.
+        Thickness, and distance from z = 0, of two flat walls that join both thrust sides of the
+        skirt.
     """
 
     skirt_radius: float
@@ -68,17 +74,46 @@ class Piston:
         """The solid of one quarter, in gmsh."""
         occ = gmsh.model.occ
         low, high = self.skirt
-        outer, _ = occ.fuse(cylinder_y(self.skirt_radius, low, high), cylinder_y(self.land_radius, high, self.top))
-        cavity, _ = occ.fuse(cylinder_y(self.skirt_inside[0], low, high, self.skirt_inside[1]),
-                             cylinder_y(self.belt_inside, high, self.top - self.crown))
+        outer, _ = occ.fuse(
+            cylinder_y(self.skirt_radius, low, high), cylinder_y(self.land_radius, high, self.top)
+        )
+        cavity, _ = occ.fuse(
+            cylinder_y(self.skirt_inside[0], low, high, self.skirt_inside[1]),
+            cylinder_y(self.belt_inside, high, self.top - self.crown),
+        )
         shell, _ = occ.cut(outer, cavity)
         boss = [(3, occ.addCylinder(0, 0, self.boss_from, 0, 0, self.boss_length, self.boss))]
-        inside = [(3, occ.addBox(-self.pillar_width / 2, 0.0, self.pillar_from, self.pillar_width, self.top - self.root,
-                                 self.pillar_length))]
+        inside = [
+            (
+                3,
+                occ.addBox(
+                    -self.pillar_width / 2,
+                    0.0,
+                    self.pillar_from,
+                    self.pillar_width,
+                    self.top - self.root,
+                    self.pillar_length,
+                ),
+            )
+        ]
         if self.box_wall:
             thickness, place = self.box_wall
-            inside.append((3, occ.addBox(-self.reach, low, place, 2 * self.reach, self.top - self.root - low, thickness)))
-        inner, _ = occ.intersect(occ.fuse(boss, inside)[0], cylinder_y(self.reach, low, self.top - self.root))
+            inside.append(
+                (
+                    3,
+                    occ.addBox(
+                        -self.reach,
+                        low,
+                        place,
+                        2 * self.reach,
+                        self.top - self.root - low,
+                        thickness,
+                    ),
+                )
+            )
+        inner, _ = occ.intersect(
+            occ.fuse(boss, inside)[0], cylinder_y(self.reach, low, self.top - self.root)
+        )
         body, _ = occ.fuse(shell, inner)
         body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -50, 0, 0, 100, self.pin))])
         return quarter_of(body)
@@ -87,13 +122,19 @@ class Piston:
         """Named node masks."""
         x, y, z = points.T
         low, high = self.skirt
-        return {"skirt": (np.abs(np.hypot(x, z) - self.skirt_radius) < NEAR) & (y > low - NEAR) & (y < high + NEAR),
-                "crown": np.abs(y - self.top) < NEAR, "pin_bore": np.abs(np.hypot(x, y) - self.pin) < NEAR}
+        return {
+            "skirt": (np.abs(np.hypot(x, z) - self.skirt_radius) < NEAR)
+            & (y > low - NEAR)
+            & (y < high + NEAR),
+            "crown": np.abs(y - self.top) < NEAR,
+            "pin_bore": np.abs(np.hypot(x, y) - self.pin) < NEAR,
+        }
 
 
 @dataclass(frozen=True)
 class Block:
-    """Barrel with a base and a deck flange and round cooling fins; four studs pass through all; held on round seats. In mm.
+    """Barrel with a base and a deck flange and round cooling fins; four studs pass through all;
+    held on round seats. In mm.
 
     Parameters
     ----------
@@ -126,12 +167,34 @@ class Block:
         """The solid of one quarter, in gmsh."""
         occ = gmsh.model.occ
         low, high = self.ends
-        plates = [(3, occ.addBox(-self.flange, at, -self.flange, 2 * self.flange, self.flange_thickness, 2 * self.flange))
-                  for at in (low, high - self.flange_thickness)]
+        plates = [
+            (
+                3,
+                occ.addBox(
+                    -self.flange,
+                    at,
+                    -self.flange,
+                    2 * self.flange,
+                    self.flange_thickness,
+                    2 * self.flange,
+                ),
+            )
+            for at in (low, high - self.flange_thickness)
+        ]
         fins = [cylinder_y(self.fin_radius, at, at + self.fin_thickness)[0] for at in self.fins]
         body, _ = occ.fuse(cylinder_y(self.bore + self.wall, low, high), plates + fins)
         body, _ = occ.cut(body, cylinder_y(self.bore, low - 1, high + 1))
-        body, _ = occ.cut(body, [(3, occ.addCylinder(self.stud, low - 1, self.stud, 0, high - low + 2, 0, self.stud_hole))])
+        body, _ = occ.cut(
+            body,
+            [
+                (
+                    3,
+                    occ.addCylinder(
+                        self.stud, low - 1, self.stud, 0, high - low + 2, 0, self.stud_hole
+                    ),
+                )
+            ],
+        )
         body = quarter_of(body)
         seat = occ.addDisk(self.stud, low, self.stud, self.seat, self.seat, zAxis=[0, 1, 0])
         return [entity for entity in occ.fragment(body, [(2, seat)])[0] if entity[0] == 3]
@@ -140,7 +203,10 @@ class Block:
         """Named node masks."""
         x, y, z = points.T
         seat = np.hypot(np.abs(x) - self.stud, np.abs(z) - self.stud) < self.seat + NEAR
-        return {"bore": np.abs(np.hypot(x, z) - self.bore) < NEAR, "bolts": (np.abs(y - self.ends[0]) < NEAR) & seat}
+        return {
+            "bore": np.abs(np.hypot(x, z) - self.bore) < NEAR,
+            "bolts": (np.abs(y - self.ends[0]) < NEAR) & seat,
+        }
 
 
 def cylinder_y(radius, low, high, top_radius=None):
@@ -165,10 +231,18 @@ def mesh_quarter(make, size, curvature):
     gmsh.option.setNumber("General.Terminal", 0)
     make()
     gmsh.model.occ.synchronize()
-    loose = set(gmsh.model.getEntities(2)) - {(2, abs(t)) for _, t in gmsh.model.getBoundary(gmsh.model.getEntities(3))}
+    loose = set(gmsh.model.getEntities(2)) - {
+        (2, abs(t)) for _, t in gmsh.model.getBoundary(gmsh.model.getEntities(3))
+    }
     gmsh.model.removeEntities(sorted(loose), recursive=True)
-    for name, value in (("MeshSizeMax", size), ("MeshSizeMin", 0.35 * size), ("MeshSizeFromCurvature", curvature),
-                        ("Algorithm3D", 1), ("Optimize", 1), ("RandomSeed", 1)):
+    for name, value in (
+        ("MeshSizeMax", size),
+        ("MeshSizeMin", 0.35 * size),
+        ("MeshSizeFromCurvature", curvature),
+        ("Algorithm3D", 1),
+        ("Optimize", 1),
+        ("RandomSeed", 1),
+    ):
         gmsh.option.setNumber("Mesh." + name, value)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(2)
@@ -180,12 +254,16 @@ def mesh_quarter(make, size, curvature):
     used, tets = np.unique(tets, return_inverse=True)
     place = {tag: k for k, tag in enumerate(tags)}
     points = points.reshape(-1, 3)[[place[tag] for tag in used]]
-    tets = tets.reshape(-1, 10)[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]      # gmsh swaps the last two edge nodes
+    tets = tets.reshape(-1, 10)[
+        :, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+    ]  # gmsh swaps the last two edge nodes
     return np.where(np.abs(points) < 1e-7, 0.0, points), tets
 
 
 def mirror(points, tets, axis):
-    """Add the mirror image about the plane axis = 0; nodes on the plane are shared, orientation stays positive."""
+    """Add the mirror image about the plane axis = 0; nodes on the plane are shared, orientation
+    stays positive.
+    """
     image = np.arange(len(points)) + len(points)
     on_plane = points[:, axis] == 0.0
     image[on_plane] = np.flatnonzero(on_plane)
@@ -198,7 +276,9 @@ def mirror(points, tets, axis):
 
 def outer_faces(tets):
     """6-node triangles that belong to one tetrahedron only."""
-    local = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
+    local = np.array(
+        [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
+    )
     faces = tets[:, local].reshape(-1, 6)
     key = np.sort(faces[:, :3], axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
@@ -206,19 +286,30 @@ def outer_faces(tets):
 
 
 def write(path, points, tets, sets):
-    """gzip-packed gmsh 2.2 file with the volume group "all" and the surface groups of `sets`; same bytes every time."""
+    """gzip-packed gmsh 2.2 file with the volume group "all" and the surface groups of `sets`; same
+    bytes every time.
+    """
     faces = outer_faces(tets)
     groups = [(name, faces[mask[faces].all(axis=1)]) for name, mask in sets.items()]
     cells = [("tetra10", tets)] + [("triangle6", group) for _, group in groups]
     tags = [np.full(len(c[1]), k + 1) for k, c in enumerate(cells)]
-    field_data = {name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)} | {"all": np.array([1, 3])}
-    mesh = meshio.Mesh(points * MM, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}, field_data=field_data)
+    field_data = {name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)} | {
+        "all": np.array([1, 3])
+    }
+    mesh = meshio.Mesh(
+        points * MM,
+        cells,
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data=field_data,
+    )
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / "mesh.msh"
         meshio.write(plain, mesh, file_format="gmsh22", binary=True)
         path.write_bytes(gzip.compress(plain.read_bytes(), mtime=0))
-    print(f"{path.name}: {len(points)} nodes, {len(tets)} tetrahedra, {path.stat().st_size / 1e6:.2f} MB, "
-          + ", ".join(f"{name} {len(group)} faces" for name, group in groups))
+    print(
+        f"{path.name}: {len(points)} nodes, {len(tets)} tetrahedra, {path.stat().st_size / 1e6:.2f} MB, "
+        + ", ".join(f"{name} {len(group)} faces" for name, group in groups)
+    )
 
 
 def make(path, shape, size, curvature):

@@ -1,4 +1,6 @@
-"""One BLAS thread, as the command line has it: rounding does not depend on the machine's cores, and small algebra is faster."""
+"""One BLAS thread, as the command line has it: rounding does not depend on the machine's cores, and
+small algebra is faster.
+"""
 
 import os
 

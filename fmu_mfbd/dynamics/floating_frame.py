@@ -1,8 +1,8 @@
-"""Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces and their exact tangent.
+"""Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces
+and their exact tangent.
 
-References
-----------
-[Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge University Press, 2013.
+References ---------- [Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge
+University Press, 2013.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,8 @@ from ...master.fmi.compiled import compiled
 
 
 class FlexibleBody(NamedTuple):
-    """Inertia integrals (Eq. (I1)) and modal springs of a reduced body; k modes, mass-orthonormal. k = 0 is a rigid body.
+    """Inertia integrals (Eq. (I1)) and modal springs of a reduced body; k modes, mass-orthonormal.
+    k = 0 is a rigid body.
 
     Parameters
     ----------
@@ -43,10 +44,22 @@ class FlexibleBody(NamedTuple):
 
 
 def rigid_body(mass, centre, inertia):
-    """Rigid body of given mass [kg], centre of mass (x, y) from A [m] and moment of inertia about A [kg m2]."""
+    """Rigid body of given mass [kg], centre of mass (x, y) from A [m] and moment of inertia about A
+    [kg m2].
+    """
     none, square = np.zeros(0), np.zeros((0, 0))
-    return FlexibleBody(float(mass), mass * np.asarray(centre, dtype=float), float(inertia), np.zeros((2, 0)),
-                        none, square, none, square, none, none)
+    return FlexibleBody(
+        float(mass),
+        mass * np.asarray(centre, dtype=float),
+        float(inertia),
+        np.zeros((2, 0)),
+        none,
+        square,
+        none,
+        square,
+        none,
+        none,
+    )
 
 
 @compiled
@@ -60,14 +73,15 @@ def _times(start, matrix, q):
 
 @compiled
 def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
-    """Generalised force that a given motion needs: rows along the body frame's x and y, about A, then one a mode.
+    """Generalised force that a given motion needs: rows along the body frame's x and y, about A,
+    then one a mode.
 
     Eq. (R1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                                             s = S + T q
     Eq. (R2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
     Eq. (R3):  T^T a + alpha (g + G q) - w^2 (b + B q) + 2 w G q' + q'' + D q' + Omega^2 q
 
-    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is far below the body's lowest
-    eigenfrequency. No gravity.
+    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is
+    far below the body's lowest eigenfrequency. No gravity.
 
     Parameters
     ----------
@@ -84,26 +98,36 @@ def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
     ndarray, shape (3 + k,)
         [N], [N], [N m], [kg^-1/2 N].
 
-    References
-    ----------
-    [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in tests/mfbd/test_floating_frame.py.
+    References ---------- [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in
+    tests/mfbd/test_floating_frame.py.
     """
     out = np.empty(3 + len(q))
     gq, bq, gr = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate
     sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
     tx, ty = 2 * w * (body.T[0] @ rate), 2 * w * (body.T[1] @ rate)
-    out[0] = body.mass * ax - alpha * sy - w * w * sx - ty + body.T[0] @ acceleration                           # Eq. (R1)
+    out[0] = body.mass * ax - alpha * sy - w * w * sx - ty + body.T[0] @ acceleration  # Eq. (R1)
     out[1] = body.mass * ay + alpha * sx - w * w * sy + tx + body.T[1] @ acceleration
     inertia = body.I0 + body.b @ q + bq @ q
-    out[2] = -sy * ax + sx * ay + alpha * inertia + 2 * w * (bq @ rate) + gq @ acceleration                     # Eq. (R2)
-    for i in range(len(q)):                                                                                     # Eq. (R3)
-        out[3 + i] = (body.T[0, i] * ax + body.T[1, i] * ay + alpha * gq[i] - w * w * bq[i] + 2 * w * gr[i]
-                      + acceleration[i] + body.damping[i] * rate[i] + body.stiffness[i] * q[i])
+    out[2] = (
+        -sy * ax + sx * ay + alpha * inertia + 2 * w * (bq @ rate) + gq @ acceleration
+    )  # Eq. (R2)
+    for i in range(len(q)):  # Eq. (R3)
+        out[3 + i] = (
+            body.T[0, i] * ax
+            + body.T[1, i] * ay
+            + alpha * gq[i]
+            - w * w * bq[i]
+            + 2 * w * gr[i]
+            + acceleration[i]
+            + body.damping[i] * rate[i]
+            + body.stiffness[i] * q[i]
+        )
     return out
 
 
 class Arrow(NamedTuple):
-    """A tangent whose modes couple to the rigid motions and to themselves: what is left out couples modes among each other.
+    """A tangent whose modes couple to the rigid motions and to themselves: what is left out couples
+    modes among each other.
 
     Parameters
     ----------
@@ -122,10 +146,11 @@ class Arrow(NamedTuple):
 
 @compiled
 def frame_arrow(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
-    """Derivative of `frame_force` with the time integrator's coefficients folded in, without `mode_coupling`.
+    """Derivative of `frame_force` with the time integrator's coefficients folded in, without
+    `mode_coupling`.
 
-    Columns: a along the body's x and y (held in that frame), then the angle and the modal coordinates, each with its acceleration
-    changed by 1, its rate by c1 [s] and itself by c2 [s2].
+    Columns: a along the body's x and y (held in that frame), then the angle and the modal
+    coordinates, each with its acceleration changed by 1, its rate by c1 [s] and itself by c2 [s2].
 
     Parameters
     ----------
@@ -141,7 +166,12 @@ def frame_arrow(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
     """
     k = len(q)
     top, left, diagonal = np.empty((3, 3 + k)), np.empty((k, 3)), np.empty(k)
-    gq, bq, gr, br = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate, body.B @ rate
+    gq, bq, gr, br = (
+        _times(body.g, body.G, q),
+        _times(body.b, body.B, q),
+        body.G @ rate,
+        body.B @ rate,
+    )
     ga, ba = body.G @ acceleration, bq @ rate
     sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
     tx, ty = body.T[0] @ rate, body.T[1] @ rate
@@ -159,8 +189,12 @@ def frame_arrow(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
         left[i, 2] = gq[i] + 2 * c1 * (gr[i] - w * bq[i])
         top[0, 3 + i] = x * (1 - c2 * w * w) - y * (alpha * c2 + 2 * w * c1)
         top[1, 3 + i] = y * (1 - c2 * w * w) + x * (alpha * c2 + 2 * w * c1)
-        top[2, 3 + i] = (gq[i] + c2 * (x * ay - y * ax) + 2 * c1 * w * bq[i]
-                         + c2 * (2 * alpha * bq[i] + 2 * w * br[i] - ga[i]))
+        top[2, 3 + i] = (
+            gq[i]
+            + c2 * (x * ay - y * ax)
+            + 2 * c1 * w * bq[i]
+            + c2 * (2 * alpha * bq[i] + 2 * w * br[i] - ga[i])
+        )
         diagonal[i] = 1 + c1 * body.damping[i] + c2 * body.stiffness[i]
     return Arrow(top, left, diagonal)
 
@@ -184,7 +218,7 @@ def mode_coupling(body, alpha, w, c1, c2):
     out, turn, spin = np.empty(body.G.shape), 2 * w * c1 + alpha * c2, w * w * c2
     for i in range(len(out)):
         for j in range(len(out)):
-            out[i, j] = turn * body.G[i, j] - spin * body.B[i, j]                                               # Eq. (R4)
+            out[i, j] = turn * body.G[i, j] - spin * body.B[i, j]  # Eq. (R4)
     return out
 
 

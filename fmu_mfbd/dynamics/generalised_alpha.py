@@ -1,4 +1,5 @@
-"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of motion here.
+"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of
+motion here.
 
 References
 ----------
@@ -21,7 +22,8 @@ class Coefficients(NamedTuple):
     step, alpha_m, alpha_f, beta, gamma : float
         [s]; [-].
     weight, rate, place : float
-        What an end acceleration of 1 adds to the end's auxiliary acceleration [-], velocity [s] and position [s2].
+        What an end acceleration of 1 adds to the end's auxiliary acceleration [-], velocity [s] and
+        position [s2].
     """
 
     step: float
@@ -56,10 +58,12 @@ def coefficients(step, spectral_radius):
     [ChungHulbert1993]. Order 2 is checked in tests/verification/test_mfbd.py.
     """
     rho = spectral_radius
-    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)                                               # Eq. (G1)
+    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)  # Eq. (G1)
     gamma = 0.5 + alpha_f - alpha_m
     beta, weight = (gamma + 0.5) ** 2 / 4, (1 - alpha_f) / (1 - alpha_m)
-    return Coefficients(step, alpha_m, alpha_f, beta, gamma, weight, weight * step * gamma, weight * step**2 * beta)
+    return Coefficients(
+        step, alpha_m, alpha_f, beta, gamma, weight, weight * step * gamma, weight * step**2 * beta
+    )
 
 
 @compiled
@@ -70,8 +74,8 @@ def predict(c, place, rate, acceleration, auxiliary):
                q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)
                q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta) a_0 + beta a_1)
 
-    The equation of motion holds exactly at the end of the step, with the end-of-step forces; `Coefficients.weight`, `.rate` and
-    `.place` add the part of q''_1.
+    The equation of motion holds exactly at the end of the step, with the end-of-step forces;
+    `Coefficients.weight`, `.rate` and `.place` add the part of q''_1.
 
     Parameters
     ----------
@@ -88,8 +92,14 @@ def predict(c, place, rate, acceleration, auxiliary):
     [ArnoldBruels2007]
     """
     end, speed, a = np.empty(len(place)), np.empty(len(place)), np.empty(len(place))
-    for k in range(len(place)):                                 # a loop: array expressions take the compiler seconds each
-        a[k] = (c.alpha_f * acceleration[k] - c.alpha_m * auxiliary[k]) / (1 - c.alpha_m)                      # Eq. (G2)
-        end[k] = place[k] + c.step * rate[k] + c.step**2 * ((0.5 - c.beta) * auxiliary[k] + c.beta * a[k])
+    for k in range(len(place)):  # a loop: array expressions take the compiler seconds each
+        a[k] = (c.alpha_f * acceleration[k] - c.alpha_m * auxiliary[k]) / (
+            1 - c.alpha_m
+        )  # Eq. (G2)
+        end[k] = (
+            place[k]
+            + c.step * rate[k]
+            + c.step**2 * ((0.5 - c.beta) * auxiliary[k] + c.beta * a[k])
+        )
         speed[k] = rate[k] + c.step * ((1 - c.gamma) * auxiliary[k] + c.gamma * a[k])
     return end, speed, a

@@ -1,5 +1,7 @@
-"""One instant of the whole body side in compiled code: from predicted motion and forces to accelerations, film and outputs; and
-its derivative. Nothing is decided here: the equations stand in `film`, `piston_motion` and `slider_crank`."""
+"""One instant of the whole body side in compiled code: from predicted motion and forces to
+accelerations, film and outputs; and its derivative. Nothing is decided here: the equations stand in
+`film`, `piston_motion` and `slider_crank`.
+"""
 
 from typing import NamedTuple
 
@@ -16,7 +18,9 @@ from .slider_crank import Mechanism, height, motion, rod_turn
 
 
 class Block(NamedTuple):
-    """Modal springs of the cylinder block: stiffness omega^2 [rad2/s2] and damping [rad/s], shapes (k',)."""
+    """Modal springs of the cylinder block: stiffness omega^2 [rad2/s2] and damping [rad/s], shapes
+    (k',).
+    """
 
     stiffness: np.ndarray
     damping: np.ndarray
@@ -25,8 +29,8 @@ class Block(NamedTuple):
 class System(NamedTuple):
     """Both bodies, the mechanism and the film's geometry.
 
-    Of each body, the modes that move and, after them, those that follow statically. gas_force (k + s,) is the modal force of a
-    unit gas force on the crown [kg^-1/2].
+    Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
+    s,) is the modal force of a unit gas force on the crown [kg^-1/2].
     """
 
     piston: FlexibleBody
@@ -56,10 +60,12 @@ class Balance(NamedTuple):
     position, velocity : float
         Height of A [m] and its rate [m/s].
     pin_x, pin_y, pin_moment, torque : float
-        Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank without its own inertia [N m].
+        Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank
+        without its own inertia [N m].
     work_error : float
-        Power of the interface forces on the grid minus that in the coordinates, by the sum of all terms' sizes [-]. Both describe
-        the same work, so that anything above round-off is an error in the transfer of forces.
+        Power of the interface forces on the grid minus that in the coordinates, by the sum of all
+        terms' sizes [-]. Both describe the same work, so that anything above round-off is an error
+        in the transfer of forces.
     evaluations, tangents, size : int, int, float
         Of `settle`.
     """
@@ -86,7 +92,8 @@ class Balance(NamedTuple):
 
 @compiled
 def balance(system, c, motion_before, crank, gas, pressure_force, friction_force):
-    """One step: accelerations at its end that balance the forces there, and everything that follows from them.
+    """One step: accelerations at its end that balance the forces there, and everything that follows
+    from them.
 
     Parameters
     ----------
@@ -105,7 +112,12 @@ def balance(system, c, motion_before, crank, gas, pressure_force, friction_force
     -------
     Balance
     """
-    mechanism, skirt, bore, n = system.mechanism, system.skirt, system.bore, 2 + len(system.piston.stiffness)
+    mechanism, skirt, bore, n = (
+        system.mechanism,
+        system.skirt,
+        system.bore,
+        2 + len(system.piston.stiffness),
+    )
     before = predict(c, motion_before[0], motion_before[1], motion_before[2], motion_before[3])
     Y0, _, lever0 = height(mechanism, 0.0, crank[0])
     window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
@@ -113,32 +125,76 @@ def balance(system, c, motion_before, crank, gas, pressure_force, friction_force
     push = forces.piston.copy()
     for k in range(len(push)):
         push[k] += gas * system.gas_force[k]
-    load = Load(forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push[:n - 2])
+    load = Load(
+        forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push[: n - 2]
+    )
     own, pin_x, pin_y, moment, torque, evaluations, tangents, size = settle(
-        system.piston, mechanism, load, before[0][:n], before[1][:n], motion_before[2][:n], crank[0], crank[1], crank[2], c.rate,
-        c.place)
-    end, speed, acceleration, auxiliary = _modes_after(system, c, motion_before[0], before, own, push, forces.block, crank)
+        system.piston,
+        mechanism,
+        load,
+        before[0][:n],
+        before[1][:n],
+        motion_before[2][:n],
+        crank[0],
+        crank[1],
+        crank[2],
+        c.rate,
+        c.place,
+    )
+    end, speed, acceleration, auxiliary = _modes_after(
+        system, c, motion_before[0], before, own, push, forces.block, crank
+    )
     Y, slope, lever = height(mechanism, end[0], crank[0])
     climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
-    thickness, velocity, lift, power, terms = film_now(skirt, bore, window, (pressure_force, friction_force), climb, guided,
-                                                       end, speed)
-    work, sizes = forces.axial * climb + lift * guided, abs(forces.axial * climb) + abs(lift * guided) + terms
+    thickness, velocity, lift, power, terms = film_now(
+        skirt, bore, window, (pressure_force, friction_force), climb, guided, end, speed
+    )
+    work, sizes = (
+        forces.axial * climb + lift * guided,
+        abs(forces.axial * climb) + abs(lift * guided) + terms,
+    )
     m = 2 + len(push)
     for k in range(len(end)):
-        force = (forces.lateral if k == 0 else forces.moment if k == 1 else
-                 forces.piston[k - 2] if k < m else forces.block[k - m])
+        force = (
+            forces.lateral
+            if k == 0
+            else forces.moment
+            if k == 1
+            else forces.piston[k - 2]
+            if k < m
+            else forces.block[k - m]
+        )
         work += force * speed[k]
         sizes += abs(force * speed[k])
     error = abs(power - work) / sizes if sizes > 0.0 else 0.0
-    return Balance(end, speed, acceleration, auxiliary, window, load, thickness, velocity, Y, climb, pin_x, pin_y - lift,
-                   moment, torque - lift * lever0, error, evaluations, tangents, size)
+    return Balance(
+        end,
+        speed,
+        acceleration,
+        auxiliary,
+        window,
+        load,
+        thickness,
+        velocity,
+        Y,
+        climb,
+        pin_x,
+        pin_y - lift,
+        moment,
+        torque - lift * lever0,
+        error,
+        evaluations,
+        tangents,
+        size,
+    )
 
 
 @compiled
 def _modes_after(system, c, place_before, before, own, push, block_force, crank):
     """Places, rates, accelerations and auxiliary accelerations of everything at the end of a step.
 
-    `before` holds places, rates and auxiliary accelerations as predicted, `own` the accelerations of the piston's moving part.
+    `before` holds places, rates and auxiliary accelerations as predicted, `own` the accelerations
+    of the piston's moving part.
     """
     block, n, m = system.block, len(own), 2 + len(push)
     place, rate, auxiliary = before
@@ -152,8 +208,12 @@ def _modes_after(system, c, place_before, before, own, push, block_force, crank)
         end[k], speed[k] = place[k] + c.place * acceleration[k], rate[k] + c.rate * acceleration[k]
         auxiliary[k] += c.weight * acceleration[k]
     if len(system.piston_static.stiffness):
-        ax, ay = in_frame(own[0], motion(system.mechanism, end[0], speed[0], own[0], crank[0], crank[1], crank[2])[0], end[1])
-        q = static_coordinates(system.piston_static, push[n - 2:], ax, ay, own[1], speed[1] ** 2)
+        ax, ay = in_frame(
+            own[0],
+            motion(system.mechanism, end[0], speed[0], own[0], crank[0], crank[1], crank[2])[0],
+            end[1],
+        )
+        q = static_coordinates(system.piston_static, push[n - 2 :], ax, ay, own[1], speed[1] ** 2)
         _follow(end, speed, place_before, q, n, c.step)
     moving = len(block.stiffness)
     q = static_coordinates(system.block_static, block_force[moving:], 0.0, 0.0, 0.0, 0.0)
@@ -170,7 +230,9 @@ def in_frame(ax, ay, angle):
 
 @compiled
 def _follow(end, speed, place_before, q, first, step):
-    """Put static modes at their coordinates from `first` on; their rate is the mean one over the step, 0 at the start."""
+    """Put static modes at their coordinates from `first` on; their rate is the mean one over the
+    step, 0 at the start.
+    """
     for k in range(len(q)):
         end[first + k] = q[k]
         speed[first + k] = (q[k] - place_before[first + k]) / step if step > 0.0 else 0.0
@@ -189,7 +251,8 @@ class Linear(NamedTuple):
     friction_x, friction_y : float
         Change of the pin's friction moment with the pin force [m].
     ride : ndarray, shape (2, 3)
-        Change of A's acceleration in the body frame (x, y) [-] and of w^2 [rad/s2] with x_A'' and with the angular acceleration.
+        Change of A's acceleration in the body frame (x, y) [-] and of w^2 [rad/s2] with x_A'' and
+        with the angular acceleration.
     """
 
     arrow: Arrow
@@ -223,21 +286,31 @@ def linearise(system, load, place, rate, acceleration, crank, c1, c2):
     """
     piston, mechanism = system.piston, system.mechanism
     angle, speed, turn = crank
-    _, pin_x, pin_y, _, _ = imbalance(piston, mechanism, load, place, rate, acceleration, angle, speed, turn)
+    _, pin_x, pin_y, _, _ = imbalance(
+        piston, mechanism, load, place, rate, acceleration, angle, speed, turn
+    )
     rod = rod_turn(mechanism, place[0], rate[0], angle, speed)
     friction = friction_moment(mechanism.friction, pin_x, pin_y, rate[1] - rod[0])
     link = motion(mechanism, place[0], rate[0], acceleration[0], angle, speed, turn)
     ride, (ax, ay) = np.zeros((2, 3)), in_frame(acceleration[0], link[0], place[1])
     ride[0, 0], ride[0, 1] = in_frame(1.0, link[1] + c1 * link[2] + c2 * link[3], place[1])
     ride[1, 0], ride[1, 1], ride[1, 2] = c2 * ay, -c2 * ax, 2 * rate[1] * c1
-    return Linear(tangent(piston, mechanism, load, place, rate, acceleration, angle, speed, turn, c1, c2),
-                  mode_coupling(piston, acceleration[1], rate[1], c1, c2), link[4], link[2] / 2, rod[1], friction[1], friction[2],
-                  ride)
+    return Linear(
+        tangent(piston, mechanism, load, place, rate, acceleration, angle, speed, turn, c1, c2),
+        mode_coupling(piston, acceleration[1], rate[1], c1, c2),
+        link[4],
+        link[2] / 2,
+        rod[1],
+        friction[1],
+        friction[2],
+        ride,
+    )
 
 
 @compiled
 def response(system, window, c, linear, pressure_force, friction_force):
-    """Change of film thickness and sliding velocity at the end of a step with the forces at its end.
+    """Change of film thickness and sliding velocity at the end of a step with the forces at its
+    end.
 
     Eq. (D1):  J d(acceleration) = dQ,   d(place) = c2 d(acceleration),  d(rate) = c1 d(acceleration);   static modes by Eq. (Q1)
 
@@ -265,33 +338,42 @@ def response(system, window, c, linear, pressure_force, friction_force):
     right[1] = forces.moment + rubbing
     for k in range(n - 2):
         right[2 + k] = forces.piston[k]
-    change = solve_coupled(linear.arrow, linear.coupling, right)                                                # Eq. (D1)
+    change = solve_coupled(linear.arrow, linear.coupling, right)  # Eq. (D1)
     climb = (c.rate * linear.slope + c.place * linear.climb_place) * change[0]
     own, own_rate = _changes(c, change, 2 + len(forces.piston))
     x, y, spin = ridden(linear.ride, change[0], change[1])
-    q = static_coordinates(system.piston_static, forces.piston[n - 2:], x, y, change[1], spin)
+    q = static_coordinates(system.piston_static, forces.piston[n - 2 :], x, y, change[1], spin)
     _follow(own, own_rate, np.zeros(len(own)), q, n, c.step)
     moving = len(system.block.stiffness)
     sway = np.empty(moving)
     for k in range(moving):
-        sway[k] = forces.block[k] / (1 + c.rate * system.block.damping[k] + c.place * system.block.stiffness[k])
+        sway[k] = forces.block[k] / (
+            1 + c.rate * system.block.damping[k] + c.place * system.block.stiffness[k]
+        )
     other, other_rate = _changes(c, sway, len(forces.block))
     q = static_coordinates(system.block_static, forces.block[moving:], 0.0, 0.0, 0.0, 0.0)
     _follow(other, other_rate, np.zeros(len(other)), q, moving, c.step)
-    return (opening(skirt, bore, window, own[0], own[1], own[2:], other),
-            sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate))
+    return (
+        opening(skirt, bore, window, own[0], own[1], own[2:], other),
+        sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate),
+    )
 
 
 @compiled
 def ridden(ride, lateral, turn):
     """Changes of A's acceleration in the body frame and of w^2, see `Linear`."""
-    return (ride[0, 0] * lateral + ride[1, 0] * turn, ride[0, 1] * lateral + ride[1, 1] * turn,
-            ride[0, 2] * lateral + ride[1, 2] * turn)
+    return (
+        ride[0, 0] * lateral + ride[1, 0] * turn,
+        ride[0, 1] * lateral + ride[1, 1] * turn,
+        ride[0, 2] * lateral + ride[1, 2] * turn,
+    )
 
 
 @compiled
 def _changes(c, acceleration, size):
-    """Changes of places and rates at the end of a step with changes of accelerations there; zeros up to `size`."""
+    """Changes of places and rates at the end of a step with changes of accelerations there; zeros
+    up to `size`.
+    """
     place, rate = np.zeros(size), np.zeros(size)
     for k in range(len(acceleration)):
         place[k], rate[k] = c.place * acceleration[k], c.rate * acceleration[k]

@@ -15,7 +15,8 @@ class PinFriction(NamedTuple):
     lever : float
         Coefficient of friction times pin radius [m], >= 0.
     speed : float
-        Relative angular velocity w_0 at which dry friction has reached 76 % of its full size [rad/s], > 0.
+        Relative angular velocity w_0 at which dry friction has reached 76 % of its full size
+        [rad/s], > 0.
     viscous : float
         Moment by relative angular velocity [N m s/rad], >= 0.
     """
@@ -47,7 +48,7 @@ def friction_moment(friction, pin_x, pin_y, slip):
         About +z [N m]; slopes against pin_x, pin_y [m] and slip [N m s/rad].
     """
     size, share = np.hypot(pin_x, pin_y), np.tanh(slip / friction.speed)
-    moment = -friction.lever * size * share - friction.viscous * slip                                          # Eq. (J1)
+    moment = -friction.lever * size * share - friction.viscous * slip  # Eq. (J1)
     by_force = -friction.lever * share / size if size > 0.0 else 0.0
     by_slip = -friction.lever * size * (1 - share * share) / friction.speed - friction.viscous
     return moment, by_force * pin_x, by_force * pin_y, by_slip

@@ -1,6 +1,8 @@
-"""Equation of motion of the flexible piston on its crank, in minimal coordinates [x_A, rocking angle, modal coordinates].
+"""Equation of motion of the flexible piston on its crank, in minimal coordinates [x_A, rocking
+angle, modal coordinates].
 
-A's height and the rod's angle follow from x_A and the crank angle, so that there are no constraints and nothing drifts.
+A's height and the rod's angle follow from x_A and the crank angle, so that there are no constraints
+and nothing drifts.
 
 References
 ----------
@@ -39,13 +41,15 @@ class Load(NamedTuple):
 
 
 @compiled
-def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration):
+def imbalance(
+    body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration
+):
     """Residual of the equations of motion.
 
     Eq. (M1):  x_A:   e . (R F + m_pin A'') + rod + M psi_x - (load_x + Y_x load_y) = 0       e = (1, Y_x),  A'' = (x_A'', Y'')
                angle: frame moment - M - moment = 0,   modes: frame modal force - modal = 0
-    with F, the frame's rows (Eq. (R1) to (R3)) at a = R^T A'', R the rotation by the rocking angle; M, the moment of pin friction
-    (Eq. (J1)); psi, the rod's angle.
+    with F, the frame's rows (Eq. (R1) to (R3)) at a = R^T A'', R the rotation by the rocking angle;
+    M, the moment of pin friction (Eq. (J1)); psi, the rod's angle.
 
     Parameters
     ----------
@@ -69,17 +73,30 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
         Torque that the drive exerts on the crank, positive in its direction of turning [N m].
     """
     r = mechanism.crank_radius
-    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration)
+    link = motion(
+        mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration
+    )
     ax, ay, slope = acceleration[0], link[0], link[4]
     c, s = np.cos(place[1]), np.sin(place[1])
-    frame = frame_force(body, c * ax + s * ay, -s * ax + c * ay, acceleration[1], rate[1], place[2:], rate[2:], acceleration[2:])
+    frame = frame_force(
+        body,
+        c * ax + s * ay,
+        -s * ax + c * ay,
+        acceleration[1],
+        rate[1],
+        place[2:],
+        rate[2:],
+        acceleration[2:],
+    )
     pin_x = c * frame[0] - s * frame[1] - load.lateral
     pin_y = s * frame[0] + c * frame[1] - load.axial
-    turn, turn_x, _, _, turn_crank = rod_turn(mechanism, place[0], rate[0], crank_angle, crank_speed)
+    turn, turn_x, _, _, turn_crank = rod_turn(
+        mechanism, place[0], rate[0], crank_angle, crank_speed
+    )
     moment = friction_moment(mechanism.friction, pin_x, pin_y, rate[1] - turn)[0]
     pull_x, pull_y = pin_x + mechanism.pin_mass * ax, pin_y + mechanism.pin_mass * ay
     residual = np.empty(len(place))
-    residual[0] = pull_x + slope * pull_y + link[6] + moment * turn_x                                          # Eq. (M1)
+    residual[0] = pull_x + slope * pull_y + link[6] + moment * turn_x  # Eq. (M1)
     residual[1] = frame[2] - moment - load.moment
     for k in range(len(load.modal)):
         residual[2 + k] = frame[3 + k] - load.modal[k]
@@ -88,9 +105,22 @@ def imbalance(body, mechanism, load, place, rate, acceleration, crank_angle, cra
 
 
 @compiled
-def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank_speed, crank_acceleration, c1, c2):
-    """Derivative of the residual (Eq. (M1)) when each end acceleration moves its velocity by c1 [s] and its place by c2 [s2],
-    without the coupling of modes among each other (`floating_frame.mode_coupling`).
+def tangent(
+    body,
+    mechanism,
+    load,
+    place,
+    rate,
+    acceleration,
+    crank_angle,
+    crank_speed,
+    crank_acceleration,
+    c1,
+    c2,
+):
+    """Derivative of the residual (Eq. (M1)) when each end acceleration moves its velocity by c1 [s]
+    and its place by c2 [s2], without the coupling of modes among each other
+    (`floating_frame.mode_coupling`).
 
     Parameters
     ----------
@@ -104,7 +134,9 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
     Arrow
         Of two rigid motions.
     """
-    link = motion(mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration)
+    link = motion(
+        mechanism, place[0], rate[0], acceleration[0], crank_angle, crank_speed, crank_acceleration
+    )
     lift, slope, bend = link[1] + c1 * link[2] + c2 * link[3], link[4], c2 * link[5]
     c, s = np.cos(place[1]), np.sin(place[1])
     ax, ay = acceleration[0], link[0]
@@ -112,12 +144,17 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
     q, dq, ddq = place[2:], rate[2:], acceleration[2:]
     force = frame_force(body, bx, by, acceleration[1], rate[1], q, dq, ddq)
     frame = frame_arrow(body, bx, by, acceleration[1], rate[1], q, dq, ddq, c1, c2)
-    dx, dy = c + s * lift, -s + c * lift                    # dA''/dx_A'' in the body frame
-    turn, turn_x, turn_xx, turn_rate_x, _ = rod_turn(mechanism, place[0], rate[0], crank_angle, crank_speed)
-    pin_x, pin_y = c * force[0] - s * force[1] - load.lateral, s * force[0] + c * force[1] - load.axial
+    dx, dy = c + s * lift, -s + c * lift  # dA''/dx_A'' in the body frame
+    turn, turn_x, turn_xx, turn_rate_x, _ = rod_turn(
+        mechanism, place[0], rate[0], crank_angle, crank_speed
+    )
+    pin_x, pin_y = (
+        c * force[0] - s * force[1] - load.lateral,
+        s * force[0] + c * force[1] - load.axial,
+    )
     moment, by_x, by_y, by_slip = friction_moment(mechanism.friction, pin_x, pin_y, rate[1] - turn)
     rows = _turned(frame.top, dx, dy, bx, by, c2)
-    rows[0, 1] -= c2 * force[1]                             # the frame turns, and its force with it
+    rows[0, 1] -= c2 * force[1]  # the frame turns, and its force with it
     rows[1, 1] += c2 * force[0]
     top, slip = np.empty((2, len(place))), (-c1 * turn_x - c2 * turn_rate_x, c1)
     for i in range(len(place)):
@@ -126,15 +163,23 @@ def tangent(body, mechanism, load, place, rate, acceleration, crank_angle, crank
         top[0, i] = px + slope * py + turn_x * change
         top[1, i] = rows[2, i] - change
     pin = mechanism.pin_mass
-    top[0, 0] += bend * (pin_y + pin * ay) + pin * (1 + slope * lift) + link[7] + c1 * link[8] + c2 * (link[9] + moment * turn_xx)
+    top[0, 0] += (
+        bend * (pin_y + pin * ay)
+        + pin * (1 + slope * lift)
+        + link[7]
+        + c1 * link[8]
+        + c2 * (link[9] + moment * turn_xx)
+    )
     return Arrow(top, _turned(frame.left, dx, dy, bx, by, c2), frame.diagonal)
 
 
 @compiled
 def _turned(rows, dx, dy, bx, by, c2):
-    """Columns for x_A and the rocking angle from those for the frame's acceleration and angle; the others as they are.
+    """Columns for x_A and the rocking angle from those for the frame's acceleration and angle; the
+    others as they are.
 
-    (dx, dy) is the change of A's acceleration with x_A'' and (bx, by) that acceleration, in the body frame: it turns by c2.
+    (dx, dy) is the change of A's acceleration with x_A'' and (bx, by) that acceleration, in the
+    body frame: it turns by c2.
     """
     out = np.empty((rows.shape[0], rows.shape[1] - 1))
     for j in range(len(out)):
@@ -147,7 +192,8 @@ def _turned(rows, dx, dy, bx, by, c2):
 
 @compiled
 def solve(arrow, right):
-    """Solution of `arrow` x = right for two rigid motions: the modes eliminated, then found one by one.
+    """Solution of `arrow` x = right for two rigid motions: the modes eliminated, then found one by
+    one.
 
     Parameters
     ----------
@@ -190,8 +236,8 @@ def solve_coupled(arrow, coupling, right):
 
     Eq. (S1):  x <- arrow^-1 (right - coupling x)
 
-    The coupling is small (Eq. (R4)), so that each pass gains about four digits, at the price of a product with it; a
-    factorisation would cost as much as hundreds of passes.
+    The coupling is small (Eq. (R4)), so that each pass gains about four digits, at the price of a
+    product with it; a factorisation would cost as much as hundreds of passes.
 
     Parameters
     ----------
@@ -208,7 +254,7 @@ def solve_coupled(arrow, coupling, right):
     for _ in range(40):
         push = coupling @ x[2:]
         for k in range(len(push)):
-            left[2 + k] = right[2 + k] - push[k]                                                                # Eq. (S1)
+            left[2 + k] = right[2 + k] - push[k]  # Eq. (S1)
         fresh = solve(arrow, left)
         for k in range(len(x)):
             x[k] = fresh[k] - x[k]
@@ -220,14 +266,19 @@ def solve_coupled(arrow, coupling, right):
 
 
 @compiled
-def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, crank_acceleration, c1, c2):
-    """End accelerations that balance the equations of motion to 1e-15 or so of their size, or of what places know of them.
+def settle(
+    body, mechanism, load, place, rate, guess, crank_angle, crank_speed, crank_acceleration, c1, c2
+):
+    """End accelerations that balance the equations of motion to 1e-15 or so of their size, or of
+    what places know of them.
 
-    Newton's method with the part of the exact tangent that couples the rigid motion to everything and each mode to itself. What
-    it leaves out, Coriolis and centrifugal coupling of modes, is smaller by 2 w c1, about 1e-4: each iteration gains three to
-    four digits with the first tangent. Dry friction that nearly sticks asks for more: a change after which the next would not
-    shrink is halved (natural monotonicity test, [Deuflhard2011] ch. 3), and where it shrinks slowly the tangent is made anew.
-    In short steps of a calm motion the last digit of a place is worth more acceleration than that: then it decides.
+    Newton's method with the part of the exact tangent that couples the rigid motion to everything
+    and each mode to itself. What it leaves out, Coriolis and centrifugal coupling of modes, is
+    smaller by 2 w c1, about 1e-4: each iteration gains three to four digits with the first tangent.
+    Dry friction that nearly sticks asks for more: a change after which the next would not shrink is
+    halved (natural monotonicity test, [Deuflhard2011] ch. 3), and where it shrinks slowly the
+    tangent is made anew. In short steps of a calm motion the last digit of a place is worth more
+    acceleration than that: then it decides.
 
     Parameters
     ----------
@@ -249,16 +300,20 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
     evaluations, tangents : int
         How often residual (0 if it did not converge) and tangent were made.
     size : float
-        Last change of the accelerations in the norm of the inertia; relative if it did not converge.
+        Last change of the accelerations in the norm of the inertia; relative if it did not
+        converge.
     """
     n = len(place)
     a, end, speed = guess.copy(), np.empty(n), np.empty(n)
     _move(end, speed, place, rate, a, c1, c2)
-    arrow = tangent(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
+    arrow = tangent(
+        body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2
+    )
     change, size, total, share, tangents = np.zeros(n), 0.0, 0.0, 1.0, 1
     for evaluation in range(1, 80):
-        residual, pin_x, pin_y, moment, torque = imbalance(body, mechanism, load, end, speed, a,
-                                                           crank_angle, crank_speed, crank_acceleration)
+        residual, pin_x, pin_y, moment, torque = imbalance(
+            body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration
+        )
         noise = ROUND_OFF * np.sqrt(size_of(arrow, end)) / c2 if c2 > 0.0 else 0.0
         if evaluation > 1 and size <= 1e-11 * total + noise:
             return a, pin_x, pin_y, moment, torque, evaluation, tangents, size
@@ -270,7 +325,19 @@ def settle(body, mechanism, load, place, rate, guess, crank_angle, crank_speed, 
                 a[k] += share * change[k]
         else:
             if evaluation > 1 and left > 0.1 * size:
-                arrow = tangent(body, mechanism, load, end, speed, a, crank_angle, crank_speed, crank_acceleration, c1, c2)
+                arrow = tangent(
+                    body,
+                    mechanism,
+                    load,
+                    end,
+                    speed,
+                    a,
+                    crank_angle,
+                    crank_speed,
+                    crank_acceleration,
+                    c1,
+                    c2,
+                )
                 fresh = solve(arrow, residual)
                 tangents += 1
             change, share = fresh, 1.0

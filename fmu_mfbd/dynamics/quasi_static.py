@@ -36,8 +36,9 @@ def static_coordinates(modes, force, ax, ay, alpha, spin):
 
     Eq. (Q1):  Omega^2 q = f - T^T a - alpha g + w^2 b
 
-    Eq. (R3) without the mode's own motion; the frame in turn does not feel these modes. Linear, so that changes of the loads give
-    the change of q. Good for loads far slower than the modes: the error is about (load's frequency / mode's frequency)^2.
+    Eq. (R3) without the mode's own motion; the frame in turn does not feel these modes. Linear, so
+    that changes of the loads give the change of q. Good for loads far slower than the modes: the
+    error is about (load's frequency / mode's frequency)^2.
 
     Parameters
     ----------
@@ -56,6 +57,12 @@ def static_coordinates(modes, force, ax, ay, alpha, spin):
     """
     out = np.empty(len(force))
     for k in range(len(force)):
-        load = force[k] - modes.T[0, k] * ax - modes.T[1, k] * ay - alpha * modes.g[k] + spin * modes.b[k]
-        out[k] = load / modes.stiffness[k]                                                                      # Eq. (Q1)
+        load = (
+            force[k]
+            - modes.T[0, k] * ax
+            - modes.T[1, k] * ay
+            - alpha * modes.g[k]
+            + spin * modes.b[k]
+        )
+        out[k] = load / modes.stiffness[k]  # Eq. (Q1)
     return out

@@ -1,7 +1,8 @@
 """Rigid crank and rod: where they put pin point A, and what they weigh.
 
-The crank turns positively about +z: from firing top dead centre the crank pin leaves towards -x, so that gas pressure presses the
-piston on the +x (thrust) side. Origin on the crank axis, y towards the head.
+The crank turns positively about +z: from firing top dead centre the crank pin leaves towards -x, so
+that gas pressure presses the piston on the +x (thrust) side. Origin on the crank axis, y towards
+the head.
 """
 
 from typing import NamedTuple
@@ -66,11 +67,23 @@ def height(mechanism, lateral, crank_angle):
     xi = mechanism.offset + lateral + r * np.sin(crank_angle)
     f = np.sqrt(length**2 - xi**2)
     slope = -xi / f
-    return r * np.cos(crank_angle) + f, slope, -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle)     # Eq. (K1)
+    return (
+        r * np.cos(crank_angle) + f,
+        slope,
+        -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle),
+    )  # Eq. (K1)
 
 
 @compiled
-def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, crank_speed, crank_acceleration):
+def motion(
+    mechanism,
+    lateral,
+    lateral_rate,
+    lateral_acceleration,
+    crank_angle,
+    crank_speed,
+    crank_acceleration,
+):
     """Acceleration of A along y and the rod's share of the equations of motion.
 
     Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2          f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5
@@ -88,22 +101,22 @@ def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, 
     Returns
     -------
     ndarray, shape (11,)
-        Y'' [m/s2] and its slopes against x_A'', x_A', x_A; dY/dx_A and its slope; rod force on x_A [N] and its slopes against
-        x_A'', x_A', x_A; rod moment on phi [N m].
+        Y'' [m/s2] and its slopes against x_A'', x_A', x_A; dY/dx_A and its slope; rod force on x_A
+        [N] and its slopes against x_A'', x_A', x_A; rod moment on phi [N m].
     """
     r, length, k = mechanism.crank_radius, mechanism.rod_length, mechanism.rod_centre
     mass, inertia = mechanism.rod_mass, mechanism.rod_inertia
     sine, cosine, w = np.sin(crank_angle), np.cos(crank_angle), crank_speed
-    px = r * sine * w**2 - r * cosine * crank_acceleration          # acceleration of the crank pin
+    px = r * sine * w**2 - r * cosine * crank_acceleration  # acceleration of the crank pin
     py = -r * cosine * w**2 - r * sine * crank_acceleration
     xi = mechanism.offset + lateral + r * sine
     speed, rate = lateral_rate + r * cosine * w, lateral_acceleration - px
     f = np.sqrt(length**2 - xi**2)
     f1, f2, f3 = -xi / f, -(length**2) / f**3, -3 * length**2 * xi / f**5
-    lift = py + f1 * rate + f2 * speed**2                                                     # Eq. (K2)
+    lift = py + f1 * rate + f2 * speed**2  # Eq. (K2)
     lift_acceleration, lift_rate, lift_place = f1, 2 * f2 * speed, f2 * rate + f3 * speed**2
 
-    p1, p2, p3 = -1 / f, -xi / f**3, -1 / f**3 - 3 * xi**2 / f**5                                              # Eq. (K3)
+    p1, p2, p3 = -1 / f, -xi / f**3, -1 / f**3 - 3 * xi**2 / f**5  # Eq. (K3)
     turn = p1 * rate + p2 * speed**2
     turn_rate, turn_place = 2 * p2 * speed, p2 * rate + p3 * speed**2
     gx = k * lateral_acceleration + (1 - k) * px
@@ -111,11 +124,32 @@ def motion(mechanism, lateral, lateral_rate, lateral_acceleration, crank_angle, 
     force = k * mass * (gx + f1 * gy) + inertia * p1 * turn
     force_acceleration = k * mass * (k + f1 * k * lift_acceleration) + inertia * p1 * p1
     force_rate = k * mass * f1 * k * lift_rate + inertia * p1 * turn_rate
-    force_place = k * mass * (f2 * gy + f1 * k * lift_place) + inertia * (p2 * turn + p1 * turn_place)
-    moment = (mass * (-(1 - k) * r * cosine * gx + (-(1 - k) * r * sine + k * (-r * sine + f1 * r * cosine)) * gy)
-              + inertia * p1 * r * cosine * turn)
-    return np.array([lift, lift_acceleration, lift_rate, lift_place, f1, f2,
-                     force, force_acceleration, force_rate, force_place, moment])
+    force_place = k * mass * (f2 * gy + f1 * k * lift_place) + inertia * (
+        p2 * turn + p1 * turn_place
+    )
+    moment = (
+        mass
+        * (
+            -(1 - k) * r * cosine * gx
+            + (-(1 - k) * r * sine + k * (-r * sine + f1 * r * cosine)) * gy
+        )
+        + inertia * p1 * r * cosine * turn
+    )
+    return np.array(
+        [
+            lift,
+            lift_acceleration,
+            lift_rate,
+            lift_place,
+            f1,
+            f2,
+            force,
+            force_acceleration,
+            force_rate,
+            force_place,
+            moment,
+        ]
+    )
 
 
 @compiled

@@ -1,4 +1,6 @@
-"""Crank speed as a table over time or over crank angle, integrated exactly: however the steps fall, the angle is the same."""
+"""Crank speed as a table over time or over crank angle, integrated exactly: however the steps fall,
+the angle is the same.
+"""
 
 import numpy as np
 
@@ -22,25 +24,36 @@ def speed_table(rows, over, cycle, unit, speed_unit):
     Returns
     -------
     dict
-        over, at [s] or [rad], speed [rad/s] (lists), and `passed`: the angle turned [rad] up to each point of a table over time,
-        the time passed [s] up to each point of one over angle.
+        over, at [s] or [rad], speed [rad/s] (lists), and `passed`: the angle turned [rad] up to
+        each point of a table over time, the time passed [s] up to each point of one over angle.
 
     Raises
     ------
     TableFault
-        Where the first column does not rise, a speed is negative (over angle: not positive), or a table over angle does not
-        close.
+        Where the first column does not rise, a speed is negative (over angle: not positive), or a
+        table over angle does not close.
     """
     at, speed = two_columns(rows, over, "crank speed", unit, speed_unit)
     bad = np.flatnonzero(speed < 0.0 if over == "time" else speed <= 0.0)
     if len(bad):
-        raise TableFault(f"{rows.places[bad[0]]}: crank speed {speed[bad[0]]:g} rad/s must "
-                         f"{'not be negative' if over == 'time' else 'be positive'}")
+        raise TableFault(
+            f"{rows.places[bad[0]]}: crank speed {speed[bad[0]]:g} rad/s must "
+            f"{'not be negative' if over == 'time' else 'be positive'}"
+        )
     if over == "angle":
         at, speed = closed(rows, at, speed, cycle, "speed {:g} rad/s")
     mean = (speed[1:] + speed[:-1]) / 2
-    passed = np.diff(at) * mean if over == "time" else np.diff(at) / _logarithmic_mean(speed[:-1], speed[1:])
-    return {"over": over, "at": at.tolist(), "speed": speed.tolist(), "passed": np.append(0.0, np.cumsum(passed)).tolist()}
+    passed = (
+        np.diff(at) * mean
+        if over == "time"
+        else np.diff(at) / _logarithmic_mean(speed[:-1], speed[1:])
+    )
+    return {
+        "over": over,
+        "at": at.tolist(),
+        "speed": speed.tolist(),
+        "passed": np.append(0.0, np.cumsum(passed)).tolist(),
+    }
 
 
 def _logarithmic_mean(a, b):
@@ -67,7 +80,8 @@ def crank_motion(table, angle, time, step):
     Returns
     -------
     angle, speed, acceleration : float
-        [rad], [rad/s], [rad/s2]; where two segments meet the acceleration is that of the earlier one.
+        [rad], [rad/s], [rad/s2]; where two segments meet the acceleration is that of the earlier
+        one.
     """
     at, speed, passed = (np.asarray(table[key]) for key in ("at", "speed", "passed"))
     if table["over"] == "time":
@@ -79,7 +93,7 @@ def crank_motion(table, angle, time, step):
     k = _segment(passed, clock)
     tau, slope = clock - passed[k], (speed[k + 1] - speed[k]) / (at[k + 1] - at[k])
     now = speed[k] * np.exp(slope * tau)
-    climb = speed[k] * (np.expm1(slope * tau) / slope if slope else tau)                                        # Eq. (T2)
+    climb = speed[k] * (np.expm1(slope * tau) / slope if slope else tau)  # Eq. (T2)
     return float(at[k] + climb + (turns + more) * cycle), float(now), float(slope * now)
 
 
@@ -91,12 +105,14 @@ def _time_to(at, speed, passed, angle):
 
 
 def _turned(at, speed, passed, time):
-    """Angle turned since the table's first time, speed and acceleration (Eq. (T1)) [rad, rad/s, rad/s2]."""
+    """Angle turned since the table's first time, speed and acceleration (Eq. (T1)) [rad, rad/s,
+    rad/s2].
+    """
     inside = np.clip(time, at[0], at[-1])
     k = _segment(at, inside)
     tau, slope = inside - at[k], (speed[k + 1] - speed[k]) / (at[k + 1] - at[k])
     now = speed[k] + slope * tau
-    angle = passed[k] + tau * (speed[k] + now) / 2 + (time - inside) * now                                      # Eq. (T1)
+    angle = passed[k] + tau * (speed[k] + now) / 2 + (time - inside) * now  # Eq. (T1)
     return float(angle), float(now), float(slope) if time == inside else 0.0
 
 

@@ -1,4 +1,6 @@
-"""Tables from files or from the case itself: gas pressure over crank angle, measured profiles; what both share with others."""
+"""Tables from files or from the case itself: gas pressure over crank angle, measured profiles; what
+both share with others.
+"""
 
 import csv
 from pathlib import Path
@@ -12,7 +14,9 @@ class TableFault(ValueError):
 
 
 class Rows(NamedTuple):
-    """Numbers of a table as the user gave it: its name, and for each row where it stands and its values."""
+    """Numbers of a table as the user gave it: its name, and for each row where it stands and its
+    values.
+    """
 
     name: str
     places: list
@@ -38,8 +42,14 @@ def read_numbers(path, corner=False):
         At the first later row that is not all numbers.
     """
     text, rows = Path(path).read_text(), Rows(str(path), [], [])
-    for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=";" if ";" in text else ","), 1):
-        cells = [cell.strip() for cell in (cells[1:] if corner and number == 1 else cells) if cell.strip()]
+    for number, cells in enumerate(
+        csv.reader(text.splitlines(), delimiter=";" if ";" in text else ","), 1
+    ):
+        cells = [
+            cell.strip()
+            for cell in (cells[1:] if corner and number == 1 else cells)
+            if cell.strip()
+        ]
         try:
             values = [float(cell) for cell in cells]
             finite = bool(np.isfinite(values).all())
@@ -48,7 +58,9 @@ def read_numbers(path, corner=False):
         if not finite:
             if not rows.values:
                 continue
-            raise TableFault(f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers") from None
+            raise TableFault(
+                f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers"
+            ) from None
         if values:
             rows.places.append(f"{path}, line {number}")
             rows.values.append(values)
@@ -59,7 +71,11 @@ def read_numbers(path, corner=False):
 
 def inline_numbers(name, points):
     """Rows of a table that stands in the case file itself."""
-    return Rows(name, [f"{name}, row {k}" for k in range(1, len(points) + 1)], [list(point) for point in points])
+    return Rows(
+        name,
+        [f"{name}, row {k}" for k in range(1, len(points) + 1)],
+        [list(point) for point in points],
+    )
 
 
 def two_columns(rows, first, second, first_unit, second_unit):
@@ -84,11 +100,15 @@ def two_columns(rows, first, second, first_unit, second_unit):
     """
     for place, values in zip(rows.places, rows.values):
         if len(values) != 2:
-            raise TableFault(f"{place}: {len(values)} columns where {first} and {second} are needed")
+            raise TableFault(
+                f"{place}: {len(values)} columns where {first} and {second} are needed"
+            )
     columns = np.array(rows.values).T
     bad = np.flatnonzero(np.diff(columns[0]) <= 0)
     if len(bad):
-        raise TableFault(f"{rows.places[bad[0] + 1]}: {first} {columns[0, bad[0] + 1]:g} does not rise")
+        raise TableFault(
+            f"{rows.places[bad[0] + 1]}: {first} {columns[0, bad[0] + 1]:g} does not rise"
+        )
     return columns * [[first_unit], [second_unit]]
 
 
@@ -116,12 +136,16 @@ def closed(rows, angle, value, cycle, what):
     """
     span, step = angle[-1] - angle[0], np.diff(angle).max(initial=0.0)
     if not cycle - 1.5 * step <= span <= cycle * (1 + 1e-9):
-        raise TableFault(f"{rows.name}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg")
+        raise TableFault(
+            f"{rows.name}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg"
+        )
     if span < cycle * (1 - 1e-9):
         angle, value = np.append(angle, angle[0] + cycle), np.append(value, value[0])
     if abs(value[-1] - value[0]) > 0.01 * np.ptp(value):
-        raise TableFault(f"{rows.name}: does not close: {what.format(value[0])} at the start and {what.format(value[-1])} one "
-                         "cycle later")
+        raise TableFault(
+            f"{rows.name}: does not close: {what.format(value[0])} at the start and {what.format(value[-1])} one "
+            "cycle later"
+        )
     value[-1] = value[0]
     return angle, value
 
@@ -145,22 +169,29 @@ def gas_table(rows, cycle, angle_unit, pressure_unit):
     Raises
     ------
     TableFault
-        Where angles do not rise, do not span the cycle, or the ends differ by more than 1 % of the range: a jump no gas makes.
+        Where angles do not rise, do not span the cycle, or the ends differ by more than 1 % of the
+        range: a jump no gas makes.
     """
-    angle, pressure = closed(rows, *two_columns(rows, "crank angle", "pressure", angle_unit, pressure_unit), cycle,
-                             "pressure {:g} Pa")
+    angle, pressure = closed(
+        rows,
+        *two_columns(rows, "crank angle", "pressure", angle_unit, pressure_unit),
+        cycle,
+        "pressure {:g} Pa",
+    )
     return {"angle": angle.tolist(), "pressure": pressure.tolist(), "cycle": float(cycle)}
 
 
 def gas_pressure(table, crank_angle):
     """Pressure of a `gas_table` at a crank angle [rad], linear between its points [Pa]."""
     first = table["angle"][0]
-    return float(np.interp((crank_angle - first) % table["cycle"] + first, table["angle"], table["pressure"]))
+    return float(
+        np.interp((crank_angle - first) % table["cycle"] + first, table["angle"], table["pressure"])
+    )
 
 
 def profile_table(path, angle_unit, height_unit, value_unit):
-    """Shape over angle and height: the first row holds the angles (its first cell is not read), each later one a height and its
-    values.
+    """Shape over angle and height: the first row holds the angles (its first cell is not read),
+    each later one a height and its values.
 
     Returns
     -------
@@ -178,7 +209,9 @@ def profile_table(path, angle_unit, height_unit, value_unit):
         if len(values) != len(head) + 1:
             raise TableFault(f"{place}: {len(values)} numbers where {len(head) + 1} are needed")
     if not body:
-        raise TableFault(f"{path}: the first row must hold the angles, the others a height and one value an angle")
+        raise TableFault(
+            f"{path}: the first row must hold the angles, the others a height and one value an angle"
+        )
     angle = np.array(head) * angle_unit
     height = np.array([values[0] for values in body]) * height_unit
     for name, line in (("angles", angle), ("heights", height)):
@@ -186,5 +219,8 @@ def profile_table(path, angle_unit, height_unit, value_unit):
             raise TableFault(f"{path}: {name} do not rise")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
         raise TableFault(f"{path}: angles span a full turn or more; leave the repeated one out")
-    return {"angle": angle.tolist(), "height": height.tolist(),
-            "value": (np.array([values[1:] for values in body]) * value_unit).tolist()}
+    return {
+        "angle": angle.tolist(),
+        "height": height.tolist(),
+        "value": (np.array([values[1:] for values in body]) * value_unit).tolist(),
+    }

@@ -1,4 +1,6 @@
-"""Ten-node tetrahedron: stiffness, consistent mass and stress of linear isotropic elasticity, assembled by scikit-fem."""
+"""Ten-node tetrahedron: stiffness, consistent mass and stress of linear isotropic elasticity,
+assembled by scikit-fem.
+"""
 
 import numpy as np
 import scipy.sparse as sp
@@ -8,7 +10,7 @@ from skfem import Basis, BilinearForm, ElementTetP2, MeshTet2
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 NODES = ElementTetP2.doflocs
 """Reference coordinates of the ten nodes, shape (10, 3): corners, then the middles of `EDGES`."""
-PART = 50_000       # elements assembled at a time: bounds the memory of large bodies
+PART = 50_000  # elements assembled at a time: bounds the memory of large bodies
 
 
 def quadrature(points_a_side):
@@ -28,12 +30,13 @@ def quadrature(points_a_side):
     weight : ndarray, shape (n^3,)
         Their sum is 1/6, the reference volume.
 
-    References
-    ----------
-    [Stroud1971], conical products of Gauss-Jacobi rules. Checked in tests/mfbd/test_finite_element.py.
+    References ---------- [Stroud1971], conical products of Gauss-Jacobi rules. Checked in
+    tests/mfbd/test_finite_element.py.
     """
     rules = [roots_jacobi(points_a_side, power, 0.0) for power in (2.0, 1.0, 0.0)]
-    (a, wa), (b, wb), (c, wc) = [((x + 1) / 2, w / 2 ** (power + 1)) for (x, w), power in zip(rules, (2, 1, 0))]
+    (a, wa), (b, wb), (c, wc) = [
+        ((x + 1) / 2, w / 2 ** (power + 1)) for (x, w), power in zip(rules, (2, 1, 0))
+    ]
     a, b, c = np.meshgrid(a, b, c, indexing="ij")
     weight = wa[:, None, None] * wb[None, :, None] * wc[None, None, :]
     return np.stack([a, (1 - a) * b, (1 - a) * (1 - b) * c], axis=-1).reshape(-1, 3), weight.ravel()
@@ -49,7 +52,8 @@ def element_basis(points, tets, position, weight):
     tets : ndarray of int, shape (e, 10)
         Corners, then edge nodes in the order of `EDGES`; every node belongs to an element.
     position, weight : ndarray, shapes (q, 3), (q,)
-        Quadrature rule. The tabulated rules of scikit-fem 12 above degree 4 miss the last degree they claim.
+        Quadrature rule. The tabulated rules of scikit-fem 12 above degree 4 miss the last degree
+        they claim.
 
     Returns
     -------
@@ -71,9 +75,9 @@ def stiffness(points, tets, young, poisson):
     Eq. (F1):  K_(ia)(jb) = lambda D^ab_ij + mu D^ba_ij + mu delta_ab D^cc_ij,   D^ab_ij = int N_i,a N_j,b dV
                lambda = E nu / ((1+nu)(1-2nu)),  mu = E / (2 (1+nu))
 
-    Degrees of freedom are ordered x, y, z of node 0, then of node 1, and so on. Quadrature of degree 5: exact on straight-edged
-    elements (degree 2), on curved ones far inside the error of the elements. Six scalar forms instead of one of vectors: it
-    takes a twelfth of the time.
+    Degrees of freedom are ordered x, y, z of node 0, then of node 1, and so on. Quadrature of
+    degree 5: exact on straight-edged elements (degree 2), on curved ones far inside the error of
+    the elements. Six scalar forms instead of one of vectors: it takes a twelfth of the time.
 
     Parameters
     ----------
@@ -99,8 +103,12 @@ def stiffness(points, tets, young, poisson):
     D = dict(zip(pairs, _assemble(points, tets, 3, forms)))
     D |= {(b, a): D[a, b].T for a, b in pairs if a != b}
     laplace = D[0, 0] + D[1, 1] + D[2, 2]
-    blocks = [[lame * D[a, b] + shear * (D[b, a] + laplace if a == b else D[b, a]) for b in range(3)]           # Eq. (F1)
-              for a in range(3)]
+    blocks = [
+        [
+            lame * D[a, b] + shear * (D[b, a] + laplace if a == b else D[b, a]) for b in range(3)
+        ]  # Eq. (F1)
+        for a in range(3)
+    ]
     by_node = (np.arange(len(points))[:, None] + len(points) * np.arange(3)).ravel()
     return sp.block_array(blocks, format="csr")[by_node].tocsc()[:, by_node]
 
@@ -115,7 +123,8 @@ def consistent_mass(points, tets, density):
 
     Eq. (F2):  M_(ia)(jb) = delta_ab int rho N_i N_j dV
 
-    Quadrature of degree 7: exact for N_i N_j (degree 4) times the Jacobian determinant of a curved element (degree 3).
+    Quadrature of degree 7: exact for N_i N_j (degree 4) times the Jacobian determinant of a curved
+    element (degree 3).
 
     Parameters
     ----------
@@ -130,7 +139,9 @@ def consistent_mass(points, tets, density):
     scipy.sparse.csc_matrix, shape (3 n, 3 n)
         [kg]; ordered as the stiffness.
     """
-    return each_direction(_assemble(points, tets, 4, [lambda u, v, w: density * u * v])[0])                     # Eq. (F2)
+    return each_direction(
+        _assemble(points, tets, 4, [lambda u, v, w: density * u * v])[0]
+    )  # Eq. (F2)
 
 
 def each_direction(scalar):
@@ -143,16 +154,21 @@ def _assemble(points, tets, points_a_side, forms):
     totals = [sp.csr_matrix((len(points),) * 2)] * len(forms)
     for part in np.array_split(tets, -(-len(tets) // PART)):
         used, inside = np.unique(part, return_inverse=True)
-        basis, place = element_basis(points[used], inside.reshape(part.shape), *quadrature(points_a_side))
+        basis, place = element_basis(
+            points[used], inside.reshape(part.shape), *quadrature(points_a_side)
+        )
         for k, form in enumerate(forms):
             found = BilinearForm(form).assemble(basis)[place][:, place].tocoo()
-            totals[k] = totals[k] + sp.csr_matrix((found.data, (used[found.row], used[found.col])), shape=totals[k].shape)
+            totals[k] = totals[k] + sp.csr_matrix(
+                (found.data, (used[found.row], used[found.col])), shape=totals[k].shape
+            )
     return totals
 
 
 def jacobian_determinants(points, tets, position):
-    """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e, q) [m3]; positive in a
-    sound element."""
+    """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e,
+    q) [m3]; positive in a sound element.
+    """
     basis, _ = element_basis(points, tets, NODES[:1], np.ones(1))
     return basis.mesh.mapping().detDF(position.T)
 
@@ -181,22 +197,31 @@ def nodal_stress(points, tets, displacement, young, poisson):
     basis, place = element_basis(points, tets, NODES, np.ones(len(NODES)))
     nodal = np.empty_like(displacement)
     nodal[place] = displacement
-    slope = np.stack([basis.interpolate(component).grad for component in nodal.T])          # (a, b, e, 10)
+    slope = np.stack([basis.interpolate(component).grad for component in nodal.T])  # (a, b, e, 10)
     strain = (slope + slope.swapaxes(0, 1)) / 2
-    stress = 2 * shear * strain + lame * np.trace(strain) * np.eye(3)[:, :, None, None]                         # Eq. (F5)
+    stress = 2 * shear * strain + lame * np.trace(strain) * np.eye(3)[:, :, None, None]  # Eq. (F5)
     count = np.bincount(tets.ravel(), minlength=len(points))
-    return np.stack([np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) / count
-                     for a, b in zip((0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0))], axis=1)
+    return np.stack(
+        [
+            np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) / count
+            for a, b in zip((0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0))
+        ],
+        axis=1,
+    )
 
 
 def von_mises(stress):
     """Equivalent stress of (n, 6) stresses xx, yy, zz, xy, yz, zx [Pa]."""
     xx, yy, zz, xy, yz, zx = stress.T
-    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy**2 + yz**2 + zx**2))
+    return np.sqrt(
+        ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy**2 + yz**2 + zx**2)
+    )
 
 
 def rigid_motions(points):
-    """Six rigid-body motions about the origin: translations along x, y, z, rotations about them, (3 n, 6)."""
+    """Six rigid-body motions about the origin: translations along x, y, z, rotations about them, (3
+    n, 6).
+    """
     out = np.zeros((len(points), 3, 6))
     out[:, :, :3] = np.eye(3)
     for axis in range(3):

@@ -16,12 +16,17 @@ NASTRAN = (".bdf", ".dat", ".nas", ".pch", ".dmig")
 def read_matrix(path, labels):
     """A symmetric matrix on the displacements of a body's nodes.
 
-    - Matrix Market (first line `%%MatrixMarket`) and Abaqus' coordinate format (three columns: row, column, value): degrees of
-      freedom are x, y, z of the first node, then of the second, and so on, in the order of the file that gives the nodes.
-    - Abaqus' matrix input and label formats (five columns: node, degree of freedom, node, degree of freedom, value).
-    - Nastran DMIG in a punch or bulk data file with one matrix; small, large and comma-separated fields.
+    - Matrix Market (first line `%%MatrixMarket`) and Abaqus' coordinate format (three columns: row,
+    column, value): degrees of
+      freedom are x, y, z of the first node, then of the second, and so on, in the order of the file
+      that gives the nodes.
+    - Abaqus' matrix input and label formats (five columns: node, degree of freedom, node, degree of
+      freedom, value).
+    - Nastran DMIG in a punch or bulk data file with one matrix; small, large and comma-separated
+      fields.
 
-    One triangle stands for both. Entries of nodes that are not in `labels`, and of rotations, must be zero.
+    One triangle stands for both. Entries of nodes that are not in `labels`, and of rotations, must
+    be zero.
 
     Parameters
     ----------
@@ -51,8 +56,12 @@ def read_matrix(path, labels):
     if table.shape[1] == 5:
         return _by_labels(table, labels, path)
     if table.shape[1] != 3:
-        raise MeshFault([f"{path.name}: {table.shape[1]} columns; wanted are node, direction, node, direction, value, or row, "
-                         "column, value"])
+        raise MeshFault(
+            [
+                f"{path.name}: {table.shape[1]} columns; wanted are node, direction, node, direction, value, or row, "
+                "column, value"
+            ]
+        )
     row, column = table[:, :2].T.astype(np.int64) - 1
     size = max(3 * n, row.max() + 1, column.max() + 1)
     return _whole(sp.coo_array((table[:, 2], (row, column)), shape=(size, size)), n, path)
@@ -71,21 +80,31 @@ def _columns(path):
 def _whole(matrix, n, path):
     """Check the size; complete a triangle."""
     if matrix.shape != (3 * n, 3 * n):
-        raise MeshFault([f"{path.name}: {matrix.shape[0]} x {matrix.shape[1]}; {n} nodes need {3 * n} rows, x, y, z of each "
-                         "node in the order of the nodes' file"])
+        raise MeshFault(
+            [
+                f"{path.name}: {matrix.shape[0]} x {matrix.shape[1]}; {n} nodes need {3 * n} rows, x, y, z of each "
+                "node in the order of the nodes' file"
+            ]
+        )
     return _symmetric(matrix.tocsc(), path)
 
 
 def _symmetric(matrix, path):
-    """Entries that are given on one side of the diagonal only, on both; those given twice must agree."""
+    """Entries that are given on one side of the diagonal only, on both; those given twice must
+    agree.
+    """
     other = matrix.T.tocsc()
     here = sp.csc_matrix((np.ones(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
     both = other.multiply(here)
     difference = abs(matrix.multiply(here.T) - both).tocoo()
     if difference.nnz and difference.data.max() > 1e-8 * abs(matrix).max():
         at = difference.data.argmax()
-        raise MeshFault([f"{path.name}: not symmetric, rows {difference.row[at] + 1} and {difference.col[at] + 1} of the body "
-                         f"differ by {difference.data[at]:.3g}"])
+        raise MeshFault(
+            [
+                f"{path.name}: not symmetric, rows {difference.row[at] + 1} and {difference.col[at] + 1} of the body "
+                f"differ by {difference.data[at]:.3g}"
+            ]
+        )
     return sp.csc_matrix(matrix + (other - both))
 
 
@@ -96,16 +115,25 @@ def _by_labels(table, labels, path):
     table = table[table[:, 4] != 0.0]
     for node, direction in (table[:, 0:2].T, table[:, 2:4].T):
         at = order[np.searchsorted(labels, node, sorter=order).clip(max=len(labels) - 1)]
-        strange, turned = np.flatnonzero(labels[at] != node), np.flatnonzero((direction < 1) | (direction > 3))
+        strange, turned = (
+            np.flatnonzero(labels[at] != node),
+            np.flatnonzero((direction < 1) | (direction > 3)),
+        )
         if len(strange):
-            faults.append(f"{path.name}, entry {strange[0] + 1}: node {int(node[strange[0]])} is not among the body's nodes")
+            faults.append(
+                f"{path.name}, entry {strange[0] + 1}: node {int(node[strange[0]])} is not among the body's nodes"
+            )
         if len(turned):
-            faults.append(f"{path.name}, entry {turned[0] + 1}: node {int(node[turned[0]])} has direction "
-                          f"{int(direction[turned[0]])}; solid bodies have 1, 2, 3")
+            faults.append(
+                f"{path.name}, entry {turned[0] + 1}: node {int(node[turned[0]])} has direction "
+                f"{int(direction[turned[0]])}; solid bodies have 1, 2, 3"
+            )
         places.append(3 * at + direction.astype(np.int64) - 1)
     if faults:
         raise MeshFault(list(dict.fromkeys(faults)))
-    return _symmetric(sp.coo_array((table[:, 4], tuple(places)), shape=(3 * len(labels),) * 2).tocsc(), path)
+    return _symmetric(
+        sp.coo_array((table[:, 4], tuple(places)), shape=(3 * len(labels),) * 2).tocsc(), path
+    )
 
 
 def _dmig(path):
@@ -113,7 +141,7 @@ def _dmig(path):
     rows, names, column = [], set(), (0, 0)
     for number, fields in _cards(path):
         try:
-            if fields[0] == "DMIG" and fields[2] in ("0", ""):       # the header: name, 0, form, type
+            if fields[0] == "DMIG" and fields[2] in ("0", ""):  # the header: name, 0, form, type
                 names.add(fields[1])
                 continue
             if fields[0] == "DMIG":
@@ -123,16 +151,24 @@ def _dmig(path):
                 fields = fields[1:]
             for k in range(0, len(fields) - 2, 4):
                 if fields[k]:
-                    rows.append((int(fields[k]), int(fields[k + 1] or 1), *column, _real(fields[k + 2])))
+                    rows.append(
+                        (int(fields[k]), int(fields[k + 1] or 1), *column, _real(fields[k + 2]))
+                    )
         except (ValueError, IndexError):
-            raise MeshFault([f"{path.name}, line {number}: not a DMIG entry: {','.join(fields)!r}"]) from None
+            raise MeshFault(
+                [f"{path.name}, line {number}: not a DMIG entry: {','.join(fields)!r}"]
+            ) from None
     if len(names) != 1 or not rows:
-        raise MeshFault([f"{path.name}: one DMIG matrix is wanted, found {', '.join(sorted(names)) or 'none'}"])
+        raise MeshFault(
+            [f"{path.name}: one DMIG matrix is wanted, found {', '.join(sorted(names)) or 'none'}"]
+        )
     return np.array(rows, dtype=float)
 
 
 def _cards(path):
-    """(line number, fields) of the DMIG entries and their continuations; the first field is DMIG or empty."""
+    """(line number, fields) of the DMIG entries and their continuations; the first field is DMIG or
+    empty.
+    """
     inside = False
     with open(path) as file:
         for number, line in enumerate(file, 1):
@@ -145,7 +181,9 @@ def _cards(path):
                 fields = [part.strip() for part in line.split(",")]
             else:
                 width = 16 if "*" in line[:8] else 8
-                fields = [""] + [line[k:k + width].strip() for k in range(8, min(len(line), 72), width)]
+                fields = [""] + [
+                    line[k : k + width].strip() for k in range(8, min(len(line), 72), width)
+                ]
             yield number, ["DMIG" if head == "DMIG" else "", *fields[1:]]
 
 
@@ -155,15 +193,26 @@ def _real(text):
 
 
 def node_labels(path, count):
-    """Numbers of a mesh file's nodes: those of an Abaqus or Nastran file, else 1, 2, ..., in the order of the file."""
+    """Numbers of a mesh file's nodes: those of an Abaqus or Nastran file, else 1, 2, ..., in the
+    order of the file.
+    """
     path = Path(path)
     kind = Path(path.stem).suffix if path.suffix == ".gz" else path.suffix
     with (gzip.open if path.suffix == ".gz" else open)(path, "rt", errors="replace") as file:
         if kind == ".inp":
             return np.array(list(_abaqus_nodes(file)))
         if kind in (".bdf", ".nas", ".dat"):
-            return np.array([int(line.split(",")[1] if "," in line else line[8:24 if line[:5] == "GRID*" else 16])
-                             for line in file if line[:4].upper() == "GRID"])
+            return np.array(
+                [
+                    int(
+                        line.split(",")[1]
+                        if "," in line
+                        else line[8 : 24 if line[:5] == "GRID*" else 16]
+                    )
+                    for line in file
+                    if line[:4].upper() == "GRID"
+                ]
+            )
     return np.arange(1, count + 1)
 
 
@@ -171,13 +220,16 @@ def _abaqus_nodes(lines):
     inside = False
     for line in lines:
         if line.startswith("*"):
-            inside = inside and line.startswith("**") or line.split(",")[0].strip().upper() == "*NODE"
+            inside = (
+                inside and line.startswith("**") or line.split(",")[0].strip().upper() == "*NODE"
+            )
         elif inside and line.strip():
             yield int(line.split(",")[0])
 
 
 def matrix_faults(mesh, K, M, where):
-    """Sentences about matrices in SI that cannot be those of a loose solid body of metal: wrong units, order or supports.
+    """Sentences about matrices in SI that cannot be those of a loose solid body of metal: wrong
+    units, order or supports.
 
     Eq. (X1):  K R = 0    R the six rigid motions
     Eq. (X2):  c ~ d sqrt(median K_ii/M_ii)      d the distance of neighbouring nodes, c the speed of sound, some 5 km/s
@@ -196,22 +248,30 @@ def matrix_faults(mesh, K, M, where):
     for name, matrix in (("stiffness", K), ("mass", M)):
         bad = np.flatnonzero(matrix.diagonal() <= 0.0)
         if len(bad):
-            faults.append(f"{where}: {len(bad)} diagonal entries of the {name} are not positive, the first at node "
-                          f"{bad[0] // 3 + 1} of the body along {'xyz'[bad[0] % 3]}")
+            faults.append(
+                f"{where}: {len(bad)} diagonal entries of the {name} are not positive, the first at node "
+                f"{bad[0] // 3 + 1} of the body along {'xyz'[bad[0] % 3]}"
+            )
     if faults:
         return faults
     rigid = rigid_motions(mesh.points - mesh.points.mean(axis=0))
-    resisted = np.abs(K @ rigid).max(axis=0) / (abs(K) @ np.abs(rigid)).max(axis=0)                             # Eq. (X1)
+    resisted = np.abs(K @ rigid).max(axis=0) / (abs(K) @ np.abs(rigid)).max(axis=0)  # Eq. (X1)
     if resisted.max() > 1e-5:
-        faults.append(f"{where}: the stiffness resists rigid motions ({resisted.max():.2g} of its size): the body must be loose, "
-                      "and the rows in the order of the nodes")
+        faults.append(
+            f"{where}: the stiffness resists rigid motions ({resisted.max():.2g} of its size): the body must be loose, "
+            "and the rows in the order of the nodes"
+        )
     near = np.median(cKDTree(mesh.points).query(mesh.points, 2)[0][:, 1])
-    speed = near * np.sqrt(np.median(K.diagonal() / M.diagonal()))                                              # Eq. (X2)
+    speed = near * np.sqrt(np.median(K.diagonal() / M.diagonal()))  # Eq. (X2)
     if not 8e2 < speed < 8e4:
-        faults.append(f"{where}: stiffness, mass and size would make the speed of sound some {speed:.2g} m/s; "
-                      "check stiffness_unit, mass_unit, mesh_unit")
+        faults.append(
+            f"{where}: stiffness, mass and size would make the speed of sound some {speed:.2g} m/s; "
+            "check stiffness_unit, mass_unit, mesh_unit"
+        )
     density = M.sum() / 3 / np.prod(np.ptp(mesh.points, axis=0))
     if not 20.0 < density < 25e3:
-        faults.append(f"{where}: a mass of {M.sum() / 3:.3g} kg in a box of {np.prod(np.ptp(mesh.points, axis=0)):.3g} m3 "
-                      f"({density:.2g} kg/m3); check mass_unit, mesh_unit")
+        faults.append(
+            f"{where}: a mass of {M.sum() / 3:.3g} kg in a box of {np.prod(np.ptp(mesh.points, axis=0)):.3g} m3 "
+            f"({density:.2g} kg/m3); check mass_unit, mesh_unit"
+        )
     return faults

@@ -23,7 +23,8 @@ class MeshFault(ValueError):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Ten-node tetrahedra with named surfaces; or nodes alone, with surfaces of three-node triangles (`point_cloud`).
+    """Ten-node tetrahedra with named surfaces; or nodes alone, with surfaces of three-node
+    triangles (`point_cloud`).
 
     Parameters
     ----------
@@ -60,11 +61,13 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
     Parameters
     ----------
     path : Path
-        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets), Nastran .bdf (surfaces by
-        geometry); `.gz` is unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
+        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets),
+        Nastran .bdf (surfaces by geometry); `.gz` is unpacked on the way. Linear tetrahedra get
+        edge nodes, with a warning: curved walls stay polygons.
     surfaces : dict of str to None or (str, ...)
-        Surfaces that must be there: None where the file names them, else ("cylinder", radius, low, high), a cylinder about y [m],
-        ("bore", radius) one about z, or ("plane", height) across y, all in this project's axes.
+        Surfaces that must be there: None where the file names them, else ("cylinder", radius, low,
+        high), a cylinder about y [m], ("bore", radius) one about z, or ("plane", height) across y,
+        all in this project's axes.
     scale : float
         Length of the file's unit [m].
     axes : sequence of str
@@ -77,23 +80,40 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
     Raises
     ------
     MeshFault
-        Names every missing surface, wrong element types, the first inverted element, loose pieces, an absurd size.
+        Names every missing surface, wrong element types, the first inverted element, loose pieces,
+        an absurd size.
     """
     raw = _read(Path(path))
     kinds = {cells.type for cells in raw.cells}
     if not kinds & {"tetra10", "tetra"}:
-        raise MeshFault([f"{path}: no tetrahedra (found {', '.join(sorted(kinds))}); write the mesh as 10-node tetrahedra"])
+        raise MeshFault(
+            [
+                f"{path}: no tetrahedra (found {', '.join(sorted(kinds))}); write the mesh as 10-node tetrahedra"
+            ]
+        )
     kind = "tetra10" if "tetra10" in kinds else "tetra"
-    tets = np.concatenate([cells.data for cells in raw.cells if cells.type == kind]).astype(np.int64)
-    points, place, tets = _drop_unused(to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets)
+    tets = np.concatenate([cells.data for cells in raw.cells if cells.type == kind]).astype(
+        np.int64
+    )
+    points, place, tets = _drop_unused(
+        to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets
+    )
     if kind == "tetra":
-        say(f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons")
+        say(
+            f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons"
+        )
         points, tets = second_order(points, tets)
     outer = outer_faces(tets)
-    found = {name: outer[_marked(raw, place, points, outer, name, rule)] for name, rule in surfaces.items()}
+    found = {
+        name: outer[_marked(raw, place, points, outer, name, rule)]
+        for name, rule in surfaces.items()
+    }
     known = sorted(set(raw.field_data) | set(raw.cell_sets) | set(raw.point_sets))
-    faults = [f"{path}: surface '{name}' is missing or empty (the file names {', '.join(known) or 'none'})"
-              for name, faces in found.items() if not len(faces)]
+    faults = [
+        f"{path}: surface '{name}' is missing or empty (the file names {', '.join(known) or 'none'})"
+        for name, faces in found.items()
+        if not len(faces)
+    ]
     mesh = Mesh(points, tets, found, row=np.flatnonzero(place >= 0) if kind == "tetra10" else None)
     faults += mesh_faults(mesh, path)
     if faults:
@@ -107,8 +127,15 @@ def to_body_axes(points, axes, origin):
 
 
 def turn_of(axes):
-    """Matrix that turns vectors of a file into this project's axes; `axes` must be right-handed, or elements would invert."""
-    turn = np.array([[(-1.0 if axis.startswith("-") else 1.0) * (axis[-1] == name) for name in "xyz"] for axis in axes])
+    """Matrix that turns vectors of a file into this project's axes; `axes` must be right-handed, or
+    elements would invert.
+    """
+    turn = np.array(
+        [
+            [(-1.0 if axis.startswith("-") else 1.0) * (axis[-1] == name) for name in "xyz"]
+            for axis in axes
+        ]
+    )
     if not np.isclose(np.linalg.det(turn), 1.0):
         raise MeshFault([f"axes = {list(axes)}: not a right-handed set of three directions"])
     return turn
@@ -116,8 +143,12 @@ def turn_of(axes):
 
 def second_order(points, tets):
     """Add the middles of all edges to linear tetrahedra (e, 4)."""
-    edges, place = np.unique(np.sort(tets[:, EDGES], axis=2).reshape(-1, 2), axis=0, return_inverse=True)
-    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack([tets, place.reshape(-1, 6) + len(points)])
+    edges, place = np.unique(
+        np.sort(tets[:, EDGES], axis=2).reshape(-1, 2), axis=0, return_inverse=True
+    )
+    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack(
+        [tets, place.reshape(-1, 6) + len(points)]
+    )
 
 
 def _read(path):
@@ -132,12 +163,19 @@ def _read(path):
                 shutil.copyfileobj(packed, file)
         try:
             return meshio.read(plain)
-        except (Exception, SystemExit) as error:        # its readers raise whatever comes, and it ends the process itself
-            raise MeshFault([f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]) from None
+        except (
+            Exception,
+            SystemExit,
+        ) as error:  # its readers raise whatever comes, and it ends the process itself
+            raise MeshFault(
+                [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
+            ) from None
 
 
 def _drop_unused(points, tets):
-    """Nodes that no tetrahedron uses would make the stiffness singular; returns points, old -> new, tets."""
+    """Nodes that no tetrahedron uses would make the stiffness singular; returns points, old -> new,
+    tets.
+    """
     used = np.unique(tets)
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
@@ -145,23 +183,34 @@ def _drop_unused(points, tets):
 
 
 def _marked(raw, place, points, outer, name, rule):
-    """Which outer faces belong to a surface, by its rule or by the file's names; judged by their corners."""
+    """Which outer faces belong to a surface, by its rule or by the file's names; judged by their
+    corners.
+    """
     corner = points[outer[:, :3]]
     if rule is not None:
         return GEOMETRY[rule[0]](corner, *rule[1:])
     if name in raw.point_sets:
         return np.isin(outer[:, :3], place[np.asarray(raw.point_sets[name], dtype=int)]).all(axis=1)
     tag = raw.field_data.get(name, (None,))[0]
-    chosen = raw.cell_sets.get(name) or [np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])]
-    faces = [cells.data[rows][:, :3] for cells,
-             rows in zip(raw.cells, chosen) if rows is not None and cells.type in ("triangle", "triangle6")]
-    wanted = {tuple(key) for key in np.sort(place[np.concatenate(faces)], axis=1)} if faces else set()
+    chosen = raw.cell_sets.get(name) or [
+        np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])
+    ]
+    faces = [
+        cells.data[rows][:, :3]
+        for cells, rows in zip(raw.cells, chosen)
+        if rows is not None and cells.type in ("triangle", "triangle6")
+    ]
+    wanted = (
+        {tuple(key) for key in np.sort(place[np.concatenate(faces)], axis=1)} if faces else set()
+    )
     return np.array([tuple(key) in wanted for key in np.sort(outer[:, :3], axis=1)], dtype=bool)
 
 
 def _cylinder(corner, radius, low, high):
     near = np.abs(np.hypot(corner[..., 0], corner[..., 2]) - radius) <= LOOSE * radius
-    return (near & (corner[..., 1] >= low - LOOSE * radius) & (corner[..., 1] <= high + LOOSE * radius)).all(axis=1)
+    return (
+        near & (corner[..., 1] >= low - LOOSE * radius) & (corner[..., 1] <= high + LOOSE * radius)
+    ).all(axis=1)
 
 
 def _bore(corner, radius):
@@ -181,7 +230,9 @@ GEOMETRY = {"cylinder": _cylinder, "bore": _bore, "plane": _plane}
 def outer_faces(tets):
     """6-node faces that belong to one tetrahedron only, normals outwards, shape (t, 6)."""
     faces = tets[:, FACES].reshape(-1, 6)
-    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    _, first, count = np.unique(
+        np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True
+    )
     return faces[np.sort(first[count == 1])]
 
 
@@ -193,19 +244,28 @@ def mesh_faults(mesh, where):
     faults = []
     size = float(np.ptp(mesh.points, axis=0).max())
     if not 5e-3 < size < 5.0:
-        faults.append(f"{where}: the body is {size:.3g} m long; mesh_unit should say "
-                      f"what a length of 1 in the file means (e.g. '1 mm')")
-    least = jacobian_determinants(mesh.points, mesh.tets, np.vstack([quadrature(3)[0], NODES[:4]])).min(axis=1)
+        faults.append(
+            f"{where}: the body is {size:.3g} m long; mesh_unit should say "
+            f"what a length of 1 in the file means (e.g. '1 mm')"
+        )
+    least = jacobian_determinants(
+        mesh.points, mesh.tets, np.vstack([quadrature(3)[0], NODES[:4]])
+    ).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
         centre = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)
-        faults.append(f"{where}: {len(bad)} inverted elements, the first is number {bad[0] + 1} at "
-                      f"({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) m with Jacobian {least[bad[0]]:.3g} m3")
+        faults.append(
+            f"{where}: {len(bad)} inverted elements, the first is number {bad[0] + 1} at "
+            f"({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) m with Jacobian {least[bad[0]]:.3g} m3"
+        )
     rows = np.repeat(mesh.tets[:, 0], 9)
-    graph = coo_matrix((np.ones(len(rows)), (rows, mesh.tets[:, 1:].ravel())), shape=(len(mesh.points),) * 2)
+    graph = coo_matrix(
+        (np.ones(len(rows)), (rows, mesh.tets[:, 1:].ravel())), shape=(len(mesh.points),) * 2
+    )
     pieces, label = connected_components(graph, directed=False)
     if pieces > 1:
         largest = ", ".join(str(n) for n in sorted(np.bincount(label), reverse=True)[:6])
-        faults.append(f"{where}: {pieces} unconnected pieces, of {largest} nodes: merge "
-                      "coincident nodes")
+        faults.append(
+            f"{where}: {pieces} unconnected pieces, of {largest} nodes: merge coincident nodes"
+        )
     return faults

@@ -9,15 +9,21 @@ from scipy.spatial import Delaunay, QhullError
 from .mesh import GEOMETRY, Mesh, MeshFault, to_body_axes
 
 AROUND_Y, AROUND_Z, FROM_ABOVE = "around y", "around z", "from above"
-VIEWS = {"skirt": AROUND_Y, "bore": AROUND_Y, "pin_bore": AROUND_Z, "crown": FROM_ABOVE, "bolts": FROM_ABOVE}
+VIEWS = {
+    "skirt": AROUND_Y,
+    "bore": AROUND_Y,
+    "pin_bore": AROUND_Z,
+    "crown": FROM_ABOVE,
+    "bolts": FROM_ABOVE,
+}
 """How each surface is laid flat to be triangulated."""
 
 
 def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0)):
     """Nodes of a CSV file and the surfaces they span, as triangles of three nodes.
 
-    The header is `node,x,y,z` or `node,x,y,z,sets`; `sets` holds names of surfaces, separated by blanks. A surface that is not
-    among them is found by geometry.
+    The header is `node,x,y,z` or `node,x,y,z,sets`; `sets` holds names of surfaces, separated by
+    blanks. A surface that is not among them is found by geometry.
 
     Parameters
     ----------
@@ -39,11 +45,17 @@ def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0
     points = to_body_axes(rows * scale, axes, origin)
     faults, faces, members = [], {}, {}
     for name, rule in surfaces.items():
-        mask = GEOMETRY[rule[0]](points[:, None, :], *rule[1:]) if rule else np.array([name in names for names in sets])
+        mask = (
+            GEOMETRY[rule[0]](points[:, None, :], *rule[1:])
+            if rule
+            else np.array([name in names for names in sets])
+        )
         members[name] = np.flatnonzero(mask)
         if len(members[name]) < 3:
             known = ", ".join(sorted(set().union(*sets))) or "none"
-            faults.append(f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {known})")
+            faults.append(
+                f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {known})"
+            )
         else:
             faces[name] = members[name][triangulate(points[mask], VIEWS[name])]
     if faults:
@@ -65,19 +77,24 @@ def _table(path):
             points.append([float(text) for text in row[1:4]])
             sets.append(frozenset(row[4].split() if len(row) > 4 else ()))
         except (ValueError, IndexError):
-            raise MeshFault([f"{path}, row {number}: {','.join(row)!r} is no node number with three coordinates"]) from None
+            raise MeshFault(
+                [
+                    f"{path}, row {number}: {','.join(row)!r} is no node number with three coordinates"
+                ]
+            ) from None
     if len(set(labels)) < len(labels):
         raise MeshFault([f"{path}: node numbers occur twice"])
     return np.array(labels), np.array(points), sets
 
 
 def triangulate(points, view):
-    """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left out.
+    """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left
+    out.
 
     A gap: a side four times as long as the median one. Nodes in one line span nothing.
     """
     if view == FROM_ABOVE:
-        flat, copies = points[:, [2, 0]], np.arange(len(points))        # z, x: triangles turn about +y
+        flat, copies = points[:, [2, 0]], np.arange(len(points))  # z, x: triangles turn about +y
     else:
         flat, copies = _unrolled(points, view)
     try:
@@ -102,9 +119,13 @@ def _radius(points, view):
 
 
 def _unrolled(points, view):
-    """Arc length and height of the nodes, (3 n, 2), with a copy to the left and to the right; which node each one is."""
+    """Arc length and height of the nodes, (3 n, 2), with a copy to the left and to the right; which
+    node each one is.
+    """
     side, along = (2, 1) if view == AROUND_Y else (1, 2)
     arc = _radius(points, view) * np.arctan2(points[:, 0], points[:, side])
     turn = 2 * np.pi * _radius(points, view)
-    flat = np.concatenate([np.stack([arc + k * turn, points[:, along]], axis=1) for k in (-1, 0, 1)])
+    flat = np.concatenate(
+        [np.stack([arc + k * turn, points[:, along]], axis=1) for k in (-1, 0, 1)]
+    )
     return flat, np.tile(np.arange(len(points)), 3)

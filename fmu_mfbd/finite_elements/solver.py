@@ -1,5 +1,6 @@
-"""Sparse symmetric positive definite systems: the direct solver at hand, and answers kept on disk, so that a stopped reduction
-goes on where it was."""
+"""Sparse symmetric positive definite systems: the direct solver at hand, and answers kept on disk,
+so that a stopped reduction goes on where it was.
+"""
 
 import hashlib
 import os
@@ -12,15 +13,19 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-LOOSE = ("the body can still move rigidly (fewer than three held nodes, or all in one line), has a loose piece or an "
-         "inverted element")
+LOOSE = (
+    "the body can still move rigidly (fewer than three held nodes, or all in one line), has a loose piece or an "
+    "inverted element"
+)
 
 
 class SuperLU:
-    """Factors by SuperLU of scipy: fine to some 60 000 degrees of freedom, out of the question above 200 000.
+    """Factors by SuperLU of scipy: fine to some 60 000 degrees of freedom, out of the question
+    above 200 000.
 
-    Of the other solvers, PARDISO's is the one wheel that installs everywhere: scikit-sparse (CHOLMOD) is compiled against
-    SuiteSparse, python-mumps against MUMPS, and its last wheel wants NumPy 1.
+    Of the other solvers, PARDISO's is the one wheel that installs everywhere: scikit-sparse
+    (CHOLMOD) is compiled against SuiteSparse, python-mumps against MUMPS, and its last wheel wants
+    NumPy 1.
 
     Parameters
     ----------
@@ -34,7 +39,12 @@ class SuperLU:
     """
 
     def __init__(self, K):
-        self._lu = splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        self._lu = splu(
+            K.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
         pivots = self._lu.U.diagonal()
         bad = np.sum(pivots <= SMALLEST_PIVOT * np.abs(pivots).max())
         if bad:
@@ -46,13 +56,16 @@ class SuperLU:
 
 
 class Pardiso:
-    """Cholesky factors by PARDISO of the MKL through pypardiso, on all cores; parameters and errors as for `SuperLU`.
+    """Cholesky factors by PARDISO of the MKL through pypardiso, on all cores; parameters and errors
+    as for `SuperLU`.
 
     ImportError without pypardiso.
     """
 
     FACTORISE, SOLVE, RELEASE, MEMORY, SYMMETRIC, NOT_POSITIVE = 12, 33, -1, -2, 2, -4
-    AT_ONCE = 16        # right-hand sides a call: a million rows of sixty need more than the factors leave
+    AT_ONCE = (
+        16  # right-hand sides a call: a million rows of sixty need more than the factors leave
+    )
 
     def __init__(self, K):
         from pypardiso import PyPardisoSolver
@@ -61,24 +74,30 @@ class Pardiso:
         self._solver = PyPardisoSolver(mtype=self.SYMMETRIC)
         self._upper = sp.triu(K, format="csr")
         self._upper.sort_indices()
-        self._solver.set_iparm(1, 1)        # the settings below, not the defaults
-        self._solver.set_iparm(2, 3)        # nested dissection on all cores
-        self._solver.set_iparm(24, 1)       # factorisation that scales to many cores
+        self._solver.set_iparm(1, 1)  # the settings below, not the defaults
+        self._solver.set_iparm(2, 3)  # nested dissection on all cores
+        self._solver.set_iparm(24, 1)  # factorisation that scales to many cores
         try:
             self._call(self.FACTORISE, np.zeros((K.shape[0], 1)))
         except PyPardisoError as error:
             if error.value != self.NOT_POSITIVE:
-                raise MemoryError(f"PARDISO cannot factorise {K.shape[0]} degrees of freedom: {error}") from None
+                raise MemoryError(
+                    f"PARDISO cannot factorise {K.shape[0]} degrees of freedom: {error}"
+                ) from None
             raise ValueError(f"the stiffness has a non-positive pivot: {LOOSE}") from None
         push = np.random.default_rng(1).standard_normal(K.shape[0])
-        if np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT:    # a pivot that is round-off passes above
+        if (
+            np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT
+        ):  # a pivot that is round-off passes above
             raise ValueError(f"the stiffness is singular: {LOOSE}")
 
     def solve(self, load):
         """K^-1 load, shape (n,) or (n, k)."""
         columns = np.asarray(load).reshape(len(load), -1)
         parts = np.array_split(columns, -(-columns.shape[1] // self.AT_ONCE), axis=1)
-        return np.hstack([self._call(self.SOLVE, np.asfortranarray(part)) for part in parts]).reshape(load.shape)
+        return np.hstack(
+            [self._call(self.SOLVE, np.asfortranarray(part)) for part in parts]
+        ).reshape(load.shape)
 
     def _call(self, phase, columns):
         before = self._solver.libmkl.MKL_Set_Num_Threads_Local(os.cpu_count())
@@ -89,15 +108,19 @@ class Pardiso:
             self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
 
     def __del__(self):
-        if hasattr(self, "_upper") and not sys.is_finalizing():         # PARDISO's own memory outlives the object otherwise
+        if (
+            hasattr(self, "_upper") and not sys.is_finalizing()
+        ):  # PARDISO's own memory outlives the object otherwise
             self._call(self.RELEASE, np.zeros((1, 1)))
 
 
-SMALLEST_PIVOT = 1e-12      # of the largest one
+SMALLEST_PIVOT = 1e-12  # of the largest one
 
 
 def factorise(K):
-    """Factors of a symmetric positive definite matrix: PARDISO where it is installed, else SuperLU."""
+    """Factors of a symmetric positive definite matrix: PARDISO where it is installed, else
+    SuperLU.
+    """
     try:
         return Pardiso(K)
     except ImportError:
@@ -107,8 +130,8 @@ def factorise(K):
 class Remembering:
     """Factorises as above, and keeps every solution on disk by the content of matrix and load.
 
-    An eigenvalue solver that starts from the same vector asks for the same solutions again: a reduction that was stopped replays
-    them and goes on. Only the factors are made anew.
+    An eigenvalue solver that starts from the same vector asks for the same solutions again: a
+    reduction that was stopped replays them and goes on. Only the factors are made anew.
 
     Parameters
     ----------
@@ -136,7 +159,7 @@ class Remembering:
 class _Remembered:
     """One matrix with its solutions on disk; factorised when the first new solution is needed."""
 
-    EVERY = 10.0    # seconds between sentences
+    EVERY = 10.0  # seconds between sentences
 
     def __init__(self, K, place, say):
         self._K, self._place, self._say, self._factors = K, place, say, None
@@ -153,7 +176,9 @@ class _Remembered:
         self._say(f"factorising {self._K.shape[0]} degrees of freedom")
         self._factors, self._K = factorise(self._K), None
         if time.monotonic() - begin > self.EVERY:
-            self._say(f"factorised by {type(self._factors).__name__} in {time.monotonic() - begin:.0f} s")
+            self._say(
+                f"factorised by {type(self._factors).__name__} in {time.monotonic() - begin:.0f} s"
+            )
 
     def solve(self, load):
         """K^-1 load, shape (n,) or (n, k)."""

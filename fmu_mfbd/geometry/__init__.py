@@ -1,5 +1,5 @@
 """Skirt and bore as the film sees them.
 
-    film           thickness, sliding, forces back           profile        machined, measured, heated shapes
-    grid           cell centres on the developed skirt       modal_field    modal displacement on a grid
+film           thickness, sliding, forces back           profile        machined, measured, heated shapes
+grid           cell centres on the developed skirt       modal_field    modal displacement on a grid
 """

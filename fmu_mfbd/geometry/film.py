@@ -1,7 +1,8 @@
-"""The film's geometry: thickness and sliding velocity on the skirt grid from the motion, and forces back by virtual work.
+"""The film's geometry: thickness and sliding velocity on the skirt grid from the motion, and forces
+back by virtual work.
 
-Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts from +z towards +x. Inside,
-rows are heights and columns angles, as `modal_field` wants them.
+Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts
+from +z towards +x. Inside, rows are heights and columns angles, as `modal_field` wants them.
 """
 
 from typing import NamedTuple
@@ -121,11 +122,15 @@ def bore_splines(heights, radial, axial, kind=None, shape=None):
     rule = np.zeros((s + 2, s + 2))
     rule[0, :3] = rule[-1, -3:] = 1.0, -2.0, 1.0
     for i in range(s):
-        rule[i + 1, i:i + 3] = 1 / 6, 4 / 6, 1 / 6                                                              # Eq. (H3)
+        rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
     inverse = np.linalg.inv(rule)[:, 1:-1]
     spacing = float(heights[1] - heights[0])
     fields = (modal_field(np.einsum("rs,csk->crk", inverse, v), kind) for v in (radial, axial))
-    widening = np.ascontiguousarray(inverse @ shape.T) if shape is not None and shape.any() else np.zeros((0, c))
+    widening = (
+        np.ascontiguousarray(inverse @ shape.T)
+        if shape is not None and shape.any()
+        else np.zeros((0, c))
+    )
     return Bore(float(heights[0]) - spacing, spacing, *fields, widening)
 
 
@@ -140,27 +145,41 @@ def window_at(lowest, spacing, height_of_A, rows):
         k = int(np.floor(x))
         t, place[j] = x - k, k - 1 - first
         value[j, 0], slope[j, 0] = (1 - t) ** 3 / 6, -((1 - t) ** 2) / (2 * spacing)
-        value[j, 1], slope[j, 1] = (4 - 6 * t * t + 3 * t**3) / 6, (3 * t * t - 4 * t) / (2 * spacing)
-        value[j, 2], slope[j, 2] = (1 + 3 * t + 3 * t * t - 3 * t**3) / 6, (1 + 2 * t - 3 * t * t) / (2 * spacing)
+        value[j, 1], slope[j, 1] = (
+            (4 - 6 * t * t + 3 * t**3) / 6,
+            (3 * t * t - 4 * t) / (2 * spacing),
+        )
+        value[j, 2], slope[j, 2] = (
+            (1 + 3 * t + 3 * t * t - 3 * t**3) / 6,
+            (1 + 2 * t - 3 * t * t) / (2 * spacing),
+        )
         value[j, 3], slope[j, 3] = t**3 / 6, t * t / (2 * spacing)
     return Window(first, place[a - 1] + 4, place, value, slope)
 
 
 @compiled
 def on_rows(window, weight, knots):
-    """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots, c)."""
+    """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots,
+    c).
+    """
     out = np.empty((len(window.place), knots.shape[1]))
     for j in range(len(window.place)):
         k = window.place[j]
         for i in range(knots.shape[1]):
-            out[j, i] = (weight[j, 0] * knots[k, i] + weight[j, 1] * knots[k + 1, i]
-                         + weight[j, 2] * knots[k + 2, i] + weight[j, 3] * knots[k + 3, i])
+            out[j, i] = (
+                weight[j, 0] * knots[k, i]
+                + weight[j, 1] * knots[k + 1, i]
+                + weight[j, 2] * knots[k + 2, i]
+                + weight[j, 3] * knots[k + 3, i]
+            )
     return out
 
 
 @compiled
 def on_knots(window, force):
-    """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose of `on_rows`."""
+    """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose
+    of `on_rows`.
+    """
     out = np.zeros((window.knots, force.shape[1]))
     for j in range(len(window.place)):
         for t in range(4):
@@ -176,8 +195,9 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
 
     Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore at Y_0(crank angle) + y')
 
-    Linear in the small motions: with the coordinates' rates it gives the rate. The bore is read at the height that A has when
-    x_A = 0: the true one differs by less than x_A r/L, micrometres on a field that varies over millimetres.
+    Linear in the small motions: with the coordinates' rates it gives the rate. The bore is read at
+    the height that A has when x_A = 0: the true one differs by less than x_A r/L, micrometres on a
+    field that varies over millimetres.
 
     Parameters
     ----------
@@ -206,7 +226,9 @@ def _opening(skirt, lateral, angle, inner, outer):
     for i in range(c):
         sine = np.sin(skirt.angle[i])
         for j in range(a):
-            out[i, j] = (angle * skirt.height[j] - lateral) * sine - inner[j, i] + outer[j, i]                  # Eq. (H1)
+            out[i, j] = (
+                (angle * skirt.height[j] - lateral) * sine - inner[j, i] + outer[j, i]
+            )  # Eq. (H1)
     return out
 
 
@@ -236,9 +258,11 @@ def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rat
     outer = on_rows(window, window.value, read(bore.axial, window.first, window.knots, block_rate))
     out = np.empty((c, a))
     for i in range(c):
-        rigid = height_rate + angle_rate * (skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset)
+        rigid = height_rate + angle_rate * (
+            skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset
+        )
         for j in range(a):
-            out[i, j] = rigid + inner[j, i] - outer[j, i]                                                       # Eq. (H2)
+            out[i, j] = rigid + inner[j, i] - outer[j, i]  # Eq. (H2)
     return out
 
 
@@ -260,7 +284,10 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
     """
     lateral, axial, moment = resultants(skirt, pressure_force, friction_force)
     push, drag = by_rows(pressure_force), by_rows(friction_force)
-    piston, block = spread(skirt.axial, 0, drag), spread(bore.radial, window.first, on_knots(window, push))
+    piston, block = (
+        spread(skirt.axial, 0, drag),
+        spread(bore.radial, window.first, on_knots(window, push)),
+    )
     subtract(piston, spread(skirt.radial, 0, push))
     subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
     return FilmForces(lateral, axial, moment, piston, block)
@@ -302,7 +329,8 @@ def subtract(a, b):
 
 @compiled
 def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate):
-    """Film thickness and sliding velocity at an instant, and the power of the interface forces at the grid points.
+    """Film thickness and sliding velocity at an instant, and the power of the interface forces at
+    the grid points.
 
     Parameters
     ----------
@@ -330,18 +358,27 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
     inner, inner_rate = read_both(skirt.radial, 0, skirt.gap.shape[1], place[2:n], rate[2:n])
     surface, surface_rate = read_both(bore.radial, window.first, window.knots, place[n:], rate[n:])
-    opening_rate = _opening(skirt, rate[0], rate[1], inner_rate, on_rows(window, window.value, surface_rate))
+    opening_rate = _opening(
+        skirt, rate[0], rate[1], inner_rate, on_rows(window, window.value, surface_rate)
+    )
     if len(bore.shape):
         for k in range(window.knots):
             for i in range(surface.shape[1]):
                 surface[k, i] += bore.shape[window.first + k, i]
     thickness = _opening(skirt, place[0], place[1], inner, on_rows(window, window.value, surface))
-    slope = by_rows(on_rows(window, window.slope, surface))     # of the bore, under the moving skirt
+    slope = by_rows(on_rows(window, window.slope, surface))  # of the bore, under the moving skirt
     lift, power, size = 0.0, 0.0, 0.0
     for i in range(len(thickness)):
         for j in range(thickness.shape[1]):
             thickness[i, j] += skirt.gap[i, j]
-        line = _work(pressure_force[i], friction_force[i], opening_rate[i], velocity[i], slope[i], guided_rate)
+        line = _work(
+            pressure_force[i],
+            friction_force[i],
+            opening_rate[i],
+            velocity[i],
+            slope[i],
+            guided_rate,
+        )
         lift, power, size = lift + line[0], power + line[1], size + line[2]
     return thickness, velocity, lift, power, size
 

@@ -1,7 +1,9 @@
-"""Shapes that are not cylinders: the skirt's machined profile, measured tables, thermal growth, a distorted bore.
+"""Shapes that are not cylinders: the skirt's machined profile, measured tables, thermal growth, a
+distorted bore.
 
-A skirt's shape is a gap (positive: further from the bore than the nominal cylinder), a bore's is a widening (positive: outwards);
-both add to the film thickness, and any number of them may be superimposed.
+A skirt's shape is a gap (positive: further from the bore than the nominal cylinder), a bore's is a
+widening (positive: outwards); both add to the film thickness, and any number of them may be
+superimposed.
 """
 
 import numpy as np
@@ -27,7 +29,7 @@ def barrel(height, lower, upper, drop):
     ndarray
         Radial gap [m].
     """
-    return drop * ((2 * height - lower - upper) / (upper - lower)) ** 2                                         # Eq. (P1)
+    return drop * ((2 * height - lower - upper) / (upper - lower)) ** 2  # Eq. (P1)
 
 
 def ovality(angle, difference):
@@ -47,16 +49,18 @@ def ovality(angle, difference):
     ndarray
         Radial gap [m]: difference/2 at the pin ends, 0 at the thrust faces.
     """
-    return difference / 4 * (1 + np.cos(2 * angle))                                                             # Eq. (P2)
+    return difference / 4 * (1 + np.cos(2 * angle))  # Eq. (P2)
 
 
 def table_shape(table, angle, height):
-    """Measured shape, linear between its points, periodic in angle, its outermost rows held beyond its ends.
+    """Measured shape, linear between its points, periodic in angle, its outermost rows held beyond
+    its ends.
 
     Parameters
     ----------
     table : dict
-        angle (m,) rising within one turn [rad], height (k,) rising [m], value (k, m) [m]; one angle alone is a round shape.
+        angle (m,) rising within one turn [rad], height (k,) rising [m], value (k, m) [m]; one angle
+        alone is a round shape.
     angle, height : ndarray, shapes (c,), (a,)
         Where it is wanted [rad], [m].
 
@@ -71,7 +75,11 @@ def table_shape(table, angle, height):
     rows = np.asarray(table["height"], dtype=float)
     if len(rows) == 1:
         rows, wide = np.array([rows[0], rows[0] + 1.0]), np.vstack([wide, wide])
-    at = np.meshgrid(np.clip(height, rows[0], rows[-1]), np.remainder(angle - known[0], 2 * np.pi) + known[0], indexing="ij")
+    at = np.meshgrid(
+        np.clip(height, rows[0], rows[-1]),
+        np.remainder(angle - known[0], 2 * np.pi) + known[0],
+        indexing="ij",
+    )
     return RegularGridInterpolator((rows, wrapped), wide)(np.stack(at, axis=-1)).T
 
 
@@ -89,11 +97,12 @@ def fourier_bore(orders, angle):
     Returns
     -------
     ndarray, shape (c,)
-        Radial widening [m]; order 0 is growth, order 1 an offset of the axis, 2 ovality, 4 four bolts.
+        Radial widening [m]; order 0 is growth, order 1 an offset of the axis, 2 ovality, 4 four
+        bolts.
     """
     out = np.zeros_like(angle)
     for term in orders:
-        out += term["amplitude"] * np.cos(term["order"] * (angle - term["phase"]))                              # Eq. (P3)
+        out += term["amplitude"] * np.cos(term["order"] * (angle - term["phase"]))  # Eq. (P3)
     return out
 
 
@@ -119,4 +128,4 @@ def tilt_about_x(angle, height, tilt):
     ndarray, shape (c, a)
         Radial gap [m].
     """
-    return -tilt * np.outer(np.cos(angle), height)                                                              # Eq. (P4)
+    return -tilt * np.outer(np.cos(angle), height)  # Eq. (P4)

@@ -10,8 +10,8 @@ from ..finite_elements.solver import factorise
 
 
 class Elastic:
-    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2: they move rigidly with the
-    frame).
+    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2:
+    they move rigidly with the frame).
 
     Parameters
     ----------
@@ -45,7 +45,9 @@ class Elastic:
         return self._lu.solve(load)
 
     def forget_factors(self):
-        """Give back the memory of the factors, for large bodies several times that of all else; `solve` ends with it."""
+        """Give back the memory of the factors, for large bodies several times that of all else;
+        `solve` ends with it.
+        """
         self._lu = None
 
     def full(self, shapes):
@@ -56,7 +58,8 @@ class Elastic:
 
 
 class MeanElastic(Elastic):
-    """The same for a body whose mean motions over given surfaces vanish instead of every node's (RBE3): soft where RBE2 is stiff.
+    """The same for a body whose mean motions over given surfaces vanish instead of every node's
+    (RBE3): soft where RBE2 is stiff.
 
     Eq. (B5):  K u + C^T lambda = f,   C u = 0        row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion
                there
@@ -74,7 +77,8 @@ class MeanElastic(Elastic):
     def __init__(self, K, M, conditions, rigid, factors=factorise):
         self.free, self.size = np.arange(K.shape[0]), K.shape[0]
         self.K, self.M = K.tocsc(), M.tocsc()
-        # six well-placed degrees of freedom make K regular; what they carry is cancelled by the small system
+        # six well-placed degrees of freedom make K regular; what they carry is cancelled by the
+        # small system
         touched = np.flatnonzero(conditions.any(axis=0))
         support = touched[la.qr(rigid[touched].T, mode="r", pivoting=True)[1][:6]]
         self._loose = np.setdiff1d(self.free, support)
@@ -82,7 +86,12 @@ class MeanElastic(Elastic):
         self._lu = factors(self.K[self._loose][:, self._loose].tocsc())
         self._C, self._R = conditions, rigid
         self._answer = self._supported(conditions.T)
-        small = np.block([[conditions @ self._answer, -conditions @ rigid], [rigid.T @ conditions.T, np.zeros((6, 6))]])
+        small = np.block(
+            [
+                [conditions @ self._answer, -conditions @ rigid],
+                [rigid.T @ conditions.T, np.zeros((6, 6))],
+            ]
+        )
         self._small = la.lu_factor(small)
 
     def _supported(self, load):
@@ -91,7 +100,9 @@ class MeanElastic(Elastic):
         return out
 
     def solve(self, load):
-        """Displacement under nodal forces on all degrees of freedom, mean motions zero (Eq. (B5))."""
+        """Displacement under nodal forces on all degrees of freedom, mean motions zero (Eq.
+        (B5)).
+        """
         first = self._supported(load)
         unknown = la.lu_solve(self._small, np.concatenate([self._C @ first, self._R.T @ load]))
         m = len(self._C)
@@ -108,8 +119,16 @@ def mean_conditions(points, weights):
     weights : list of ndarray, shape (n,)
         Area of each node for each surface [m2].
     """
-    return np.vstack([(rigid_motions(points - np.average(points, axis=0, weights=w)) * np.repeat(w, 3)[:, None]).T / w.sum()
-                      for w in weights])
+    return np.vstack(
+        [
+            (
+                rigid_motions(points - np.average(points, axis=0, weights=w))
+                * np.repeat(w, 3)[:, None]
+            ).T
+            / w.sum()
+            for w in weights
+        ]
+    )
 
 
 def craig_bampton(body, modes):
@@ -117,8 +136,8 @@ def craig_bampton(body, modes):
 
     Eq. (B1):  K phi = omega^2 M phi, interface held
 
-    With one master (the frame point A, or the ground) the constraint modes are the rigid motions, which the floating frame
-    carries.
+    With one master (the frame point A, or the ground) the constraint modes are the rigid motions,
+    which the floating frame carries.
 
     Parameters
     ----------
@@ -135,18 +154,22 @@ def craig_bampton(body, modes):
     [CraigBampton1968]. Checked in tests/verification/test_mfbd.py.
     """
     inverse = LinearOperator(body.K.shape, matvec=body.solve, dtype=float)
-    _, shapes = eigsh(body.K, modes, body.M, sigma=0.0, OPinv=inverse, v0=_start(body.K.shape[0]), tol=1e-10)   # Eq. (B1)
+    _, shapes = eigsh(
+        body.K, modes, body.M, sigma=0.0, OPinv=inverse, v0=_start(body.K.shape[0]), tol=1e-10
+    )  # Eq. (B1)
     return shapes
 
 
 def pressure_modes(body, radial, weight, modes, extra_loads):
-    """Static shapes under the pressure patterns to which a surface yields most, and under given loads.
+    """Static shapes under the pressure patterns to which a surface yields most, and under given
+    loads.
 
     Eq. (B2):  D W K^-1 W^T D p = mu p,   phi = K^-1 W^T D p,   largest mu first
 
-    W reads the normal displacement at the points of a regular grid, W^T spreads forces at these points, D says where force is
-    expected. The spectrum mu falls fast, so that few shapes catch what a film pressure can do: with 60 of them the error of the
-    skirt's deflection under film-like patches is about five times smaller than with 60 normal modes.
+    W reads the normal displacement at the points of a regular grid, W^T spreads forces at these
+    points, D says where force is expected. The spectrum mu falls fast, so that few shapes catch
+    what a film pressure can do: with 60 of them the error of the skirt's deflection under film-like
+    patches is about five times smaller than with 60 normal modes.
 
     Parameters
     ----------
@@ -158,40 +181,49 @@ def pressure_modes(body, radial, weight, modes, extra_loads):
     modes : int
         Number of shapes in all, those of `extra_loads` included.
     extra_loads : ndarray, shape (free, k)
-        Loads whose exact static deflection must be in the basis (gas pressure, inertia), most important first; at most half of
-        `modes` is spent on them.
+        Loads whose exact static deflection must be in the basis (gas pressure, inertia), most
+        important first; at most half of `modes` is spent on them.
 
     Returns
     -------
     ndarray, shape (free, modes)
 
-    References
-    ----------
-    Own choice; compliance modes are a Lanczos-truncated interface reduction, [CastanierTanPierre2001] for the idea. Measured by
-    `piston-cosim verify mfbd`.
+    References ---------- Own choice; compliance modes are a Lanczos-truncated interface reduction,
+    [CastanierTanPierre2001] for the idea. Measured by `piston-cosim verify mfbd`.
     """
     radial = sp.diags(weight) @ radial
     spread = radial.T.tocsr()
-    extra = body.solve(extra_loads[:, : modes // 2]) if extra_loads.shape[1] and modes > 1 else np.empty((body.K.shape[0], 0))
+    extra = (
+        body.solve(extra_loads[:, : modes // 2])
+        if extra_loads.shape[1] and modes > 1
+        else np.empty((body.K.shape[0], 0))
+    )
     count = modes - extra.shape[1]
-    compliance = LinearOperator((radial.shape[0],) * 2, matvec=lambda p: radial @ body.solve(spread @ p.ravel()), dtype=float)
+    compliance = LinearOperator(
+        (radial.shape[0],) * 2,
+        matvec=lambda p: radial @ body.solve(spread @ p.ravel()),
+        dtype=float,
+    )
     _, patterns = eigsh(compliance, count, v0=_start(radial.shape[0]), tol=1e-8)
-    shapes = body.solve((spread @ patterns))                                                                     # Eq. (B2)
+    shapes = body.solve(spread @ patterns)  # Eq. (B2)
     return np.hstack([shapes, extra])
 
 
 def expected_pressure(angle, n_axial):
-    """Where on a skirt or bore film pressure is expected: across the pin, where the side force acts and the profile stands out.
+    """Where on a skirt or bore film pressure is expected: across the pin, where the side force acts
+    and the profile stands out.
 
     Eq. (B4):  weight = 0.1 + sin^2 theta      at (theta_i, height_j), j fastest
 
     On the shipped piston it halves the error that an even weight leaves.
     """
-    return np.repeat(0.1 + np.sin(angle) ** 2, n_axial)                                                         # Eq. (B4)
+    return np.repeat(0.1 + np.sin(angle) ** 2, n_axial)  # Eq. (B4)
 
 
 def _start(size):
-    """Start vector of a Lanczos run: fixed, so that the same body always reduces to the same bytes."""
+    """Start vector of a Lanczos run: fixed, so that the same body always reduces to the same
+    bytes.
+    """
     return np.random.default_rng(1).standard_normal(size)
 
 
@@ -223,11 +255,13 @@ def orthonormal_modes(body, shapes):
     strength, turn = la.eigh((gram + gram.T) / 2)
     if strength[0] < 1e-13 * strength[-1]:
         dependent = np.sum(strength < 1e-13 * strength[-1])
-        raise ValueError(f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer modes")
+        raise ValueError(
+            f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer modes"
+        )
     shapes = shapes @ (turn / np.sqrt(strength))
     mass = shapes.T @ (body.M @ shapes)
     square, turn = la.eigh((mass + mass.T) / 2)
-    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]                                                          # Eq. (B3)
+    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]  # Eq. (B3)
     modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
     return modes, 1.0 / np.sqrt(square[::-1])
 
@@ -274,8 +308,21 @@ def characteristic_constraint_modes(body, interface, modes):
         load[outer] = f
         return body.solve(load)[outer]
 
-    operator = [LinearOperator((len(outer),) * 2, matvec=apply, dtype=float)
-                for apply in (lambda x: (body.K @ extend(x.ravel()))[outer], lambda x: press(body.M @ extend(x.ravel())),
-                              lambda f: answer(f.ravel()))]
-    _, shapes = eigsh(operator[0], modes, operator[1], sigma=0.0, OPinv=operator[2], v0=_start(len(outer)), tol=1e-10)
-    return np.column_stack([extend(x) for x in shapes.T])                                                       # Eq. (B6)
+    operator = [
+        LinearOperator((len(outer),) * 2, matvec=apply, dtype=float)
+        for apply in (
+            lambda x: (body.K @ extend(x.ravel()))[outer],
+            lambda x: press(body.M @ extend(x.ravel())),
+            lambda f: answer(f.ravel()),
+        )
+    ]
+    _, shapes = eigsh(
+        operator[0],
+        modes,
+        operator[1],
+        sigma=0.0,
+        OPinv=operator[2],
+        v0=_start(len(outer)),
+        tol=1e-10,
+    )
+    return np.column_stack([extend(x) for x in shapes.T])  # Eq. (B6)

@@ -1,22 +1,25 @@
-"""Mode shapes as pictures: the body's skin, deformed, coloured by the displacement along its normal."""
+"""Mode shapes as pictures: the body's skin, deformed, coloured by the displacement along its
+normal.
+"""
 
 import matplotlib
 
-matplotlib.use("Agg")       # files only, also without a display
+matplotlib.use("Agg")  # files only, also without a display
 
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 COLUMNS, ROWS = 4, 3
-LARGEST = 0.08      # displacement drawn, of the body's size
+LARGEST = 0.08  # displacement drawn, of the body's size
 LIGHT = np.array([0.6, 0.75, 0.28])
 
 
 def draw_modes(body, table, path):
     """One PNG of the modes with the largest share in film thickness, by rising frequency.
 
-    Red moves out of the body, blue into it; thrust side to the right front, pin axis to the left front, head up.
+    Red moves out of the body, blue into it; thrust side to the right front, pin axis to the left
+    front, head up.
 
     Parameters
     ----------
@@ -26,14 +29,19 @@ def draw_modes(body, table, path):
         Its `report.mode_table`.
     path : Path
     """
-    chosen = sorted(sorted(table, key=lambda row: -row["film_share"])[: COLUMNS * ROWS], key=lambda row: row["mode"])
+    chosen = sorted(
+        sorted(table, key=lambda row: -row["film_share"])[: COLUMNS * ROWS],
+        key=lambda row: row["mode"],
+    )
     shapes, points, corners = body["shapes"], body["points"], body["skin"][:, :3]
     figure = plt.figure(figsize=(3.2 * COLUMNS, 3.4 * ROWS), layout="constrained")
     for k, row in enumerate(chosen):
         axes = figure.add_subplot(ROWS, COLUMNS, k + 1, projection="3d", proj_type="ortho")
         _draw(axes, points, corners, shapes[:, :, row["mode"] - 1])
-        axes.set_title(f"mode {row['mode']}   {row['frequency'] / 1e3:.2f} kHz\n{row['film_share']:.1%} of the film's share",
-                       fontsize=9)
+        axes.set_title(
+            f"mode {row['mode']}   {row['frequency'] / 1e3:.2f} kHz\n{row['film_share']:.1%} of the film's share",
+            fontsize=9,
+        )
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
@@ -46,8 +54,10 @@ def _draw(axes, points, corners, shape):
     outwards = np.einsum("ta,ta->t", shape[corners].mean(axis=1), _normals(points[corners]))
     colour = matplotlib.colormaps["RdBu_r"](0.5 + 0.5 * outwards / np.abs(outwards).max())
     colour[:, :3] *= (0.55 + 0.45 * np.abs(normal @ LIGHT) / np.linalg.norm(LIGHT))[:, None]
-    turned = place[corners][:, :, [2, 0, 1]]                    # y, towards the head, upwards on paper
-    axes.add_collection3d(Poly3DCollection(turned, facecolors=colour, edgecolors=colour, linewidths=0.2))
+    turned = place[corners][:, :, [2, 0, 1]]  # y, towards the head, upwards on paper
+    axes.add_collection3d(
+        Poly3DCollection(turned, facecolors=colour, edgecolors=colour, linewidths=0.2)
+    )
     low, high = turned.reshape(-1, 3).min(axis=0), turned.reshape(-1, 3).max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(high - low, zoom=1.2)

@@ -1,4 +1,6 @@
-"""What a reduced body is made of: table of modes, mode shapes and recovered displacement and stress as VTU files."""
+"""What a reduced body is made of: table of modes, mode shapes and recovered displacement and stress
+as VTU files.
+"""
 
 import numpy as np
 
@@ -11,8 +13,8 @@ def mode_table(body):
     Eq. (T1):  modal mass = 1/max(phi)^2 over the film surface;   share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches
                p, sum 1
 
-    The share weighs what the mode adds to the film thickness, statically, under film-like patches on the thrust and the other
-    side.
+    The share weighs what the mode adds to the film thickness, statically, under film-like patches
+    on the thrust and the other side.
 
     Parameters
     ----------
@@ -28,11 +30,18 @@ def mode_table(body):
     field = body["radial"].reshape(int(body["angles"]), -1, k)
     patches = film_patches(*field.shape[:2])
     force = np.abs(np.einsum("pij,ijk->pk", patches, field, optimize=True)).mean(axis=0)
-    share = np.sqrt((field**2).mean(axis=(0, 1))) * force / body["omega"] ** 2                                  # Eq. (T1)
+    share = np.sqrt((field**2).mean(axis=(0, 1))) * force / body["omega"] ** 2  # Eq. (T1)
     mass = 1.0 / np.abs(field).max(axis=(0, 1)) ** 2
-    return [dict(mode=n + 1, frequency=float(body["omega"][n] / (2 * np.pi)), modal_mass=float(mass[n]),
-                 film_share=float(share[n] / share.sum()),
-                 kind=int(body["kind"][n])) for n in range(k)]
+    return [
+        dict(
+            mode=n + 1,
+            frequency=float(body["omega"][n] / (2 * np.pi)),
+            modal_mass=float(mass[n]),
+            film_share=float(share[n] / share.sum()),
+            kind=int(body["kind"][n]),
+        )
+        for n in range(k)
+    ]
 
 
 def film_patches(angles, rows):
@@ -71,10 +80,12 @@ def recover(body, modal_coordinate, path=None):
     stress : ndarray, shape (n, 6), or None
         xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
     """
-    displacement, fields = body["shapes"] @ modal_coordinate, {}                                                # Eq. (T2)
+    displacement, fields = body["shapes"] @ modal_coordinate, {}  # Eq. (T2)
     stress = None
     if len(body["tets"]) and np.isfinite(body["young"]):
-        stress = nodal_stress(body["points"], body["tets"], displacement, float(body["young"]), float(body["poisson"]))
+        stress = nodal_stress(
+            body["points"], body["tets"], displacement, float(body["young"]), float(body["poisson"])
+        )
         fields = {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:
         _write(path, body, {"displacement": displacement} | fields)
@@ -85,7 +96,9 @@ def _write(path, body, point_data):
     import meshio
 
     cells = ("tetra10", body["tets"]) if len(body["tets"]) else ("triangle", body["skin"])
-    meshio.write(path, meshio.Mesh(body["points"], [cells], point_data=point_data), file_format="vtu")
+    meshio.write(
+        path, meshio.Mesh(body["points"], [cells], point_data=point_data), file_format="vtu"
+    )
 
 
 CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
@@ -114,5 +127,7 @@ def mass_properties(body):
     matrix = body["rigid_mass"]
     mass, moment = matrix[0, 0], matrix[3:, :3]
     centre = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
-    cross = np.array([[0, -centre[2], centre[1]], [centre[2], 0, -centre[0]], [-centre[1], centre[0], 0]])
-    return float(mass), centre, matrix[3:, 3:] + mass * cross @ cross                                           # Eq. (T3)
+    cross = np.array(
+        [[0, -centre[2], centre[1]], [centre[2], 0, -centre[0]], [-centre[1], centre[0], 0]]
+    )
+    return float(mass), centre, matrix[3:, 3:] + mass * cross @ cross  # Eq. (T3)

@@ -1,4 +1,6 @@
-"""Bodies that are their own mirror image about x = 0 and z = 0: modes that are even or odd about both planes."""
+"""Bodies that are their own mirror image about x = 0 and z = 0: modes that are even or odd about
+both planes.
+"""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -7,7 +9,9 @@ from .bases import orthonormal_modes
 
 
 def mirror_image(points, axis):
-    """Node that is the mirror image of each node about the plane axis = 0, or None if one has none within 1e-6 of the size."""
+    """Node that is the mirror image of each node about the plane axis = 0, or None if one has none
+    within 1e-6 of the size.
+    """
     flipped = points.copy()
     flipped[:, axis] *= -1.0
     distance, image = cKDTree(points).query(flipped)
@@ -22,10 +26,18 @@ def class_parts(modes, points):
     images = [mirror_image(points, axis) for axis in (0, 2)]
     if any(image is None for image in images):
         return None
-    reflect = [modes[image] * np.where(np.arange(3) == axis, -1.0, 1.0)[None, :, None] for axis, image in zip((0, 2), images)]
+    reflect = [
+        modes[image] * np.where(np.arange(3) == axis, -1.0, 1.0)[None, :, None]
+        for axis, image in zip((0, 2), images)
+    ]
     both = reflect[0][images[1]] * np.array([1.0, 1.0, -1.0])[None, :, None]
-    return np.stack([(modes + sx * reflect[0] + sz * reflect[1] + sx * sz * both) / 4                           # Eq. (Y1)
-                     for sx in (1, -1) for sz in (1, -1)])
+    return np.stack(
+        [
+            (modes + sx * reflect[0] + sz * reflect[1] + sx * sz * both) / 4  # Eq. (Y1)
+            for sx in (1, -1)
+            for sz in (1, -1)
+        ]
+    )
 
 
 def symmetric_modes(body, modes, omega, points):
@@ -46,21 +58,25 @@ def symmetric_modes(body, modes, omega, points):
     modes, omega
         As given, or exactly even or odd and orthonormal again, by rising frequency.
     kind : ndarray of int, shape (k,)
-        Class 2 x + z of each mode (x, z = 1 where odd across x = 0, z = 0); -1 for a body without these symmetries.
+        Class 2 x + z of each mode (x, z = 1 where odd across x = 0, z = 0); -1 for a body without
+        these symmetries.
     """
     parts = class_parts(modes.reshape(len(points), 3, len(omega)), points)
     if parts is None or not len(omega):
         return modes, omega, np.full(len(omega), -1)
     parts = [body_part.reshape(len(modes), -1)[body.free] for body_part in parts]
     spectra = [np.linalg.eigh(part.T @ (body.M @ part)) for part in parts]
-    # each class holds as many directions of the modes' space as its Gram matrix has eigenvalues near 1
+    # each class holds as many directions of the modes' space as its Gram matrix has eigenvalues
+    # near 1
     share = np.concatenate([value for value, _ in spectra])
-    kept = np.sort(np.argsort(share)[-len(omega):])
+    kept = np.sort(np.argsort(share)[-len(omega) :])
     pure, frequency, kind = np.empty_like(modes), np.empty_like(omega), kept // len(omega)
     for c, (part, (_, vectors)) in enumerate(zip(parts, spectra)):
         mine = np.flatnonzero(kind == c)
         if len(mine):
-            shapes, frequency[mine] = orthonormal_modes(body, part @ vectors[:, kept[mine] % len(omega)])
+            shapes, frequency[mine] = orthonormal_modes(
+                body, part @ vectors[:, kept[mine] % len(omega)]
+            )
             pure[:, mine] = body.full(shapes)
     gram = pure[body.free].T @ (body.M @ pure[body.free])
     # nodes may mirror where elements do not, or a half-kept pair of modes may leave a class

@@ -1,4 +1,6 @@
-"""An FMU against the contract: names, units, shapes, capabilities; and an FMU in the place of a case's participant."""
+"""An FMU against the contract: names, units, shapes, capabilities; and an FMU in the place of a
+case's participant.
+"""
 
 import tomllib
 from pathlib import Path
@@ -9,7 +11,11 @@ from ..participants.open import open_fmu
 
 CONTRACT = MODELS / "lubrication_contract.toml"
 
-CAPABILITIES = ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate")
+CAPABILITIES = (
+    "canHandleVariableCommunicationStepSize",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
+)
 
 
 def contract():
@@ -21,7 +27,9 @@ def contract():
 def role_of(participant):
     """Role ("lubrication", "bodies") whose outputs the FMU has; None if it has those of none."""
     for role, terms in contract().items():
-        outputs = {name for name, field in participant.fields.items() if field.causality == "output"}
+        outputs = {
+            name for name, field in participant.fields.items() if field.causality == "output"
+        }
         if terms["outputs"]["field"].keys() <= outputs:
             return role
     return None
@@ -52,7 +60,9 @@ def check_fmu(path, role=None):
     participant = open_fmu("fmu", path)
     role = role or role_of(participant)
     if role is None:
-        wanted = "; ".join(f"{name}: {', '.join(terms['outputs']['field'])}" for name, terms in contract().items())
+        wanted = "; ".join(
+            f"{name}: {', '.join(terms['outputs']['field'])}" for name, terms in contract().items()
+        )
         raise BadInput(f"{path}: has the outputs of no role of the contract ({wanted})")
     terms = contract()[role]
     breaches, remarks = _capabilities(participant)
@@ -60,15 +70,21 @@ def check_fmu(path, role=None):
     _compare(participant, terms["inputs"], ("input", "parameter"), breaches)
     _compare(participant, terms["outputs"], ("output",), breaches)
     _compare(participant, terms["reported"], ("output",), remarks)
-    shapes = {participant.fields[name].shape for kind in ("inputs", "outputs") for name in terms[kind].get("field", {})
-              if name in participant.fields}
+    shapes = {
+        participant.fields[name].shape
+        for kind in ("inputs", "outputs")
+        for name in terms[kind].get("field", {})
+        if name in participant.fields
+    }
     if len(shapes) > 1:
         breaches.append(f"the fields have different shapes: {', '.join(map(str, sorted(shapes)))}")
     return role, breaches, remarks
 
 
 def _compare(participant, terms, causalities, faults):
-    """Append a sentence for every variable of `terms` (shape -> name -> unit) that is missing or different."""
+    """Append a sentence for every variable of `terms` (shape -> name -> unit) that is missing or
+    different.
+    """
     for shape, variables in terms.items():
         for name, unit in variables.items():
             field = participant.fields.get(name)
@@ -84,19 +100,28 @@ def _capabilities(participant):
     """Breaches and remarks on what the FMU can do."""
     can = participant.description.coSimulation
     breaches = [f"{flag} is not true" for flag in CAPABILITIES if not getattr(can, flag)]
-    remarks = [] if participant.has_derivatives else ["no directional derivative: formed by repeated steps"]
+    remarks = (
+        []
+        if participant.has_derivatives
+        else ["no directional derivative: formed by repeated steps"]
+    )
     remarks += [] if participant.declares_units else ["no units: taken to be SI"]
     return breaches, remarks
 
 
 def swap_all(trees, given, say):
-    """Trees of all variants with the FMUs `given` (role -> path or None) in place; says once what was left out."""
+    """Trees of all variants with the FMUs `given` (role -> path or None) in place; says once what
+    was left out.
+    """
     for role, path in given.items():
         if path is None:
             continue
         if not path.is_file():
             raise BadInput(f"--{role} {path}: no such file")
-        pairs = {label: swap(tree, contract()[role]["participant"], path) for label, tree in trees.items()}
+        pairs = {
+            label: swap(tree, contract()[role]["participant"], path)
+            for label, tree in trees.items()
+        }
         trees = {label: tree for label, (tree, _) in pairs.items()}
         left_out = next(iter(pairs.values()))[1]
         if left_out:
@@ -107,8 +132,8 @@ def swap_all(trees, given, say):
 def swap(tree, name, path):
     """A case's TOML tree with an FMU in the place of participant `name`.
 
-    What the case says about variables the FMU does not have is left out: parameters, recorded fields, pictures, summary
-    and monitor entries.
+    What the case says about variables the FMU does not have is left out: parameters, recorded
+    fields, pictures, summary and monitor entries.
 
     Returns
     -------
@@ -134,12 +159,26 @@ def swap(tree, name, path):
     parameters = kept(f"participants.{name}.parameters", {key: f"{name}.{key}" for key in given})
     record = tree.get("record", {})
     swapped = tree | {
-        "participants": tree["participants"] | {
-            name: {"fmu": str(Path(path).resolve()), "parameters": {key: given[key] for key in parameters},
-                   **{key: table[key] for key in ("isolated", "timeout") if key in table}}},
-        "record": record | {"fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))},
-        "summary": kept("summary", tree.get("summary", {})), "monitor": kept("monitor", tree.get("monitor", {})),
-        "pictures": [p for p in (_picture(picture, known, left_out) for picture in tree.get("pictures", [])) if p]}
+        "participants": tree["participants"]
+        | {
+            name: {
+                "fmu": str(Path(path).resolve()),
+                "parameters": {key: given[key] for key in parameters},
+                **{key: table[key] for key in ("isolated", "timeout") if key in table},
+            }
+        },
+        "record": record
+        | {
+            "fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))
+        },
+        "summary": kept("summary", tree.get("summary", {})),
+        "monitor": kept("monitor", tree.get("monitor", {})),
+        "pictures": [
+            p
+            for p in (_picture(picture, known, left_out) for picture in tree.get("pictures", []))
+            if p
+        ],
+    }
     return swapped, left_out
 
 
@@ -147,8 +186,16 @@ def _picture(picture, known, left_out):
     """The picture without curves and fields that are not there; None if nothing is left."""
     curves = [[port for port in panel if known(port)] for panel in picture.get("y", [])]
     shown = [port for port in picture.get("fields", []) if known(port)]
-    lost = [port for port in [*picture.get("fields", []), *sum(picture.get("y", []), [])] if not known(port)]
+    lost = [
+        port
+        for port in [*picture.get("fields", []), *sum(picture.get("y", []), [])]
+        if not known(port)
+    ]
     left_out.extend(f"pictures.{picture['file']}: {port}" for port in lost)
-    whole = picture | ({"y": [panel for panel in curves if panel]} if curves else {}) | ({"fields": shown} if shown else {})
+    whole = (
+        picture
+        | ({"y": [panel for panel in curves if panel]} if curves else {})
+        | ({"fields": shown} if shown else {})
+    )
     nothing = not any(curves) and not shown
     return None if nothing or picture.get("x") and not known(picture["x"]) else whole

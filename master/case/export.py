@@ -1,4 +1,6 @@
-"""One FMU of a whole case: the participants with the iteration inside, for tools that cannot repeat a step."""
+"""One FMU of a whole case: the participants with the iteration inside, for tools that cannot repeat
+a step.
+"""
 
 import json
 from collections import Counter
@@ -10,7 +12,10 @@ from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from .system import open_system
 
-COUPLING = [f"master.coupling.{name}" for name in ("coupled", "freezing", "interface", "methods", "stepping", "wiring")]
+COUPLING = [
+    f"master.coupling.{name}"
+    for name in ("coupled", "freezing", "interface", "methods", "stepping", "wiring")
+]
 COUPLING += ["master.participants.local"]
 """The part of the master that goes inside."""
 
@@ -18,8 +23,8 @@ COUPLING += ["master.participants.local"]
 def export_fmu(case, folder, progress):
     """FMU of the coupled case.
 
-    Outside it has the inputs that no wire feeds, all parameters with the case's values as start values, and all scalar
-    outputs. A name that two participants share is written participant.name.
+    Outside it has the inputs that no wire feeds, all parameters with the case's values as start
+    values, and all scalar outputs. A name that two participants share is written participant.name.
 
     Parameters
     ----------
@@ -37,26 +42,53 @@ def export_fmu(case, folder, progress):
     Raises
     ------
     BadInput
-        With every fault of the case; also for a participant that is given as an FMU: only packages can be taken inside.
+        With every fault of the case; also for a participant that is given as an FMU: only packages
+        can be taken inside.
     """
-    given = [f"participants.{name}: is an FMU; only a package can go into one FMU" for name, table in case.participants.items()
-             if not table.package]
-    given += [f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; inside one FMU inputs are held"
-              for wire in case.wires if wire.interpolation != "held"]
+    given = [
+        f"participants.{name}: is an FMU; only a package can go into one FMU"
+        for name, table in case.participants.items()
+        if not table.package
+    ]
+    given += [
+        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; inside one FMU inputs are held"
+        for wire in case.wires
+        if wire.interpolation != "held"
+    ]
     if given:
         raise BadInput(given)
     system = open_system(case, folder, progress)
     packages = {name: table.package for name, table in case.participants.items()}
-    prepared = {name: import_part(f"{package}.build").prepare(case.participants[name].build, Path(folder), progress)
-                for name, package in packages.items()}
-    exposed = _exposed({name: _variables(packages[name], options) for name, (options, _) in prepared.items()}, system)
+    prepared = {
+        name: import_part(f"{package}.build").prepare(
+            case.participants[name].build, Path(folder), progress
+        )
+        for name, package in packages.items()
+    }
+    exposed = _exposed(
+        {name: _variables(packages[name], options) for name, (options, _) in prepared.items()},
+        system,
+    )
     options = {
         "participants": {name: slave_of(package) for name, package in packages.items()},
-        "order": list(system.order), "step": system.step, "connections": [asdict(c) for c in system.connections],
-        "coupling": case.coupling.model_dump(), "variables": [asdict(variable) for variable, _ in exposed],
-        **{causality: {v.name: port for v, port in exposed if v.causality == causality}
-           for causality in ("parameter", "input", "output")}}
-    return pack_fmu("coupled", "master.coupling.coupled:Coupled", [*packages.values(), *COUPLING], options, _resources(prepared), progress)
+        "order": list(system.order),
+        "step": system.step,
+        "connections": [asdict(c) for c in system.connections],
+        "coupling": case.coupling.model_dump(),
+        "variables": [asdict(variable) for variable, _ in exposed],
+        **{
+            causality: {v.name: port for v, port in exposed if v.causality == causality}
+            for causality in ("parameter", "input", "output")
+        },
+    }
+    return pack_fmu(
+        "coupled",
+        "master.coupling.coupled:Coupled",
+        [*packages.values(), *COUPLING],
+        options,
+        _resources(prepared),
+        progress,
+    )
 
 
 def _variables(package, options):
@@ -67,7 +99,12 @@ def _variables(package, options):
 def _exposed(tables, system):
     """Pairs (variable as seen from outside, (participant, name inside))."""
     fed = {connection.target for connection in system.connections}
-    chosen = [(owner, v) for owner, table in tables.items() for v in table if _is_exposed(v, (owner, v.name) in fed)]
+    chosen = [
+        (owner, v)
+        for owner, table in tables.items()
+        for v in table
+        if _is_exposed(v, (owner, v.name) in fed)
+    ]
     shared = Counter(v.name for _, v in chosen)
     found = []
     for owner, v in chosen:
@@ -86,5 +123,12 @@ def _is_exposed(variable, is_fed):
 
 def _resources(prepared):
     """Each participant's resources in a folder of its name."""
-    files = {f"{name}/build.json": json.dumps(options, sort_keys=True).encode() for name, (options, _) in prepared.items()}
-    return files | {f"{name}/{path.name}": path.read_bytes() for name, (_, paths) in prepared.items() for path in paths}
+    files = {
+        f"{name}/build.json": json.dumps(options, sort_keys=True).encode()
+        for name, (options, _) in prepared.items()
+    }
+    return files | {
+        f"{name}/{path.name}": path.read_bytes()
+        for name, (_, paths) in prepared.items()
+        for path in paths
+    }

@@ -21,10 +21,12 @@ class Table(BaseModel):
 
 
 class Time(Table):
-    """Run time and macro step: times, or crank angles together with the input that holds the angular speed.
+    """Run time and macro step: times, or crank angles together with the input that holds the
+    angular speed.
 
-    smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the longest macro step: it is
-    divided by the local error, into none smaller than this; default step / 64.
+    smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the
+    longest macro step: it is divided by the local error, into none smaller than this; default step
+    / 64.
     """
 
     stop: str
@@ -34,10 +36,11 @@ class Time(Table):
 
 
 class ParticipantTable(Table):
-    """A participant: an FMU by path, or what builds one with options, a package or a slave in one file ("FILE.py:CLASS");
-    and its parameters and input starts.
+    """A participant: an FMU by path, or what builds one with options, a package or a slave in one
+    file ("FILE.py:CLASS"); and its parameters and input starts.
 
-    isolated : the FMU runs in a process of its own, which is ended if it takes longer than `timeout` for any one answer.
+    isolated : the FMU runs in a process of its own, which is ended if it takes longer than
+    `timeout` for any one answer.
     """
 
     package: str | None = None
@@ -51,26 +54,30 @@ class ParticipantTable(Table):
     @model_validator(mode="after")
     def one_origin(self):
         if [self.package, self.file, self.fmu].count(None) != 2:
-            raise ValueError("give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)")
+            raise ValueError(
+                "give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)"
+            )
         return self
 
 
 class Wire(Table):
     """A field that goes from an output to an input.
 
-    tolerance : largest difference between output and input in a converged step; text with the field's unit, or a number
-    that multiplies its nominal value.
-    relative_tolerance : root mean square of the difference as a share of the field's.
-    residual_relative_tolerance : root mean square of the difference as a share of what it was in the macro step's first sweep.
-    Of these three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire that runs against the
-    stepping order. A wire along the order hands over what has just been computed: it is not measured, unless one of the three is
-    given; then by how far it has moved since the iterate.
-    largest_decrease : no update of an iterate may lower the field's smallest element by more than this share of itself.
-    local_error : local error allowed in a macro step, root mean square over the field; text with the field's unit, or a number
-    that multiplies its nominal value. With it on any wire, macro steps are as long as their local error allows.
-    interpolation : the input inside a macro step: held at the value of its end, linear from beginning to end, or a cubic that
-    also has the slopes which the source declares (an output that is the field's `derivative`).
-    conjugate : output whose product with the field is work or power; both sides' account of it is compared at the end.
+    tolerance : largest difference between output and input in a converged step; text with the
+    field's unit, or a number that multiplies its nominal value. relative_tolerance : root mean
+    square of the difference as a share of the field's. residual_relative_tolerance : root mean
+    square of the difference as a share of what it was in the macro step's first sweep. Of these
+    three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire
+    that runs against the stepping order. A wire along the order hands over what has just been
+    computed: it is not measured, unless one of the three is given; then by how far it has moved
+    since the iterate. largest_decrease : no update of an iterate may lower the field's smallest
+    element by more than this share of itself. local_error : local error allowed in a macro step,
+    root mean square over the field; text with the field's unit, or a number that multiplies its
+    nominal value. With it on any wire, macro steps are as long as their local error allows.
+    interpolation : the input inside a macro step: held at the value of its end, linear from
+    beginning to end, or a cubic that also has the slopes which the source declares (an output that
+    is the field's `derivative`). conjugate : output whose product with the field is work or power;
+    both sides' account of it is compared at the end.
     """
 
     source: Port = Field(alias="from")
@@ -87,21 +94,23 @@ class Wire(Table):
 class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
-    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants; methods/secants.py); aitken,
-    or constant relaxation; explicit: one sweep a macro step, not iterated, and what is off by more than its tolerance counted.
-    order : the order in which the participants step; the wires that run against it are the unknowns.
-    parallel : Jacobi's order in place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
+    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants;
+    methods/secants.py); aitken, or constant relaxation; explicit: one sweep a macro step, not
+    iterated, and what is off by more than its tolerance counted. order : the order in which the
+    participants step; the wires that run against it are the unknowns. parallel : Jacobi's order in
+    place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
-    relaxation : factor of constant relaxation, first factor of the others.
-    mixing : share taken of what the secants leave unexplained.
-    probing : a macro step without secants, or led astray by them, is taken by Newton on differences of sweeps.
-    windows : of how many macro steps iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
-    largest_krylov_space : products per Newton update at most. differences : products by differences of sweeps, not by the
-    participants' derivatives.
-    halvings : how often a macro step that fails may be halved.
+    relaxation : factor of constant relaxation, first factor of the others. mixing : share taken of
+    what the secants leave unexplained. probing : a macro step without secants, or led astray by
+    them, is taken by Newton on differences of sweeps. windows : of how many macro steps iqn_ils and
+    iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some. largest_krylov_space :
+    products per Newton update at most. differences : products by differences of sweeps, not by the
+    participants' derivatives. halvings : how often a macro step that fails may be halved.
     """
 
-    method: Literal["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit"] = "newton"
+    method: Literal[
+        "newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit"
+    ] = "newton"
     order: list[str]
     parallel: bool = False
     predictor: int = Field(2, ge=0, le=2)
@@ -120,7 +129,8 @@ class Coupling(Table):
 class Record(Table):
     """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
 
-    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and SIGTERM.
+    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and
+    SIGTERM.
     """
 
     fields: list[Port] = []
@@ -129,8 +139,10 @@ class Record(Table):
 
 
 class Picture(Table):
-    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a panel each; section: `fields`
-    at a time along their first index, within `angles` of its circle, at the share `height` of their second."""
+    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a
+    panel each; section: `fields` at a time along their first index, within `angles` of its circle,
+    at the share `height` of their second.
+    """
 
     file: str
     title: str
@@ -153,7 +165,9 @@ class Picture(Table):
 
 
 class Loop(Table):
-    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, divided by `per`, in `unit`."""
+    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, divided
+    by `per`, in `unit`.
+    """
 
     y: list[Port]
     x: Port
@@ -165,8 +179,8 @@ class Loop(Table):
 class Motion(Table):
     """A rigid outline moved in a plane by three outputs, between fixed lines.
 
-    Sideways displacement and rotation are drawn `exaggeration` times.
-    Outline points (across, along) are those of the body at rest about its reference point; lines have two ends.
+    Sideways displacement and rotation are drawn `exaggeration` times. Outline points (across,
+    along) are those of the body at rest about its reference point; lines have two ends.
     """
 
     across: Port
@@ -185,9 +199,11 @@ class ReportTable(Table):
 
 
 class Study(Table):
-    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one labelled `reference`.
+    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one
+    labelled `reference`.
 
-    `set` changes the case in all of them; `curves` over `x`, if any, are scored against the reference's.
+    `set` changes the case in all of them; `curves` over `x`, if any, are scored against the
+    reference's.
     """
 
     title: str
@@ -202,18 +218,21 @@ class Study(Table):
         if self.curves and not self.x:
             raise ValueError("curves need an x")
         if self.reference not in self.points:
-            raise ValueError(f"reference = {self.reference!r}: the points are {', '.join(self.points)}")
+            raise ValueError(
+                f"reference = {self.reference!r}: the points are {', '.join(self.points)}"
+            )
         return self
 
 
 class Case(Table):
     """A whole case file.
 
-    label : name of the case itself among its variants.
-    participants : in the order in which they start; what one has at the start begins the inputs of those after it.
-    summary : name -> "min|max|mean|last participant.variable", what the last screen and --summary-json say.
-    window : "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in pictures and reports.
-    monitor : as summary, shown while running. variants : name -> {dotted key: value} changes that make a further run.
+    label : name of the case itself among its variants. participants : in the order in which they
+    start; what one has at the start begins the inputs of those after it. summary : name ->
+    "min|max|mean|last participant.variable", what the last screen and --summary-json say. window :
+    "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in
+    pictures and reports. monitor : as summary, shown while running. variants : name -> {dotted key:
+    value} changes that make a further run.
     """
 
     title: str
@@ -236,8 +255,14 @@ class Case(Table):
     def reductions(cls, entries):
         for name, text in entries.items():
             words = text.split()
-            if len(words) != 2 or words[0] not in ("min", "max", "mean", "last") or words[1].count(".") != 1:
-                raise ValueError(f"{name} = {text!r}: write 'min|max|mean|last participant.variable'")
+            if (
+                len(words) != 2
+                or words[0] not in ("min", "max", "mean", "last")
+                or words[1].count(".") != 1
+            ):
+                raise ValueError(
+                    f"{name} = {text!r}: write 'min|max|mean|last participant.variable'"
+                )
         return entries
 
     @field_validator("window")
@@ -251,15 +276,28 @@ class Case(Table):
         ports = [p for w in self.wires for p in (w.source, w.target)] + self.record.fields
         ports += [self.time.angular_speed] if self.time.angular_speed else []
         ports += [p for pic in self.pictures for p in [pic.x, *pic.fields, *sum(pic.y, [])] if p]
-        ports += [text.split()[1] for text in [*self.summary.values(), *self.monitor.values(), *self.window]]
+        ports += [
+            text.split()[1]
+            for text in [*self.summary.values(), *self.monitor.values(), *self.window]
+        ]
         ports += [p for loop in self.report.loops.values() for p in [loop.x, *loop.y]]
-        ports += [self.report.motion.across, self.report.motion.along, self.report.motion.rotation] if self.report.motion else []
-        unknown = sorted({p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants))
+        ports += (
+            [self.report.motion.across, self.report.motion.along, self.report.motion.rotation]
+            if self.report.motion
+            else []
+        )
+        unknown = sorted(
+            {p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants)
+        )
         unknown = [name for name in unknown if name not in self.participants]
         if unknown:
-            raise ValueError(f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}")
+            raise ValueError(
+                f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}"
+            )
         if sorted(self.coupling.order) != sorted(self.participants):
-            raise ValueError(f"coupling.order must name each participant once: {', '.join(self.participants)}")
+            raise ValueError(
+                f"coupling.order must name each participant once: {', '.join(self.participants)}"
+            )
         return self
 
 
@@ -269,7 +307,9 @@ def case_names():
 
 
 def find_case(name):
-    """Path of a case file, by its path, its folder, or the name of a case that comes with the tool."""
+    """Path of a case file, by its path, its folder, or the name of a case that comes with the
+    tool.
+    """
     for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
         if candidate.is_file():
             return candidate.resolve()
@@ -277,7 +317,8 @@ def find_case(name):
 
 
 def read_tree(path, changes=()):
-    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and value) made in it.
+    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and
+    value) made in it.
 
     Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
     """
@@ -297,7 +338,9 @@ def read_tree(path, changes=()):
 
 
 def _change(tree, key, value):
-    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0. Returns a fault or None."""
+    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0.
+    Returns a fault or None.
+    """
     *parents, last = key.split(".")
     node = tree
     for k, part in enumerate(parents):
@@ -306,7 +349,7 @@ def _change(tree, key, value):
         else:
             node = node.get(part)
         if not isinstance(node, (dict, list)):
-            return f"{key}: there is no table {'.'.join(parents[:k + 1])} in the case"
+            return f"{key}: there is no table {'.'.join(parents[: k + 1])} in the case"
     if isinstance(node, list):
         return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
     node[last] = value
@@ -314,7 +357,9 @@ def _change(tree, key, value):
 
 
 def check_case(tree, path):
-    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the file."""
+    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the
+    file.
+    """
     try:
         return Case.model_validate(tree)
     except ValidationError as error:
@@ -330,7 +375,9 @@ def _sentence(fault):
 
 
 def times(case, speed):
-    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into times."""
+    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into
+    times.
+    """
     faults, values = [], []
     for key in ("stop", "step", "smallest_step"):
         text = getattr(case.time, key)

@@ -1,18 +1,20 @@
-"""From a case to participants and wires, with every fault of wiring, units, shapes and capabilities found before the run."""
+"""From a case to participants and wires, with every fault of wiring, units, shapes and capabilities
+found before the run.
+"""
 
 from dataclasses import replace
 from difflib import get_close_matches
 from math import inf
 
-from .schema import times
+from ..coupling.wiring import Connection, System, is_unknown
+from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
-from ..coupling.wiring import Connection, System, is_unknown
-from ..coupling.work import conjugates
+from .schema import times
 
 TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
@@ -24,8 +26,8 @@ def open_system(case, folder, progress):
     Raises
     ------
     BadInput
-        With every fault that could be found: build options of all participants first, then parameters, wires, recorded
-        names and time.
+        With every fault that could be found: build options of all participants first, then
+        parameters, wires, recorded names and time.
     """
     faults, participants = [], {}
     for name in case.participants:
@@ -35,8 +37,13 @@ def open_system(case, folder, progress):
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
         raise BadInput(faults)
-    parameters = {name: _parameters(participants[name], case.participants[name].parameters, faults) for name in participants}
-    connections = [c for wire in case.wires if (c := _connection(wire, participants, case.coupling, faults))]
+    parameters = {
+        name: _parameters(participants[name], case.participants[name].parameters, faults)
+        for name in participants
+    }
+    connections = [
+        c for wire in case.wires if (c := _connection(wire, participants, case.coupling, faults))
+    ]
     participants = _interpolating(case, participants, faults)
     try:
         conjugates(connections, case.wires)
@@ -52,8 +59,15 @@ def open_system(case, folder, progress):
     if faults:
         raise BadInput(faults)
     connections += _slopes(case, participants, connections, clock[1])
-    return System(participants, tuple(case.coupling.order), tuple(connections), parameters, *clock, str(folder),
-                  case.coupling.parallel)
+    return System(
+        participants,
+        tuple(case.coupling.order),
+        tuple(connections),
+        parameters,
+        *clock,
+        str(folder),
+        case.coupling.parallel,
+    )
 
 
 def _participant(name, table, folder, progress):
@@ -87,7 +101,9 @@ def _parameters(participant, given, faults):
         where = f"participants.{participant.name}.parameters.{name}"
         field = participant.fields.get(name)
         if field is None or field.causality not in ("parameter", "input"):
-            settable = [f.name for f in participant.fields.values() if f.causality in ("parameter", "input")]
+            settable = [
+                f.name for f in participant.fields.values() if f.causality in ("parameter", "input")
+            ]
             faults.append(f"{where}: the FMU has no such parameter or input{_near(name, settable)}")
             continue
         try:
@@ -126,7 +142,9 @@ def _field(port, causalities, participants, where, faults):
     field = participants[owner].fields.get(name)
     known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
     if field is None or field.causality not in causalities:
-        faults.append(f"{where}: {port} is no {' or '.join(causalities)} of the FMU{_near(name, known)}")
+        faults.append(
+            f"{where}: {port} is no {' or '.join(causalities)} of the FMU{_near(name, known)}"
+        )
         return None
     return field
 
@@ -138,21 +156,37 @@ def _connection(wire, participants, coupling, faults):
     if source is None or target is None:
         return None
     if source.shape != target.shape:
-        faults.append(f"{where}: shapes differ, {source.shape} and {target.shape} (build both FMUs with the same grid)")
-    declared = [field.unit for field, port in ((source, wire.source), (target, wire.target))
-                if participants[port.split(".")[0]].declares_units]
+        faults.append(
+            f"{where}: shapes differ, {source.shape} and {target.shape} (build both FMUs with the same grid)"
+        )
+    declared = [
+        field.unit
+        for field, port in ((source, wire.source), (target, wire.target))
+        if participants[port.split(".")[0]].declares_units
+    ]
     if len(set(declared)) > 1:
         faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
     unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
-    tolerance, local_error = (_amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error"))
+    tolerance, local_error = (
+        _amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error")
+    )
     if local_error is not None and not local_error > 0:
         faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
     if tolerance is not None and not tolerance > 0:
         faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive")
-    connection = Connection(tuple(wire.source.split(".")), tuple(wire.target.split(".")), target.shape, unit, nominal,
-                            0.0 if tolerance is None else tolerance, wire.largest_decrease, wire.relative_tolerance,
-                            wire.residual_relative_tolerance, local_error)
+    connection = Connection(
+        tuple(wire.source.split(".")),
+        tuple(wire.target.split(".")),
+        target.shape,
+        unit,
+        nominal,
+        0.0 if tolerance is None else tolerance,
+        wire.largest_decrease,
+        wire.relative_tolerance,
+        wire.residual_relative_tolerance,
+        local_error,
+    )
     if wire.tolerance is not None or wire.relative_tolerance or wire.residual_relative_tolerance:
         return connection
     unknown = is_unknown(connection, coupling.order, coupling.parallel)
@@ -160,17 +194,27 @@ def _connection(wire, participants, coupling, faults):
 
 
 def _amount(wire, key, nominal, unit, where, faults):
-    """A wire's entry in SI: a number multiplies the nominal value; None if it is not given, or with a fault."""
+    """A wire's entry in SI: a number multiplies the nominal value; None if it is not given, or with
+    a fault.
+    """
     given = getattr(wire, key)
     try:
-        return given * nominal if isinstance(given, float) else None if given is None else to_si(given, unit)
+        return (
+            given * nominal
+            if isinstance(given, float)
+            else None
+            if given is None
+            else to_si(given, unit)
+        )
     except ValueError as error:
         faults.append(f"{where}: {key}: {error}")
         return None
 
 
 def _interpolating(case, participants, faults):
-    """The participants, those with interpolated inputs wrapped; faults of those that cannot are appended."""
+    """The participants, those with interpolated inputs wrapped; faults of those that cannot are
+    appended.
+    """
     kinds = {}
     for wire in case.wires:
         (owner, name), (target, inlet) = wire.source.split("."), wire.target.split(".")
@@ -179,37 +223,64 @@ def _interpolating(case, participants, faults):
         kinds.setdefault(target, {})[inlet] = wire.interpolation
         where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
         if not participants[target].can_interpolate:
-            faults.append(f"{where}: {participants[target].path.name} cannot follow inputs over a step (canInterpolateInputs of "
-                          "FMI 2.0); write held, or take shorter macro steps")
+            faults.append(
+                f"{where}: {participants[target].path.name} cannot follow inputs over a step (canInterpolateInputs of "
+                "FMI 2.0); write held, or take shorter macro steps"
+            )
         if wire.interpolation == "hermite" and not _rate(participants[owner], name):
-            faults.append(f"{where}: {participants[owner].path.name} declares no output as the derivative of {name}; "
-                          "write linear")
-    return {name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p for name, p in participants.items()}
+            faults.append(
+                f"{where}: {participants[owner].path.name} declares no output as the derivative of {name}; "
+                "write linear"
+            )
+    return {
+        name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p
+        for name, p in participants.items()
+    }
 
 
 def _rate(participant, name):
     """Name of the output that is the time derivative of output `name`, or None."""
-    return next((f.name for f in participant.fields.values() if f.derivative_of == name and f.causality == "output"), None)
+    return next(
+        (
+            f.name
+            for f in participant.fields.values()
+            if f.derivative_of == name and f.causality == "output"
+        ),
+        None,
+    )
 
 
 def _slopes(case, participants, connections, step):
-    """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the value in a macro step [s]."""
+    """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the
+    value in a macro step [s].
+    """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
     found = []
     for c in connections:
         (owner, name), (target, inlet) = c.source, c.target
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
-            found.append(replace(c, source=(owner, _rate(participants[owner], name)), target=(target, slope_of(inlet)),
-                                 unit=f"{c.unit}/s", nominal=c.nominal / step, tolerance=c.tolerance / step,
-                                 largest_decrease=None, local_error=None))
+            found.append(
+                replace(
+                    c,
+                    source=(owner, _rate(participants[owner], name)),
+                    target=(target, slope_of(inlet)),
+                    unit=f"{c.unit}/s",
+                    nominal=c.nominal / step,
+                    tolerance=c.tolerance / step,
+                    largest_decrease=None,
+                    local_error=None,
+                )
+            )
     return found
 
 
 def _check_capabilities(participants, faults):
     for participant in participants.values():
         if not participant.can_redo:
-            faults.append(f"participant {participant.name}: {participant.path.name} cannot save and restore its state, "
-                          "so no step can be repeated")
+            faults.append(
+                f"participant {participant.name}: {participant.path.name} cannot save and restore its state, "
+                "so no step can be repeated"
+            )
 
 
 def _check_ports(case, participants, faults):
@@ -222,10 +293,14 @@ def _check_ports(case, participants, faults):
 
 
 def _angular_speed(case, parameters):
-    """Start value [rad/s] of the input that turns angles into times; None if the case is in times."""
+    """Start value [rad/s] of the input that turns angles into times; None if the case is in
+    times.
+    """
     if case.time.angular_speed is None:
         return None
     owner, name = case.time.angular_speed.split(".")
     if name not in parameters[owner]:
-        raise BadInput(f"time.angular_speed = {case.time.angular_speed}: give it a value in participants.{owner}.parameters")
+        raise BadInput(
+            f"time.angular_speed = {case.time.angular_speed}: give it a value in participants.{owner}.parameters"
+        )
     return parameters[owner][name]

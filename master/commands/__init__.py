@@ -1,1 +1,3 @@
-"""The command line: `app` (what there is, exit codes), `common` (what several commands do), and a file for each command."""
+"""The command line: `app` (what there is, exit codes), `common` (what several commands do), and a
+file for each command.
+"""

@@ -1,17 +1,21 @@
-"""The command line `piston-cosim`; each command is a file of this room. Exit codes: 0 done, 1 failed honestly, 2 bad input."""
+"""The command line `piston-cosim`; each command is a file of this room. Exit codes: 0 done, 1
+failed honestly, 2 bad input.
+"""
 
 import os
 
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_threads, "1")  # dense algebra here is small: a second BLAS thread costs up to a factor 7
+    os.environ.setdefault(
+        _threads, "1"
+    )  # dense algebra here is small: a second BLAS thread costs up to a factor 7
 
-import sys  # noqa: E402
-import time  # noqa: E402
+import sys
+import time
 
-from cyclopts import App, CycloptsError  # noqa: E402
-from rich.console import Console  # noqa: E402
+from cyclopts import App, CycloptsError
+from rich.console import Console
 
-from ..fmi.errors import BadInput  # noqa: E402
+from ..fmi.errors import BadInput
 
 STARTED = time.perf_counter()
 COMMANDS = {
@@ -38,33 +42,47 @@ COMMANDS = {
 }
 """What there is, in the order of use; a command's own file is imported when it is called."""
 
-app = App(name="piston-cosim", help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
-          version_flags=["--version"])
+app = App(
+    name="piston-cosim",
+    help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
+    version_flags=["--version"],
+)
 for _order, (_name, _line) in enumerate(COMMANDS.items()):
-    _help = {} if sys.argv[1:2] == [_name] else {"help": _line}  # the command called explains itself by its docstring
+    _help = (
+        {} if sys.argv[1:2] == [_name] else {"help": _line}
+    )  # the command called explains itself by its docstring
     app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
 
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
-    from ..runs.checkpoint import Interrupted
-    from ..participants.fmi2 import ParticipantFault
-    from ..runs.recorder import CannotWrite
     from ..coupling.stepping import StepFailed
+    from ..participants.fmi2 import ParticipantFault
+    from ..runs.checkpoint import Interrupted
+    from ..runs.recorder import CannotWrite
 
     try:
         app(exit_on_error=False, print_error=True)
     except CycloptsError:
         sys.exit(2)
     except BadInput as error:
-        say_faults(f"bad input[/], {len(error.faults)} fault{'s' * (len(error.faults) > 1)}:", [f"- {f}" for f in error.faults])
+        say_faults(
+            f"bad input[/], {len(error.faults)} fault{'s' * (len(error.faults) > 1)}:",
+            [f"- {f}" for f in error.faults],
+        )
         sys.exit(2)
     except StepFailed as error:
-        say_faults("stopped:[/] a macro step did not converge, and no halving is left", [error, *getattr(error, "__notes__", ())])
+        say_faults(
+            "stopped:[/] a macro step did not converge, and no halving is left",
+            [error, *getattr(error, "__notes__", ())],
+        )
     except Interrupted as error:
         say_faults(f"stopped:[/] {error}", [])
     except ParticipantFault as error:
-        say_faults("stopped:[/] an FMU reports a fault of its own", [error, *getattr(error, "__notes__", ())])
+        say_faults(
+            "stopped:[/] an FMU reports a fault of its own",
+            [error, *getattr(error, "__notes__", ())],
+        )
     except CannotWrite as error:
         say_faults(f"stopped:[/] {error}", getattr(error, "__notes__", ()))
     else:

@@ -22,8 +22,11 @@ def command(*names: str):
     known = {path.stem: path for path in sorted(folder.rglob("*.py"))}
     unknown = [name for name in names if name not in known]
     if unknown or not known:
-        raise BadInput(f"no benchmark {', '.join(unknown)}: there are {', '.join(known)}" if known else
-                       "benchmarks are in the source checkout, not in the installed package")
+        raise BadInput(
+            f"no benchmark {', '.join(unknown)}: there are {', '.join(known)}"
+            if known
+            else "benchmarks are in the source checkout, not in the installed package"
+        )
     for name in names or [name for name, path in known.items() if path.parent == folder]:
         console.print(f"[bold]{name}[/]")
         if subprocess.run([sys.executable, str(known[name])]).returncode:

@@ -11,8 +11,15 @@ from ..fmi.errors import BadInput
 from .common import console, parse_grid, say
 
 
-def command(participant: str, *, case: str = "numerical_example", grid: str | None = None, output: Path | None = None,
-            fmi: Literal["2.0", "3.0"] = "2.0", no_fields: Annotated[bool, Parameter(negative=())] = False):
+def command(
+    participant: str,
+    *,
+    case: str = "numerical_example",
+    grid: str | None = None,
+    output: Path | None = None,
+    fmi: Literal["2.0", "3.0"] = "2.0",
+    no_fields: Annotated[bool, Parameter(negative=())] = False,
+):
     """Build the FMU of one participant of a case.
 
     Example: piston-cosim build ehd --grid 60x30 --output film.fmu
@@ -30,14 +37,16 @@ def command(participant: str, *, case: str = "numerical_example", grid: str | No
     fmi
         Version of the standard.
     no_fields
-        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that choke on thousands of
-        scalars.
+        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that
+        choke on thousands of scalars.
     """
     path = find_case(case)
     checked = check_case(read_tree(path), path)
     name = {"mfbd": "bodies"}.get(participant, participant)
     if name not in checked.participants or not checked.participants[name].package:
-        raise BadInput(f"participant {participant!r}: the case builds {', '.join(checked.participants)}")
+        raise BadInput(
+            f"participant {participant!r}: the case builds {', '.join(checked.participants)}"
+        )
     table = checked.participants[name]
     if grid:
         table.build["grid"] = parse_grid(grid)

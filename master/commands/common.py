@@ -49,22 +49,33 @@ def variant_trees(path, changes, only):
     if only and only not in variants:
         raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
     chosen = {label: changed for label, changed in variants.items() if only in (None, label)}
-    return {label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()}
+    return {
+        label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()
+    }
 
 
 def open_runs(files):
-    """Case of the first results file, and label -> Results of all; files of equal names are told apart by their folders."""
+    """Case of the first results file, and label -> Results of all; files of equal names are told
+    apart by their folders.
+    """
     from ..results.file import Results
 
     missing = [f"{file}: no such file" for file in files if not file.is_file()]
     if missing or not files:
         raise BadInput(missing or "give one or more results files")
-    labels = [file.stem if sum(f.stem == file.stem for f in files) == 1 else f"{file.parent.name}/{file.stem}" for file in files]
+    labels = [
+        file.stem
+        if sum(f.stem == file.stem for f in files) == 1
+        else f"{file.parent.name}/{file.stem}"
+        for file in files
+    ]
     try:
         runs = {label: Results(file) for label, file in zip(labels, files)}
         tree = next(iter(runs.values())).case
     except (OSError, KeyError) as error:
-        raise BadInput(f"{', '.join(map(str, files))}: not all are results of a run: {error}") from None
+        raise BadInput(
+            f"{', '.join(map(str, files))}: not all are results of a run: {error}"
+        ) from None
     return check_case(tree, files[0]), runs
 
 

@@ -7,24 +7,35 @@ from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
 
-from ..results import compare as curves
 from ..fmi.errors import BadInput
+from ..results import compare as curves
 from .common import Changes, console, draw_pictures, open_runs, parse_change, say
 
 Models = Annotated[list[str], Parameter(negative=())]
 
 
-def command(*files: Path, x: str | None = None, y: list[str] = [], period: str | None = None, measured: Path | None = None,
-            output: Path | None = None, lubrication: Models = [], set_: Changes = []):
-    """Score curves: runs against the first, the last cycle against the one before, or runs against a measured file.
+def command(
+    *files: Path,
+    x: str | None = None,
+    y: list[str] = [],
+    period: str | None = None,
+    measured: Path | None = None,
+    output: Path | None = None,
+    lubrication: Models = [],
+    set_: Changes = [],
+):
+    """Score curves: runs against the first, the last cycle against the one before, or runs against
+    a measured file.
 
-    Printed are the ratio of ranges (amplitude), the shift (phase, in SI, positive = later) and the rms difference over the
-    reference's range. With --lubrication, a case is run with each of the models named, and they are held against the first:
-    film, load, friction, iterations and time, with pictures.
+    Printed are the ratio of ranges (amplitude), the shift (phase, in SI, positive = later) and the
+    rms difference over the reference's range. With --lubrication, a case is run with each of the
+    models named, and they are held against the first: film, load, friction, iterations and time,
+    with pictures.
 
     Example: piston-cosim compare results/fired_motorcycle/flexible.h5 --period "720 deg"
 
-    Example: piston-cosim compare numerical_example --lubrication jfo --lubrication gumbel --lubrication film.fmu
+    Example: piston-cosim compare numerical_example --lubrication jfo --lubrication gumbel
+    --lubrication film.fmu
 
     Parameters
     ----------
@@ -35,12 +46,14 @@ def command(*files: Path, x: str | None = None, y: list[str] = [], period: str |
     period
         Hold each run's last period against the one before it.
     measured
-        CSV file headed "participant.variable [unit]", the abscissa first; the runs are scored against it and drawn with it.
+        CSV file headed "participant.variable [unit]", the abscissa first; the runs are scored
+        against it and drawn with it.
     output
-        Picture of runs and measured points (default measured.png); with --lubrication the folder for results.
+        Picture of runs and measured points (default measured.png); with --lubrication the folder
+        for results.
     lubrication
-        An FMU, or a cavitation model of the case's own FMU; two or more. Wall times are fair from the second call on: the
-        first one compiles.
+        An FMU, or a cavitation model of the case's own FMU; two or more. Wall times are fair from
+        the second call on: the first one compiles.
     set_
         Change of the case that is run, KEY=VALUE.
     """
@@ -65,7 +78,13 @@ def command(*files: Path, x: str | None = None, y: list[str] = [], period: str |
         raise BadInput("one run alone: give --period or --measured, or a second run")
     table = Table("run", "curve", "amplitude [-]", "phase", "rms [-]", box=None)
     for label, port, found in rows:
-        table.add_row(label, port, f"{found['amplitude']:.4f}", f"{found['phase']:+.4g}", f"{found['rms']:.4f}")
+        table.add_row(
+            label,
+            port,
+            f"{found['amplitude']:.4f}",
+            f"{found['phase']:+.4g}",
+            f"{found['rms']:.4f}",
+        )
     console.print(table)
 
 
@@ -73,18 +92,24 @@ def hold_models_together(case, *more, models, changes, folder):
     """Run a case with each lubrication model; print and draw what tells them apart."""
     from ..case.schema import check_case, find_case, read_tree
     from ..results.file import Results
-    from ..runs.console import watching
     from ..results.rivals import MEASURES, curves, draw_rivals, measures, rival_trees
+    from ..runs.console import watching
     from ..runs.run import run
     from .run import open_all
 
-    missing = [f"--lubrication {model}: no such file" for model in models if model.endswith(".fmu") and not Path(model).is_file()]
+    missing = [
+        f"--lubrication {model}: no such file"
+        for model in models
+        if model.endswith(".fmu") and not Path(model).is_file()
+    ]
     if more or len(models) < 2:
         missing.append("give one case and two or more times --lubrication")
     if missing:
         raise BadInput(missing)
     path = find_case(str(case))
-    trees, common, left_out = rival_trees(read_tree(path, [parse_change(text) for text in changes]), models)
+    trees, common, left_out = rival_trees(
+        read_tree(path, [parse_change(text) for text in changes]), models
+    )
     for label, keys in left_out.items():
         if keys:
             say(f"{label} has no variable for, and goes without: {', '.join(keys)}")
@@ -93,21 +118,32 @@ def hold_models_together(case, *more, models, changes, folder):
     summaries, runs = {}, {}
     for label, system in open_all(cases, path.parent).items():
         with watching(console, label) as watch:
-            summaries[label] = run(system, cases[label], trees[label], folder / f"{label}.h5", watch)
+            summaries[label] = run(
+                system, cases[label], trees[label], folder / f"{label}.h5", watch
+            )
         runs[label] = Results(folder / f"{label}.h5")
     found = {label: curves(results) for label, results in runs.items()}
     print_measures(MEASURES, measures(found, summaries))
-    draw_rivals(found, {label: (r.time, r.series("coupling.iterations")[0]) for label, r in runs.items()}, folder / "models.png")
+    draw_rivals(
+        found,
+        {label: (r.time, r.series("coupling.iterations")[0]) for label, r in runs.items()},
+        folder / "models.png",
+    )
     console.print(f"picture  {folder / 'models.png'}", highlight=False, soft_wrap=True)
     draw_pictures(check_case(common, path), runs, folder)
 
 
 def print_measures(names, values):
-    """Table of the models' measures, a column each; beside a value how far it is from the first model's."""
+    """Table of the models' measures, a column each; beside a value how far it is from the first
+    model's.
+    """
     table, first = Table(Column(no_wrap=True), *values, box=None), next(iter(values.values()))
     for k, (name, unit) in enumerate(names.items()):
         cells = [f"{first[k]:.5g}"]
         for row in list(values.values())[1:]:
-            cells.append(f"{row[k]:.5g}" + (f"  ({100 * (row[k] / first[k] - 1):+.1f} %)" if first[k] else ""))
+            cells.append(
+                f"{row[k]:.5g}"
+                + (f"  ({100 * (row[k] / first[k] - 1):+.1f} %)" if first[k] else "")
+            )
         table.add_row(escape(f"{name} [{unit}]" if unit else name), *cells)
     console.print(table)

@@ -3,17 +3,25 @@
 from pathlib import Path
 from typing import Literal
 
-from ..case.schema import check_case, find_case, read_tree
 from ..case.export import export_fmu
-from ..fmi.builder import build_fmu
-from ..fmi.errors import BadInput
+from ..case.schema import check_case, find_case, read_tree
 from ..case.ssp import export_ssp
 from ..case.system import open_system
+from ..fmi.builder import build_fmu
+from ..fmi.errors import BadInput
 from .common import Changes, console, parse_change, say
 
 
-def command(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], output: Path, fmi: Literal["2.0", "3.0"] = "2.0"):
-    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or as an SSP.
+def command(
+    kind: Literal["fmu", "ssp"],
+    case: str,
+    *,
+    set_: Changes = [],
+    output: Path,
+    fmi: Literal["2.0", "3.0"] = "2.0",
+):
+    """Export a case: as one FMU with the iteration inside, for tools that cannot repeat a step, or
+    as an SSP.
 
     Example: piston-cosim export fmu numerical_example --output engine.fmu
 
@@ -28,7 +36,8 @@ def command(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], outpu
     output
         Where to put it.
     fmi
-        Version of the FMUs inside an SSP: 2.0 (SSP 1.0, a connector for every scalar) or 3.0 (SSP 2.0, arrays).
+        Version of the FMUs inside an SSP: 2.0 (SSP 1.0, a connector for every scalar) or 3.0 (SSP
+        2.0, arrays).
     """
     path = find_case(case)
     tree = read_tree(path, [parse_change(text) for text in set_])
@@ -38,14 +47,25 @@ def command(kind: Literal["fmu", "ssp"], case: str, *, set_: Changes = [], outpu
     if kind == "fmu":
         output.write_bytes(export_fmu(checked, path.parent, say).read_bytes())
     else:
-        export_ssp(tree, open_system(built(checked, path.parent) if fmi == "3.0" else checked, path.parent, say), output)
+        export_ssp(
+            tree,
+            open_system(built(checked, path.parent) if fmi == "3.0" else checked, path.parent, say),
+            output,
+        )
     console.print(str(output), soft_wrap=True, highlight=False)
 
 
 def built(case, folder):
     """The case with FMI 3.0 FMUs in the place of the packages it builds."""
-    fmus = {name: build_fmu(table.package, table.build, folder, say, "3.0") for name, table in case.participants.items()
-            if table.package}
-    tables = {name: table.model_copy(update={"package": None, "build": {}, "fmu": str(fmus[name])}) if name in fmus else table
-              for name, table in case.participants.items()}
+    fmus = {
+        name: build_fmu(table.package, table.build, folder, say, "3.0")
+        for name, table in case.participants.items()
+        if table.package
+    }
+    tables = {
+        name: table.model_copy(update={"package": None, "build": {}, "fmu": str(fmus[name])})
+        if name in fmus
+        else table
+        for name, table in case.participants.items()
+    }
     return case.model_copy(update={"participants": tables})

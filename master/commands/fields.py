@@ -5,17 +5,27 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..results import fields_export as exports
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
+from ..results import fields_export as exports
 from .common import console, open_runs
 
 
-def command(file: Path, *, field: Annotated[list[str], Parameter(negative=())], output: Path, time: str | None = None,
-            i: int | None = None, j: int | None = None, radius: str = "1 m", length: str = "1 m"):
+def command(
+    file: Path,
+    *,
+    field: Annotated[list[str], Parameter(negative=())],
+    output: Path,
+    time: str | None = None,
+    i: int | None = None,
+    j: int | None = None,
+    radius: str = "1 m",
+    length: str = "1 m",
+):
     """Write recorded fields as CSV, HDF5 or VTU (for ParaView), by the ending of --output.
 
-    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure --time "18 ms" --output p.csv
+    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure --time
+    "18 ms" --output p.csv
 
     Parameters
     ----------
@@ -37,12 +47,19 @@ def command(file: Path, *, field: Annotated[list[str], Parameter(negative=())], 
     if output.suffix not in (".csv", ".h5", ".vtu") or (output.suffix == ".vtu" and (i or j)):
         raise BadInput(f"--output {output}: write .csv, .h5, or .vtu (whole fields)")
     try:
-        instant, size = None if time is None else to_si(time, "s"), [to_si(text, "m") for text in (radius, length)]
+        instant, size = (
+            None if time is None else to_si(time, "s"),
+            [to_si(text, "m") for text in (radius, length)],
+        )
     except ValueError as error:
         raise BadInput(str(error)) from None
     blocks = [exports.chosen(exports.read_block(results, text), instant, i, j) for text in field]
     if output.suffix == ".vtu":
-        console.print(f"{len(exports.write_vtu(blocks, output, *size))} files beside {output}", highlight=False, soft_wrap=True)
+        console.print(
+            f"{len(exports.write_vtu(blocks, output, *size))} files beside {output}",
+            highlight=False,
+            soft_wrap=True,
+        )
     else:
         (exports.write_csv if output.suffix == ".csv" else exports.write_hdf5)(blocks, output)
         console.print(f"fields   {output}", highlight=False, soft_wrap=True)

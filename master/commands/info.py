@@ -19,12 +19,30 @@ def command(fmu: Path):
     participant = open_fmu("fmu", fmu)
     model = participant.description
     console.print(f"[bold]{model.modelName}[/]  FMI {model.fmiVersion}  {model.description or ''}")
-    console.print(f"save and restore state: {participant.can_redo}   serialise: "
-                  f"{bool(model.coSimulation.canSerializeFMUstate)}   directional derivative: {participant.has_derivatives}")
-    table = Table("causality", "name", "shape", "unit", "start", "allowed", "nominal", "description", box=None)
-    for field in sorted(participant.fields.values(), key=lambda f: ("parameter", "input", "output", "local").index(f.causality)):
-        limits = "" if field.minimum is None and field.maximum is None else \
-            f"{'' if field.minimum is None else f'{field.minimum:g}'}..{'' if field.maximum is None else f'{field.maximum:g}'}"
-        table.add_row(field.causality, field.name, "x".join(map(str, field.shape)), field.unit, field.start or "", limits,
-                      "" if field.nominal is None else f"{field.nominal:g}", field.description)
+    console.print(
+        f"save and restore state: {participant.can_redo}   serialise: "
+        f"{bool(model.coSimulation.canSerializeFMUstate)}   directional derivative: {participant.has_derivatives}"
+    )
+    table = Table(
+        "causality", "name", "shape", "unit", "start", "allowed", "nominal", "description", box=None
+    )
+    for field in sorted(
+        participant.fields.values(),
+        key=lambda f: ("parameter", "input", "output", "local").index(f.causality),
+    ):
+        limits = (
+            ""
+            if field.minimum is None and field.maximum is None
+            else f"{'' if field.minimum is None else f'{field.minimum:g}'}..{'' if field.maximum is None else f'{field.maximum:g}'}"
+        )
+        table.add_row(
+            field.causality,
+            field.name,
+            "x".join(map(str, field.shape)),
+            field.unit,
+            field.start or "",
+            limits,
+            "" if field.nominal is None else f"{field.nominal:g}",
+            field.description,
+        )
     console.print(table)

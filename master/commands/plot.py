@@ -6,7 +6,8 @@ from .common import draw_pictures, open_runs
 
 
 def command(*files: Path, output: Path = Path("pictures")):
-    """Draw the pictures of one or several results files, side by side, as the first one's case describes them.
+    """Draw the pictures of one or several results files, side by side, as the first one's case
+    describes them.
 
     Example: piston-cosim plot results/numerical_example/base.h5 results/numerical_example/rigid.h5
     """

@@ -16,9 +16,15 @@ from .reduce import OFFLINE, build_table
 PORT = "{}.modal_coordinate"
 
 
-def command(file: Path, *, time: Annotated[list[str], Parameter(negative=())], case: str | None = None,
-            output: Path | None = None):
-    """Displacement and stress of the flexible bodies at chosen instants of a run, on their meshes, as VTU files (ParaView).
+def command(
+    file: Path,
+    *,
+    time: Annotated[list[str], Parameter(negative=())],
+    case: str | None = None,
+    output: Path | None = None,
+):
+    """Displacement and stress of the flexible bodies at chosen instants of a run, on their meshes,
+    as VTU files (ParaView).
 
     Example: piston-cosim recover results/numerical_example/flexible.h5 --time "18 ms"
 
@@ -29,14 +35,17 @@ def command(file: Path, *, time: Annotated[list[str], Parameter(negative=())], c
     time
         The recorded instant nearest to this time; several allowed.
     case
-        Case whose folder the paths of meshes start from; default the case named as the folder of the results.
+        Case whose folder the paths of meshes start from; default the case named as the folder of
+        the results.
     output
         Folder for the files; default the folder of the results.
     """
     _, runs = open_runs((file,))
     (results,) = runs.values()
     table = build_table(results.case)
-    participant = next(name for name, part in results.case["participants"].items() if part.get("build") == table)
+    participant = next(
+        name for name, part in results.case["participants"].items() if part.get("build") == table
+    )
     port = PORT.format(participant)
     if "fields/" + port.replace(".", "/") not in results.file:
         raise BadInput(f"{file}: {port} was not recorded; the case must name it in record.fields")
@@ -48,8 +57,18 @@ def command(file: Path, *, time: Annotated[list[str], Parameter(negative=())], c
     for wanted in instants:
         coordinates, instant, _, _ = results.field(port, wanted)
         begin = (output or file.parent) / f"{file.stem}-{1e6 * instant:.0f}us"
-        for body in import_part(OFFLINE).recover(table, folder, np.asarray(coordinates), begin, say):
-            stress = "" if body["largest_stress"] is None else f", von Mises stress up to {body['largest_stress'] / 1e6:.4g} MPa"
-            console.print(f"t = {1e3 * instant:.6g} ms  {body['name']}: displacement up to "
-                          f"{1e6 * body['largest_displacement']:.4g} um{stress}", highlight=False, soft_wrap=True)
+        for body in import_part(OFFLINE).recover(
+            table, folder, np.asarray(coordinates), begin, say
+        ):
+            stress = (
+                ""
+                if body["largest_stress"] is None
+                else f", von Mises stress up to {body['largest_stress'] / 1e6:.4g} MPa"
+            )
+            console.print(
+                f"t = {1e3 * instant:.6g} ms  {body['name']}: displacement up to "
+                f"{1e6 * body['largest_displacement']:.4g} um{stress}",
+                highlight=False,
+                soft_wrap=True,
+            )
             console.print(f"file  {body['file']}", highlight=False, soft_wrap=True)

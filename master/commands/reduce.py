@@ -11,18 +11,22 @@ from ..fmi.tree import import_part
 from .common import Changes, console, parse_change
 
 OFFLINE = "fmu_mfbd.offline"
-"""Module with `reduce(options, folder, output, progress)`, called by name: this package knows no bodies."""
+"""Module with `reduce(options, folder, output, progress)`, called by name: this package knows no
+bodies.
+"""
 
 
 def command(source: str, *, set_: Changes = [], output: Path | None = None):
-    """Reduce bodies from meshes or matrices: a small exact body, its table of modes, pictures and VTU of the mode shapes.
+    """Reduce bodies from meshes or matrices: a small exact body, its table of modes, pictures and
+    VTU of the mode shapes.
 
     Example: piston-cosim reduce numerical_example --set participants.bodies.build.piston.modes=20
 
     Parameters
     ----------
     source
-        A case (name, folder or file) that builds bodies, or a TOML file with grid and the tables [piston], [block] or both.
+        A case (name, folder or file) that builds bodies, or a TOML file with grid and the tables
+        [piston], [block] or both.
     set_
         Change of it, KEY=VALUE with the key's dotted path.
     output
@@ -30,8 +34,14 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
     """
     path = find_case(source)
     tree = read_tree(path, [parse_change(text) for text in set_])
-    folder = output or Path("results") / (path.parent.name if path.name == "case.toml" else path.stem) / "bodies"
+    folder = (
+        output
+        or Path("results")
+        / (path.parent.name if path.name == "case.toml" else path.stem)
+        / "bodies"
+    )
     with console.status("reducing") as status:
+
         def progress(text):
             status.update(text)
             console.print(f"[dim]{text}[/]", soft_wrap=True)
@@ -42,32 +52,60 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
 
 
 def build_table(tree):
-    """The table that describes the bodies: of the case's participant that is made of them, or the file itself."""
+    """The table that describes the bodies: of the case's participant that is made of them, or the
+    file itself.
+    """
     if "participants" not in tree:
         return tree
     package = OFFLINE.split(".")[0]
     for table in tree["participants"].values():
         if table.get("package") == package:
             return table.get("build", {})
-    raise BadInput(f"no participant of the case has package = {package!r}; cases that come with the tool: "
-                   f"{', '.join(case_names())}")
+    raise BadInput(
+        f"no participant of the case has package = {package!r}; cases that come with the tool: "
+        f"{', '.join(case_names())}"
+    )
 
 
 def print_body(body):
     """Size, mass properties, cost, and the table of modes."""
     centre, inertia = (np.array(body[key]) for key in ("centre", "inertia"))
-    console.print(f"\n[bold]{body['name']}[/]  {body['nodes']} nodes, {body['elements']} elements, "
-                  f"{body['degrees_of_freedom']} degrees of freedom", highlight=False)
-    console.print(f"mass {body['mass']:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
-                  highlight=False)
-    console.print("inertia about it  " + "  ".join(f"{name} {inertia[at]:.5g}" for name, at in zip(
-        ("xx", "yy", "zz", "xy", "yz", "zx"), ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)))) + " kg m2", highlight=False)
-    console.print(f"reduced in {body['seconds']:.1f} s, peak memory of the process {body['peak_memory'] / 1e9:.2f} GB",
-                  highlight=False)
-    table = Table("mode", "frequency [Hz]", "modal mass [g]", "share in film thickness", "class", box=None)
+    console.print(
+        f"\n[bold]{body['name']}[/]  {body['nodes']} nodes, {body['elements']} elements, "
+        f"{body['degrees_of_freedom']} degrees of freedom",
+        highlight=False,
+    )
+    console.print(
+        f"mass {body['mass']:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
+        highlight=False,
+    )
+    console.print(
+        "inertia about it  "
+        + "  ".join(
+            f"{name} {inertia[at]:.5g}"
+            for name, at in zip(
+                ("xx", "yy", "zz", "xy", "yz", "zx"),
+                ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)),
+            )
+        )
+        + " kg m2",
+        highlight=False,
+    )
+    console.print(
+        f"reduced in {body['seconds']:.1f} s, peak memory of the process {body['peak_memory'] / 1e9:.2f} GB",
+        highlight=False,
+    )
+    table = Table(
+        "mode", "frequency [Hz]", "modal mass [g]", "share in film thickness", "class", box=None
+    )
     for row in body["modes"]:
-        table.add_row(str(row["mode"]), f"{row['frequency']:.1f}", f"{1e3 * row['modal_mass']:.3g}", f"{row['film_share']:.2%}",
-                      row["class"])
+        table.add_row(
+            str(row["mode"]),
+            f"{row['frequency']:.1f}",
+            f"{1e3 * row['modal_mass']:.3g}",
+            f"{row['film_share']:.2%}",
+            row["class"],
+        )
     if body["modes"]:
         console.print(table)
     for file in body["files"]:

@@ -10,11 +10,16 @@ from ..results.report import write_report
 from .common import console, open_runs
 
 
-def command(*files: Path, output: Path = Path("report"), notes: Path | None = None,
-            study: Annotated[list[Path], Parameter(negative=())] = []):
+def command(
+    *files: Path,
+    output: Path = Path("report"),
+    notes: Path | None = None,
+    study: Annotated[list[Path], Parameter(negative=())] = [],
+):
     """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
 
-    Example: piston-cosim report results/fired_motorcycle/flexible.h5 results/fired_motorcycle/rigid.h5 --output report
+    Example: piston-cosim report results/fired_motorcycle/flexible.h5
+    results/fired_motorcycle/rigid.h5 --output report
 
     Parameters
     ----------

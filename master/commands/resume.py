@@ -3,16 +3,17 @@
 from pathlib import Path
 
 from ..case.schema import check_case
-from ..runs.checkpoint import Checkpoint
+from ..case.system import open_system
 from ..fmi.errors import BadInput
+from ..runs.checkpoint import Checkpoint
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
-from ..case.system import open_system
 from .common import console, say
 
 
 def command(checkpoint: Path):
-    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had happened.
+    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had
+    happened.
 
     Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
     """

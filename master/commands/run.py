@@ -3,22 +3,32 @@
 import json
 from pathlib import Path
 
-from ..case.schema import check_case, find_case
 from ..case.contract import swap_all
-from .app import STARTED
+from ..case.schema import check_case, find_case
+from ..case.system import open_system
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
-from ..case.system import open_system
+from .app import STARTED
 from .common import Changes, console, draw_pictures, parse_change, say, variant_trees
 
 
-def command(case: str, *, set_: Changes = [], output: Path | None = None, only: str | None = None,
-            summary_json: Path | None = None, plots: bool = True, lubrication: Path | None = None, bodies: Path | None = None):
+def command(
+    case: str,
+    *,
+    set_: Changes = [],
+    output: Path | None = None,
+    only: str | None = None,
+    summary_json: Path | None = None,
+    plots: bool = True,
+    lubrication: Path | None = None,
+    bodies: Path | None = None,
+):
     """Run a case and its variants: results file, summary, pictures.
 
-    Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa s"
+    Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa
+    s"
 
     Parameters
     ----------
@@ -29,19 +39,25 @@ def command(case: str, *, set_: Changes = [], output: Path | None = None, only: 
     output
         Folder for results; default results/CASE.
     only
-        Run this variant alone; the label of the case itself (default base) for the case without variants.
+        Run this variant alone; the label of the case itself (default base) for the case without
+        variants.
     summary_json
         Also write the summary there.
     plots
         Draw the case's pictures at the end.
     lubrication, bodies
-        FMU to take instead of the case's own; what the case says of variables it does not have is left out and named.
+        FMU to take instead of the case's own; what the case says of variables it does not have is
+        left out and named.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
-    trees = swap_all(variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say)
+    trees = swap_all(
+        variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
+    )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
-    folder = output or Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
+    folder = output or Path("results") / (
+        path.parent.name if path.name == "case.toml" else path.stem
+    )
     systems = open_all(cases, path.parent)
     summaries, files = {}, {}
     for label, system in systems.items():
@@ -52,12 +68,18 @@ def command(case: str, *, set_: Changes = [], output: Path | None = None, only: 
     print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
-        whole = summaries[first] | ({"variants": {label: summaries[label] for label in others}} if others else {})
+        whole = summaries[first] | (
+            {"variants": {label: summaries[label] for label in others}} if others else {}
+        )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
     for label, file in files.items():
         console.print(f"results  {file}", highlight=False, soft_wrap=True)
     if plots:
-        draw_pictures(next(iter(cases.values())), {label: Results(file) for label, file in files.items()}, folder)
+        draw_pictures(
+            next(iter(cases.values())),
+            {label: Results(file) for label, file in files.items()},
+            folder,
+        )
 
 
 def open_all(cases, folder):

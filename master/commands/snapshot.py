@@ -12,10 +12,12 @@ from .common import console
 
 
 def command(file: Path, *, participant: str, output: Path, time: str | None = None):
-    """Write all that a run recorded of a participant at one instant, to start another run from there.
+    """Write all that a run recorded of a participant at one instant, to start another run from
+    there.
 
-    Example: piston-cosim snapshot results/fired_motorcycle/flexible.h5 --participant bodies --output models/mine/start.json;
-    the case then says start = "start.json" in [participants.bodies.build]
+    Example: piston-cosim snapshot results/fired_motorcycle/flexible.h5 --participant bodies
+    --output models/mine/start.json; the case then says start = "start.json" in
+    [participants.bodies.build]
 
     Parameters
     ----------
@@ -26,24 +28,33 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
     output
         JSON file: outputs by name, SI.
     time
-        The recorded instant nearest to this time; without it the last one at which fields were recorded.
+        The recorded instant nearest to this time; without it the last one at which fields were
+        recorded.
     """
     try:
         results = Results(file)
     except (OSError, KeyError) as error:
         raise BadInput(f"{file}: no results of a run: {error}") from None
     if participant not in results.case["participants"]:
-        raise BadInput(f"--participant {participant}: {file} has {', '.join(results.case['participants'])}")
+        raise BadInput(
+            f"--participant {participant}: {file} has {', '.join(results.case['participants'])}"
+        )
     instants = results.file["fields/time"][:]
     if not len(instants):
         instants = results.time
     try:
-        k = len(instants) - 1 if time is None else int(np.argmin(np.abs(instants - to_si(time, "s"))))
+        k = (
+            len(instants) - 1
+            if time is None
+            else int(np.argmin(np.abs(instants - to_si(time, "s"))))
+        )
     except ValueError as error:
         raise BadInput(str(error)) from None
     row = int(np.argmin(np.abs(results.time - instants[k])))
     values = {name: float(series[row]) for name, series in results.file[participant].items()}
     if participant in results.file["fields"]:
-        values |= {name: series[k].tolist() for name, series in results.file["fields"][participant].items()}
+        values |= {
+            name: series[k].tolist() for name, series in results.file["fields"][participant].items()
+        }
     output.write_text(json.dumps(values, indent=1))
     console.print(f"snapshot {output}   t = {instants[k]:.6g} s", highlight=False, soft_wrap=True)

@@ -4,14 +4,16 @@ from pathlib import Path
 
 from rich.table import Table
 
-from ..runs import studies
-from ..runs import sweep as sweeps
 from ..case.schema import find_case
 from ..results.pictures import draw
+from ..runs import studies
+from ..runs import sweep as sweeps
 from .common import Changes, console, parse_change, say
 
 
-def command(case: str, name: str, *, set_: Changes = [], output: Path | None = None, workers: int = 1):
+def command(
+    case: str, name: str, *, set_: Changes = [], output: Path | None = None, workers: int = 1
+):
     """Run a study of a case: a table of cost and of distance from its reference run, and pictures.
 
     Example: piston-cosim study numerical_example modes
@@ -25,7 +27,8 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
     set_
         Change of the case in all runs, KEY=VALUE; it overrides the study.
     output
-        Folder; default results/study_CASE_NAME. What is there from an earlier start is not run again.
+        Folder; default results/study_CASE_NAME. What is there from an earlier start is not run
+        again.
     workers
         Processes; more than one disturbs the wall times.
     """
@@ -35,8 +38,12 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
     sweeps.build_all(sweeps.unfinished(found, folder), path.parent, say)
 
     def watch(row, done, total):
-        console.print(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False,
-                      highlight=False, soft_wrap=True)
+        console.print(
+            f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
 
     with sweeps.local_executor(workers) as executor:
         rows = sweeps.sweep(found, path.parent, folder, executor, watch)
@@ -45,8 +52,18 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
     distances = [key for row in table for key in row if key.startswith("rms ")]
     console.print(_shown(table, f"{chosen.title}: cost", studies.COST))
     if distances:
-        console.print(_shown(table, f"rms distance from {chosen.reference} / its range", list(dict.fromkeys(distances))))
-    console.print(f"table    {studies.write_table(table, folder / 'study.csv')}", highlight=False, soft_wrap=True)
+        console.print(
+            _shown(
+                table,
+                f"rms distance from {chosen.reference} / its range",
+                list(dict.fromkeys(distances)),
+            )
+        )
+    console.print(
+        f"table    {studies.write_table(table, folder / 'study.csv')}",
+        highlight=False,
+        soft_wrap=True,
+    )
     drawn = [studies.draw_cost(chosen.title, table, folder / "cost.png")]
     if chosen.curves:
         drawn.append(studies.draw_study(chosen, checked, table, runs, folder / "study.png"))
@@ -55,7 +72,11 @@ def command(case: str, name: str, *, set_: Changes = [], output: Path | None = N
 
 
 def _shown(table, title, keys):
-    shown = Table("", *(key.split(".")[-1].replace("_", " ") for key in keys), box=None, title=title)
+    shown = Table(
+        "", *(key.split(".")[-1].replace("_", " ") for key in keys), box=None, title=title
+    )
     for row in table:
-        shown.add_row(row["run"], *(f"{row[key]:.4g}" if row.get(key, "") != "" else "" for key in keys))
+        shown.add_row(
+            row["run"], *(f"{row[key]:.4g}" if row.get(key, "") != "" else "" for key in keys)
+        )
     return shown

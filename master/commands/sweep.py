@@ -6,26 +6,37 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..runs import sweep as sweeps
 from ..case.schema import find_case, read_tree
 from ..results.sweep_pictures import draw_sweep
+from ..runs import sweep as sweeps
 from .common import Changes, console, parse_change, say, variant_trees
 
 
-def command(case: str, *, vary: Annotated[list[str], Parameter(negative=())], set_: Changes = [], only: str | None = None,
-            output: Path | None = None, workers: int | None = None, dask: str | None = None):
+def command(
+    case: str,
+    *,
+    vary: Annotated[list[str], Parameter(negative=())],
+    set_: Changes = [],
+    only: str | None = None,
+    output: Path | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+):
     """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture.
 
-    Stopped and started again, it goes on where it was. Points that fail stay as rows with their reason.
+    Stopped and started again, it goes on where it was. Points that fail stay as rows with their
+    reason.
 
-    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary ovality=100um;200um
+    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary
+    ovality=100um;200um
 
     Parameters
     ----------
     case
         Name of a case, its folder, or a case file.
     vary
-        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, the key's dotted path or its last part; keys joined by + go together.
+        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, the key's dotted path or its last part; keys joined
+        by + go together.
     set_
         Change of the case in all runs, KEY=VALUE.
     only
@@ -45,15 +56,22 @@ def command(case: str, *, vary: Annotated[list[str], Parameter(negative=())], se
         changes += list(tree.get("variants", {}).get(only, {}).items())
     axes = [sweeps.parse_axis(text, tree) for text in vary]
     found = sweeps.points(path, changes, axes)
-    folder = output or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
+    folder = (
+        output
+        or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
+    )
     sweeps.build_all(sweeps.unfinished(found, folder), path.parent, say)
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
-        console.print(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False,
-                      highlight=False, soft_wrap=True)
+        console.print(
+            f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
 
-    with (sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers)) as executor:
+    with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers) as executor:
         rows = sweeps.sweep(found, path.parent, folder, executor, watch)
     console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
     picture = draw_sweep(rows, axes, tree.get("summary", {}), folder / "sweep.png")

@@ -23,15 +23,19 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
     Parameters
     ----------
     parts
-        ehd, mfbd, master; all of them by default. Or importers: what each independent importer that is installed sees of the
-        FMUs, here and in the Pythons that PISTON_COSIM_PYTHONS names, separated by colons.
+        ehd, mfbd, master; all of them by default. Or importers: what each independent importer that
+        is installed sees of the FMUs, here and in the Pythons that PISTON_COSIM_PYTHONS names,
+        separated by colons.
     all_
         The slow studies too (minutes).
     """
     unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
     if unknown:
         raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join((*PARTS, IMPORTERS))}")
-    figures, wide = [part for part in parts or PARTS if part != IMPORTERS], Console(width=max(console.width, 190))
+    figures, wide = (
+        [part for part in parts or PARTS if part != IMPORTERS],
+        Console(width=max(console.width, 190)),
+    )
     failed = compute(figures, all_, wide) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)

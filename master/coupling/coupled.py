@@ -10,10 +10,10 @@ from ..fmi.errors import Discard
 from ..fmi.slave import FieldSlave
 from ..fmi.tree import slave_class
 from ..fmi.variables import Variable
-from .freezing import freeze, thaw
 from ..participants.local import LocalParticipant
+from .freezing import freeze, thaw
 from .methods import method_of
-from .stepping import Stepper, StepFailed
+from .stepping import StepFailed, Stepper
 from .wiring import Connection, System, start
 
 
@@ -25,10 +25,11 @@ class State:
 
 
 class Coupled(FieldSlave):
-    """A case's participants stepped together: inside, macro steps iterated to agreement; outside, any step.
+    """A case's participants stepped together: inside, macro steps iterated to agreement; outside,
+    any step.
 
-    A communication step is cut into equal macro steps no longer than the case's; inputs are held over it. What
-    build.json holds is written by `master.export`.
+    A communication step is cut into equal macro steps no longer than the case's; inputs are held
+    over it. What build.json holds is written by `master.export`.
     """
 
     name = "coupled"
@@ -38,7 +39,9 @@ class Coupled(FieldSlave):
     @staticmethod
     def variables(options):
         """The exposed variables, as chosen at export."""
-        return [Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in options["variables"]]
+        return [
+            Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in options["variables"]
+        ]
 
     def start(self, values):
         """Start every participant; BadInput with what the first of them refuses."""
@@ -46,13 +49,25 @@ class Coupled(FieldSlave):
         parameters = {name: {} for name in options["participants"]}
         for exposed, (owner, name) in (options["parameter"] | options["input"]).items():
             parameters[owner][name] = values[exposed]
-        participants = {name: LocalParticipant(name, self._slave(name, place)) for name, place in options["participants"].items()}
+        participants = {
+            name: LocalParticipant(name, self._slave(name, place))
+            for name, place in options["participants"].items()
+        }
         connections = tuple(_connection(entry) for entry in options["connections"])
-        self.system = System(participants, tuple(options["order"]), connections, parameters, np.inf, options["step"],
-                             parallel=options["coupling"]["parallel"])
+        self.system = System(
+            participants,
+            tuple(options["order"]),
+            connections,
+            parameters,
+            np.inf,
+            options["step"],
+            parallel=options["coupling"]["parallel"],
+        )
         start(self.system)
         coupling = SimpleNamespace(**options["coupling"])
-        self.stepper = Stepper(self.system, method_of(coupling), coupling.halvings, order=coupling.predictor)
+        self.stepper = Stepper(
+            self.system, method_of(coupling), coupling.halvings, order=coupling.predictor
+        )
         self.standing = self._state()
         return self.standing, self._outputs()
 
@@ -77,8 +92,10 @@ class Coupled(FieldSlave):
         return self.standing, self._outputs()
 
     def _outputs(self):
-        return {exposed: self.system.participants[owner].get(name)
-                for exposed, (owner, name) in self.options["output"].items()}
+        return {
+            exposed: self.system.participants[owner].get(name)
+            for exposed, (owner, name) in self.options["output"].items()
+        }
 
     def _state(self):
         """Everything a further step depends on."""
@@ -90,4 +107,6 @@ class Coupled(FieldSlave):
 
 def _connection(entry):
     """Connection from JSON, which knows no tuples."""
-    return Connection(**{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()})
+    return Connection(
+        **{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()}
+    )

@@ -1,4 +1,6 @@
-"""A stepper and its participants as bytes: what every further step depends on, equal content giving equal bytes."""
+"""A stepper and its participants as bytes: what every further step depends on, equal content giving
+equal bytes.
+"""
 
 import pickle
 from io import BytesIO
@@ -7,10 +9,16 @@ import numpy as np
 
 
 class ArrayPickler(pickle.Pickler):
-    """Equal content gives equal bytes: NumPy's own way writes a shared dtype once, and loses the sharing when it is read."""
+    """Equal content gives equal bytes: NumPy's own way writes a shared dtype once, and loses the
+    sharing when it is read.
+    """
 
     def reducer_override(self, thing):
-        return (_array, (thing.tobytes(), thing.dtype.str, thing.shape)) if type(thing) is np.ndarray else NotImplemented
+        return (
+            (_array, (thing.tobytes(), thing.dtype.str, thing.shape))
+            if type(thing) is np.ndarray
+            else NotImplemented
+        )
 
 
 def _array(data, dtype, shape):
@@ -18,7 +26,9 @@ def _array(data, dtype, shape):
 
 
 def freeze(stepper):
-    """States of all participants, the predictor's history, what the method remembers and step control, as bytes."""
+    """States of all participants, the predictor's history, what the method remembers and step
+    control, as bytes.
+    """
     states = {}
     for name, participant in stepper.interface.participants.items():
         saved = participant.save()

@@ -1,9 +1,9 @@
-"""How long the next macro step is: by an embedded estimate of the local error, and by how hard the last step was.
+"""How long the next macro step is: by an embedded estimate of the local error, and by how hard the
+last step was.
 
-References
-----------
-[Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, sections II.4
-(step size control) and III.5 (variable-step BDF).
+References ---------- [Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
+Differential Equations I, 2nd ed., Springer 1993, sections II.4 (step size control) and III.5
+(variable-step BDF).
 """
 
 from dataclasses import dataclass, field
@@ -12,8 +12,9 @@ from math import ceil
 import numpy as np
 
 SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.9, 0.2, 2.0
-"""Of the new step: aim below the allowed error; never change by more than these factors at once. BDF2 is zero-stable only while
-steps grow by less than 1 + sqrt(2)."""
+"""Of the new step: aim below the allowed error; never change by more than these factors at once.
+BDF2 is zero-stable only while steps grow by less than 1 + sqrt(2).
+"""
 HARD = 12
 """A step that took this many iterations is not followed by a longer one."""
 
@@ -23,22 +24,26 @@ class StepControl:
     """Macro step from the local error of the wires that have one allowed.
 
     Eq. (A1):  e = max over wires of rms(x - x_quad) / allowed  H (H + H_1) / ((2 H + H_1) (H + H_1 + H_2)),
-               x_quad through the last three accepted vectors, H_1 and H_2 the steps between them, newest first
+               x_quad through the last three accepted vectors, H_1 and H_2 the steps between them,
+               newest first
     Eq. (A2):  H' = H min(2, max(0.2, 0.9 e^(-1/3)))
 
-    x - x_quad is H (H + H_1) (H + H_1 + H_2) x'''/6, so e is the local error of variable-step BDF2 over the allowed one:
-    H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), in equal steps 2/9 H^3 |x'''|. Any method of second order has a local error
-    proportional to H^3 x''' while steps change little, so this serves participants of second order; for one of first order the
-    estimate is too small. The mean over a wire follows the motion of the whole field, a maximum would follow the few elements
-    where something switches.
+    x - x_quad is H (H + H_1) (H + H_1 + H_2) x'''/6, so e is the local error of variable-step BDF2
+    over the allowed one: H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), in equal steps 2/9 H^3 |x'''|.
+    Any method of second order has a local error proportional to H^3 x''' while steps change little,
+    so this serves participants of second order; for one of first order the estimate is too small.
+    The mean over a wire follows the motion of the whole field, a maximum would follow the few
+    elements where something switches.
 
-    A step with e > 1 is rolled back and taken again with H', unless it is the smallest already: that one is accepted and
-    counted. The first two steps have no estimate: the smallest one, and at most twice that.
+    A step with e > 1 is rolled back and taken again with H', unless it is the smallest already:
+    that one is accepted and counted. The first two steps have no estimate: the smallest one, and at
+    most twice that.
 
     Parameters
     ----------
     watched : list of (slice, float)
-        Part of the interface vector and the rms local error allowed in it, in the unit of its wire, > 0.
+        Part of the interface vector and the rms local error allowed in it, in the unit of its wire,
+        > 0.
     smallest : float
         Macro step [s] to begin with, and never to go below.
     """
@@ -51,7 +56,9 @@ class StepControl:
     past: list = field(default_factory=list)
 
     def length(self, remaining):
-        """Next macro step [s], and whether it ends the remaining time, which is cut into equal parts."""
+        """Next macro step [s], and whether it ends the remaining time, which is cut into equal
+        parts.
+        """
         parts = ceil(remaining / max(self.step, self.smallest) - 1e-9)
         return remaining / parts, parts == 1
 
@@ -68,15 +75,20 @@ class StepControl:
         """
         self._keep(*last)
         self.error = self._error(time + step, solution.x)
-        factor = LARGEST_FACTOR if self.error == 0.0 else \
-            min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error**(-1 / 3)))                            # Eq. (A2)
+        factor = (
+            LARGEST_FACTOR
+            if self.error == 0.0
+            else min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error ** (-1 / 3)))
+        )  # Eq. (A2)
         self.step = step * (min(factor, 1.0) if solution.iterations >= HARD else factor)
         small = step <= self.smallest * (1 + 1e-9)
         self.at_smallest += small and self.error > 1.0
         return small or self.error <= 1.0
 
     def _keep(self, time, x):
-        """Keep an accepted vector, once however often the step after it is tried; the predictor may keep fewer than three."""
+        """Keep an accepted vector, once however often the step after it is tried; the predictor may
+        keep fewer than three.
+        """
         if not self.past or time > self.past[-1][0]:
             self.past = [*self.past, (time, x)][-3:]
 
@@ -87,17 +99,26 @@ class StepControl:
         slope, slope_before = (x1 - x2) / (t1 - t2), (x2 - x3) / (t2 - t3)
         apart = x - x1 - (time - t1) * (slope + (time - t2) * (slope - slope_before) / (t1 - t3))
         share = (time - t1) * (time - t2) / ((2 * time - t1 - t2) * (time - t3))
-        return share * max(float(np.sqrt(np.mean(apart[part]**2))) / allowed for part, allowed in self.watched)  # Eq. (A1)
+        return share * max(
+            float(np.sqrt(np.mean(apart[part] ** 2))) / allowed for part, allowed in self.watched
+        )  # Eq. (A1)
 
     def halve(self, step):
-        """After a step that failed: the next one is half as long; False if that is below the smallest."""
+        """After a step that failed: the next one is half as long; False if that is below the
+        smallest.
+        """
         self.step = step / 2
         return self.step >= self.smallest
 
 
 def step_control(connections, smallest):
-    """StepControl of the wires with a `local_error`; None if no wire has one: every step is as long as asked then."""
+    """StepControl of the wires with a `local_error`; None if no wire has one: every step is as long
+    as asked then.
+    """
     ends = np.cumsum([int(np.prod(c.shape)) for c in connections], dtype=int)
-    watched = [(slice(int(end) - int(np.prod(c.shape)), int(end)), c.local_error)
-               for c, end in zip(connections, ends) if c.local_error is not None]
+    watched = [
+        (slice(int(end) - int(np.prod(c.shape)), int(end)), c.local_error)
+        for c, end in zip(connections, ends)
+        if c.local_error is not None
+    ]
     return StepControl(watched, smallest) if watched else None

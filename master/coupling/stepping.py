@@ -10,13 +10,16 @@ from .methods import MacroStep, NotConverged, step_length
 
 
 class StepFailed(RuntimeError):
-    """A macro step that no halving could bring to convergence: the run stops, what was accepted stays."""
+    """A macro step that no halving could bring to convergence: the run stops, what was accepted
+    stays.
+    """
 
 
 @dataclass
 class Counters:
-    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and linearisations, as an implicit
-    integrator counts them."""
+    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and
+    linearisations, as an implicit integrator counts them.
+    """
 
     steps: int = 0
     halved_steps: int = 0
@@ -37,13 +40,15 @@ class Counters:
 
 
 class Predictor:
-    """Extrapolates the interface vector through the last accepted ones (Lagrange; order 0 repeats the last)."""
+    """Extrapolates the interface vector through the last accepted ones (Lagrange; order 0 repeats
+    the last).
+    """
 
     def __init__(self, order):
         self.order, self.past = order, []
 
     def keep(self, time, x):
-        self.past = [*self.past, (time, x)][-self.order - 1:]
+        self.past = [*self.past, (time, x)][-self.order - 1 :]
 
     def clear(self):
         self.past = self.past[-1:]
@@ -75,24 +80,43 @@ class Stepper:
     control : StepControl, optional
         Divides what `advance` is asked for; without it every step is as long as asked.
     attempted : callable(time, step, trail, failure)
-        Told of every attempt before it is accepted or halved: the wires' measures by sweep, and why it failed or None.
+        Told of every attempt before it is accepted or halved: the wires' measures by sweep, and why
+        it failed or None.
     """
 
-    def __init__(self, system, method, halvings, accepted=lambda time, solution: None, order=2,
-                 attempted=lambda time, step, trail, failure: None, control=None):
-        self.interface = Interface({name: system.participants[name] for name in system.order}, system.connections,
-                                   system.parallel)
-        self.method, self.halvings, self.accepted, self.attempted, self.control = method, halvings, accepted, attempted, control
+    def __init__(
+        self,
+        system,
+        method,
+        halvings,
+        accepted=lambda time, solution: None,
+        order=2,
+        attempted=lambda time, step, trail, failure: None,
+        control=None,
+    ):
+        self.interface = Interface(
+            {name: system.participants[name] for name in system.order},
+            system.connections,
+            system.parallel,
+        )
+        self.method, self.halvings, self.accepted, self.attempted, self.control = (
+            method,
+            halvings,
+            accepted,
+            attempted,
+            control,
+        )
         self.counters, self.failures, self.memory = Counters(), [], method.memory()
         self.predictor = Predictor(order)
         self.predictor.keep(0.0, self.interface.read())
 
     def advance(self, time, step):
-        """Bring all participants from time to time + step [s]: in one macro step, or as step control divides it.
+        """Bring all participants from time to time + step [s]: in one macro step, or as step
+        control divides it.
 
-        A macro step that does not converge, or that a participant discards, is rolled back with cleared history and taken
-        in two halves, or as step control then says; one whose local error is too large is rolled back and taken shorter.
-        Raises StepFailed when no halving is left.
+        A macro step that does not converge, or that a participant discards, is rolled back with
+        cleared history and taken in two halves, or as step control then says; one whose local error
+        is too large is rolled back and taken shorter. Raises StepFailed when no halving is left.
         """
         if not self.control:
             self._step(time, step, self.halvings)
@@ -122,7 +146,9 @@ class Stepper:
             if self.control.accepts(self.predictor.past[-1], time, step, solution):
                 self._accept(time, step, solution)
                 return True
-            self._roll_back(time, step, saved, f"local error {self.control.error:.2g} times the allowed one")
+            self._roll_back(
+                time, step, saved, f"local error {self.control.error:.2g} times the allowed one"
+            )
             self.counters.rejected_steps += 1
         except (NotConverged, Discard) as failure:
             self._give_up(time, step, saved, failure, self.control.halve(step))
@@ -151,7 +177,9 @@ class Stepper:
             p.restore(saved[name])
 
     def _give_up(self, time, step, saved, failure, may_halve):
-        """Roll back a step that failed and forget what led there; StepFailed if it may not be halved."""
+        """Roll back a step that failed and forget what led there; StepFailed if it may not be
+        halved.
+        """
         self._roll_back(time, step, saved, failure)
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {failure}")
         self.predictor.clear()

@@ -9,7 +9,8 @@ from ..fmi.errors import BadInput
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local error.
+    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local
+    error.
 
     tolerance : infinite on a wire that is not measured, 0 where a relative criterion alone counts.
     """
@@ -26,18 +27,27 @@ class Connection:
     local_error: float | None = None
 
     def allowed(self, values, first):
-        """Size of an element's residual that counts as converged, for given values and rms of the step's first residual."""
-        return max(self.tolerance, self.relative_tolerance * rms(values), self.residual_relative_tolerance * first)
+        """Size of an element's residual that counts as converged, for given values and rms of the
+        step's first residual.
+        """
+        return max(
+            self.tolerance,
+            self.relative_tolerance * rms(values),
+            self.residual_relative_tolerance * first,
+        )
 
     def measure(self, residual, values, first):
         """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
 
         Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
-                       rms(r) / (residual-relative tolerance x rms(r of the macro step's first sweep)))
+                       rms(r) / (residual-relative tolerance x rms(r of the macro step's first
+                       sweep)))
         """
         share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
         if self.relative_tolerance or self.residual_relative_tolerance:
-            relative = max(self.relative_tolerance * rms(values), self.residual_relative_tolerance * first)
+            relative = max(
+                self.relative_tolerance * rms(values), self.residual_relative_tolerance * first
+            )
             share = float(np.minimum(share, rms(residual) / max(relative, np.finfo(float).tiny)))
         return share
 
@@ -48,16 +58,20 @@ def rms(values):
 
 
 def is_unknown(connection, order, parallel):
-    """Whether a wire runs against the stepping order: what it carries is then an unknown of the iteration."""
+    """Whether a wire runs against the stepping order: what it carries is then an unknown of the
+    iteration.
+    """
     return parallel or order.index(connection.target[0]) <= order.index(connection.source[0])
 
 
 @dataclass(frozen=True)
 class System:
-    """Participants in the order they start, stepping order, connections, parameters in SI, times, folder of the case.
+    """Participants in the order they start, stepping order, connections, parameters in SI, times,
+    folder of the case.
 
-    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro steps [s];
-    parallel : Jacobi's order, every participant reads what the others said in the sweep before.
+    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro
+    steps [s]; parallel : Jacobi's order, every participant reads what the others said in the sweep
+    before.
     """
 
     participants: dict
@@ -72,21 +86,27 @@ class System:
 
 
 def start(system, trial=lambda participant: []):
-    """Initialise the participants in the order of the case; inputs fed by an already started one begin with its outputs.
+    """Initialise the participants in the order of the case; inputs fed by an already started one
+    begin with its outputs.
 
-    `trial` is called with each participant that has started, and returns what is wrong with it. Raises BadInput with all
-    that is refused and found.
+    `trial` is called with each participant that has started, and returns what is wrong with it.
+    Raises BadInput with all that is refused and found.
     """
     faults, started = [], {}
     for name, participant in system.participants.items():
-        fed = {c.target[1]: started[c.source[0]].get(c.source[1]) for c in system.connections
-               if c.target[0] == name and c.source[0] in started}
+        fed = {
+            c.target[1]: started[c.source[0]].get(c.source[1])
+            for c in system.connections
+            if c.target[0] == name and c.source[0] in started
+        }
         try:
             participant.start(system.parameters[name] | fed, 0.0, system.stop)
             started[name] = participant
         except BadInput as error:
             faults += error.faults
-    for c in system.connections:        # where inputs are interpolated the first step begins with what its sources say
+    for c in (
+        system.connections
+    ):  # where inputs are interpolated the first step begins with what its sources say
         if c.source[0] in started and c.target[0] in started:
             started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
     faults += [fault for participant in started.values() for fault in trial(participant)]

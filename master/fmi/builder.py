@@ -1,7 +1,9 @@
-"""Build an FMU from a participant package: its code under a content-made name, its data, its model description.
+"""Build an FMU from a participant package: its code under a content-made name, its data, its model
+description.
 
-Two FMUs in one process share modules of equal name, so the embedded tree is a package named after the hash of its code, and
-reaches itself by relative imports only. FMUs of the same code share it, and what is compiled of it.
+Two FMUs in one process share modules of equal name, so the embedded tree is a package named after
+the hash of its code, and reaches itself by relative imports only. FMUs of the same code share it,
+and what is compiled of it.
 """
 
 import hashlib
@@ -31,7 +33,9 @@ PACKING = ("builder.py", "compiler.py", "description.py", "description3.py")
 """What else has a say in an FMU's content."""
 
 STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
-"""pythonfmu's own libraries: what an FMU gets where no front can be compiled; they run in Python hosts alone."""
+"""pythonfmu's own libraries: what an FMU gets where no front can be compiled; they run in Python
+hosts alone.
+"""
 
 ENTRY = '''"""Entry script of the FMU; its code is the package {code}."""
 
@@ -95,8 +99,8 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     Parameters
     ----------
     package : str
-        Part of the project or importable package, with `build.prepare(options, folder, progress)` and a class in `slave` named
-        after it (fmu_ehd: Ehd).
+        Part of the project or importable package, with `build.prepare(options, folder, progress)`
+        and a class in `slave` named after it (fmu_ehd: Ehd).
     options : dict
         Build options as the case file gives them (texts with units).
     folder : Path
@@ -117,7 +121,15 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
         With every fault of the options.
     """
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
-    return pack_fmu(package, slave_of(package), [package], resolved, {f.name: f.read_bytes() for f in files}, progress, version)
+    return pack_fmu(
+        package,
+        slave_of(package),
+        [package],
+        resolved,
+        {f.name: f.read_bytes() for f in files},
+        progress,
+        version,
+    )
 
 
 def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0"):
@@ -143,7 +155,9 @@ def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0")
     try:
         if not hasattr(importlib.import_module(path.stem), slave):
             raise BadInput(f"{place!r}: {path.name} has no class {slave}")
-        return pack_fmu(path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version)
+        return pack_fmu(
+            path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version
+        )
     finally:
         sys.path.pop(0)
 
@@ -158,8 +172,8 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     slave : str
         "module:class".
     packages : list of str
-        What the slave's code needs: packages or modules, those of the project by their place in it ("fmu_ehd",
-        "master.coupling"); what it needs of `master.fmi` comes by itself.
+        What the slave's code needs: packages or modules, those of the project by their place in it
+        ("fmu_ehd", "master.coupling"); what it needs of `master.fmi` comes by itself.
     options : dict
         Becomes build.json.
     files : dict of str to bytes
@@ -173,20 +187,28 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     contents["python.txt"] = sys.executable.encode()
     front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
-    fmu = cache_folder("fmus") / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
+    fmu = (
+        cache_folder("fmus")
+        / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
+    )
     if not fmu.exists():
         progress(f"packing {fmu.name}")
         entry = ENTRY.format(code=code, slave=slave).encode()
         contents |= {f"{code}/{name}": data for name, data in sources.items()}
         contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
         contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
-        contents |= {f"pythonfmu/{path.name}": path.read_bytes() for path in Path(pythonfmu.__file__).parent.glob("*.py")}
+        contents |= {
+            f"pythonfmu/{path.name}": path.read_bytes()
+            for path in Path(pythonfmu.__file__).parent.glob("*.py")
+        }
         _pack(contents, f"{code}_entry", fmu, version)
     return fmu
 
 
 def _sources(packages):
-    """Path in the tree -> bytes of all code the FMU carries: the project's own tree, as far as it is needed."""
+    """Path in the tree -> bytes of all code the FMU carries: the project's own tree, as far as it
+    is needed.
+    """
     paths = {}
     for name in (*(f"master.fmi.{module}" for module in EMBEDDED), *packages):
         paths |= _files(name)
@@ -194,12 +216,17 @@ def _sources(packages):
 
 
 def _files(name):
-    """Path in the tree -> file, of a module or of all of a package, and of the packages it lies in."""
+    """Path in the tree -> file, of a module or of all of a package, and of the packages it lies
+    in.
+    """
     home, place = Path(import_part(name).__file__), name.replace(".", "/")
     if home.name != "__init__.py":
         found = {f"{place}.py": home}
     else:
-        found = {f"{place}/{path.relative_to(home.parent).as_posix()}": path for path in home.parent.rglob("*.py")}
+        found = {
+            f"{place}/{path.relative_to(home.parent).as_posix()}": path
+            for path in home.parent.rglob("*.py")
+        }
     around = Path(sys.modules[ROOT].__file__).parent
     while place := place.rpartition("/")[0]:
         found[f"{place}/__init__.py"] = around / place / "__init__.py"
@@ -214,7 +241,9 @@ def _digest(contents):
 
 
 def _pack(contents, entry, fmu, version):
-    """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU into place in one go."""
+    """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU
+    into place in one go.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
             path = Path(scratch) / name
@@ -226,24 +255,36 @@ def _pack(contents, entry, fmu, version):
     partial = fmu.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(members):
-            info = zipfile.ZipInfo(name)    # the same date in every build
+            info = zipfile.ZipInfo(name)  # the same date in every build
             info.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
             archive.writestr(info, members[name], zipfile.ZIP_DEFLATED)
     os.replace(partial, fmu)
 
 
 def _members_2(slave):
-    """Description and binaries of an FMI 2.0 FMU: the front, or pythonfmu's libraries without a compiler."""
-    binaries = {f"binaries/linux64/{slave.name}.so": compile_front("2.0")} if compiler() else {
-        f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes() for path in STOCK.rglob("*.*")}
-    return {"modelDescription.xml": _xml(model_description(slave, any_host=compiler() is not None))} | binaries
+    """Description and binaries of an FMI 2.0 FMU: the front, or pythonfmu's libraries without a
+    compiler.
+    """
+    binaries = (
+        {f"binaries/linux64/{slave.name}.so": compile_front("2.0")}
+        if compiler()
+        else {
+            f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes()
+            for path in STOCK.rglob("*.*")
+        }
+    )
+    return {
+        "modelDescription.xml": _xml(model_description(slave, any_host=compiler() is not None))
+    } | binaries
 
 
 def _members_3(slave):
     """Description, terminals and front of an FMI 3.0 FMU."""
-    return {"modelDescription.xml": _xml(model_description_3(slave)),
-            f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
-            "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave))}
+    return {
+        "modelDescription.xml": _xml(model_description_3(slave)),
+        f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
+        "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
+    }
 
 
 def _xml(root):
@@ -255,7 +296,9 @@ def _instance(entry, resources):
     before = set(sys.modules)
     sys.path.insert(0, resources)
     try:
-        return importlib.import_module(entry).Entry(instance_name="description", resources=resources)
+        return importlib.import_module(entry).Entry(
+            instance_name="description", resources=resources
+        )
     finally:
         sys.path.remove(resources)
         for name in set(sys.modules) - before:

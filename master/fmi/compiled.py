@@ -1,12 +1,14 @@
 """How kernels are compiled, in every part.
 
-Division by zero gives inf as in numpy (a film that is not finite is refused where it is solved); results are kept on disk. No
-fast mathematics: sums in the order written and no fused multiply-add give the same bits in every process, whether a kernel has
-just been compiled or comes from disk, and in whatever kernel it is inlined. Measured, it costs nothing here.
+Division by zero gives inf as in numpy (a film that is not finite is refused where it is solved);
+results are kept on disk. No fast mathematics: sums in the order written and no fused multiply-add
+give the same bits in every process, whether a kernel has just been compiled or comes from disk, and
+in whatever kernel it is inlined. Measured, it costs nothing here.
 
-numba looks at a kernel's own file to tell whether what it kept is still true. A kernel also holds what it calls, so here it is
-the kernel's file and all files of the project that it imports, directly or not. A kept kernel that cannot be read is made again; where
-nothing can be kept, kernels are compiled anew in each process.
+numba looks at a kernel's own file to tell whether what it kept is still true. A kernel also holds
+what it calls, so here it is the kernel's file and all files of the project that it imports,
+directly or not. A kept kernel that cannot be read is made again; where nothing can be kept, kernels
+are compiled anew in each process.
 """
 
 import ast
@@ -20,11 +22,13 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 
 def compiled(kernel=None, **options):
-    """Compile a kernel: `@compiled`, or `@compiled(inline="always")` with options of `numba.njit`."""
+    """Compile a kernel: `@compiled`, or `@compiled(inline="always")` with options of
+    `numba.njit`.
+    """
     if kernel is None:
         return partial(compiled, **options)
     dispatcher = njit(error_model="numpy", **options)(kernel)
-    with suppress(RuntimeError):    # there is nowhere to keep it
+    with suppress(RuntimeError):  # there is nowhere to keep it
         dispatcher._cache = KernelCache(kernel)
     return dispatcher
 
@@ -34,13 +38,15 @@ class KernelCache(FunctionCache):
 
     def __init__(self, kernel):
         super().__init__(kernel)
-        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp(kernel.__code__.co_filename))
+        self._cache_file = IndexDataCacheFile(
+            self._cache_path, self._impl.filename_base, stamp(kernel.__code__.co_filename)
+        )
 
     def load_overload(self, signature, target_context):
         """The kept kernel; None, after throwing all kept ones away, if they cannot be read."""
         try:
             return super().load_overload(signature, target_context)
-        except Exception:   # whatever a damaged pickle raises
+        except Exception:  # whatever a damaged pickle raises
             with suppress(OSError):
                 self.flush()
             return None
@@ -79,5 +85,7 @@ def _imported(file):
         if isinstance(node, ast.ImportFrom) and node.level:
             package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             found += [package, *(package / alias.name for alias in node.names)]
-    modules = [path.with_name(path.name + ".py") for path in found] + [path / "__init__.py" for path in found]
+    modules = [path.with_name(path.name + ".py") for path in found] + [
+        path / "__init__.py" for path in found
+    ]
     return [path.resolve() for path in modules if path.is_file()]

@@ -1,4 +1,6 @@
-"""The C front of an FMU: compiled where a C compiler is at hand, so that hosts need not be Python."""
+"""The C front of an FMU: compiled where a C compiler is at hand, so that hosts need not be
+Python.
+"""
 
 import os
 import platform
@@ -10,18 +12,30 @@ from pathlib import Path
 
 HOME = Path(__file__).parent / "front"
 SOURCES = {"2.0": ("front.c", "fmi2.c"), "3.0": ("front.c", "fmi3.c")}
-FLAGS = ("-std=gnu11", "-D_GNU_SOURCE", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-Bsymbolic")
+FLAGS = (
+    "-std=gnu11",
+    "-D_GNU_SOURCE",
+    "-O2",
+    "-fPIC",
+    "-shared",
+    "-fvisibility=hidden",
+    "-Wl,-Bsymbolic",
+)
 
 
 def compiler():
-    """Path of the C compiler ($CC, else cc), or None where there is none or this is not Linux on x86-64."""
+    """Path of the C compiler ($CC, else cc), or None where there is none or this is not Linux on
+    x86-64.
+    """
     if not sys.platform.startswith("linux") or platform.machine() != "x86_64":
         return None
     return shutil.which(os.environ.get("CC", "cc"))
 
 
 def front_sources(version):
-    """File name -> bytes of all that the front for FMI `version` is made of; they are part of an FMU's identity."""
+    """File name -> bytes of all that the front for FMI `version` is made of; they are part of an
+    FMU's identity.
+    """
     return {name: (HOME / name).read_bytes() for name in ("front.h", *SOURCES[version])}
 
 

@@ -1,4 +1,6 @@
-"""modelDescription.xml of FMI 2.0, complete: units, ranges, nominals, structure, and what pythonfmu leaves out."""
+"""modelDescription.xml of FMI 2.0, complete: units, ranges, nominals, structure, and what pythonfmu
+leaves out.
+"""
 
 import hashlib
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -9,40 +11,86 @@ from .requirements import PACKAGES
 from .slave import element_names
 
 VENDOR = "piston-cosim"
-"""Name of the VendorAnnotations tool entry that lists the reserved directional-derivative references."""
+"""Name of the VendorAnnotations tool entry that lists the reserved directional-derivative
+references.
+"""
 
 BASE_UNITS = {
-    "m": {"m": 1}, "kg": {"kg": 1}, "s": {"s": 1}, "rad": {"rad": 1}, "K": {"K": 1}, "m2": {"m": 2}, "1/s": {"s": -1},
-    "m/s": {"m": 1, "s": -1}, "rad/s": {"rad": 1, "s": -1}, "m/s2": {"m": 1, "s": -2}, "m3/s": {"m": 3, "s": -1},
-    "kg/m3": {"kg": 1, "m": -3}, "kg.m": {"kg": 1, "m": 1}, "kg.m2": {"kg": 1, "m": 2}, "Hz": {"s": -1},
-    "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}, "Pa.s": {"kg": 1, "m": -1, "s": -1},
-    "N.m": {"kg": 1, "m": 2, "s": -2}, "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2},
-    "N/m": {"kg": 1, "s": -2}, "N.s/m": {"kg": 1, "s": -1}, "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
-    "1/Pa": {"kg": -1, "m": 1, "s": 2}, "1/K": {"K": -1}, "m/K": {"m": 1, "K": -1}, "1/m2": {"m": -2},
-    "Pa/m": {"kg": 1, "m": -2, "s": -2}, "m/Pa": {"kg": -1, "m": 2, "s": 2},
+    "m": {"m": 1},
+    "kg": {"kg": 1},
+    "s": {"s": 1},
+    "rad": {"rad": 1},
+    "K": {"K": 1},
+    "m2": {"m": 2},
+    "1/s": {"s": -1},
+    "m/s": {"m": 1, "s": -1},
+    "rad/s": {"rad": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "m3/s": {"m": 3, "s": -1},
+    "kg/m3": {"kg": 1, "m": -3},
+    "kg.m": {"kg": 1, "m": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "Hz": {"s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "Pa.s": {"kg": 1, "m": -1, "s": -1},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "N/m": {"kg": 1, "s": -2},
+    "N.s/m": {"kg": 1, "s": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "1/Pa": {"kg": -1, "m": 1, "s": 2},
+    "1/K": {"K": -1},
+    "m/K": {"m": 1, "K": -1},
+    "1/m2": {"m": -2},
+    "Pa/m": {"kg": 1, "m": -2, "s": -2},
+    "m/Pa": {"kg": -1, "m": 2, "s": 2},
 }
-"""Exponents of the SI base units for every unit a table may use ("1" is declared by leaving the unit out)."""
+"""Exponents of the SI base units for every unit a table may use ("1" is declared by leaving the
+unit out).
+"""
 
 
 def model_description(slave, any_host):
-    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its content.
+    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its
+    content.
 
     Parameters
     ----------
     slave : FieldSlave
     any_host : bool
-        True if the FMU carries the C front, so that hosts need not be Python and the standard directional derivative
-        is answered; else its library is pythonfmu's, which runs in Python hosts alone.
+        True if the FMU carries the C front, so that hosts need not be Python and the standard
+        directional derivative is answered; else its library is pythonfmu's, which runs in Python
+        hosts alone.
     """
-    root = Element("fmiModelDescription", {
-        "fmiVersion": "2.0", "modelName": slave.name, "guid": "", "description": slave.description,
-        "generationTool": "piston-cosim", "variableNamingConvention": "structured"})
-    SubElement(root, "CoSimulation", {
-        "modelIdentifier": slave.name, "needsExecutionTool": str(not any_host).lower(),
-        "canHandleVariableCommunicationStepSize": "true", "canNotUseMemoryManagementFunctions": "true",
-        "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
-        "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": str(any_host and bool(slave.derivative_inputs)).lower()})
+    root = Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "2.0",
+            "modelName": slave.name,
+            "guid": "",
+            "description": slave.description,
+            "generationTool": "piston-cosim",
+            "variableNamingConvention": "structured",
+        },
+    )
+    SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": slave.name,
+            "needsExecutionTool": str(not any_host).lower(),
+            "canHandleVariableCommunicationStepSize": "true",
+            "canNotUseMemoryManagementFunctions": "true",
+            "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": str(
+                any_host and bool(slave.derivative_inputs)
+            ).lower(),
+        },
+    )
     common_parts(root, slave)
     _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host)
     _variables(SubElement(root, "ModelVariables"), slave)
@@ -62,8 +110,15 @@ def common_parts(root, slave):
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
-    SubElement(root, "DefaultExperiment", {
-        "startTime": "0.0", "stopTime": repr(100 * slave.usual_step), "stepSize": repr(slave.usual_step)})
+    SubElement(
+        root,
+        "DefaultExperiment",
+        {
+            "startTime": "0.0",
+            "stopTime": repr(100 * slave.usual_step),
+            "stepSize": repr(slave.usual_step),
+        },
+    )
 
 
 def _units(parent, table):
@@ -73,34 +128,65 @@ def _units(parent, table):
 
 
 def _vendor_annotations(parent, slave, any_host):
-    """What the FMU needs of its host; without the front also the first reserved reference of each seed and product."""
-    needs = SubElement(SubElement(parent, "Tool", {"name": VENDOR}), "Needs", {
-        "hosts": "any on Linux x86-64" if any_host else "Python only", "python": ">=3.11", "packages": " ".join(PACKAGES)})
+    """What the FMU needs of its host; without the front also the first reserved reference of each
+    seed and product.
+    """
+    needs = SubElement(
+        SubElement(parent, "Tool", {"name": VENDOR}),
+        "Needs",
+        {
+            "hosts": "any on Linux x86-64" if any_host else "Python only",
+            "python": ">=3.11",
+            "packages": " ".join(PACKAGES),
+        },
+    )
     if any_host or not slave.derivative_inputs:
         return
     node = SubElement(needs, "DirectionalDerivative")
     for kind, names in (("seed", slave.derivative_inputs), ("product", slave.derivative_outputs)):
         for name in names:
-            SubElement(node, kind.capitalize(), {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])})
+            SubElement(
+                node,
+                kind.capitalize(),
+                {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])},
+            )
 
 
 def _variables(parent, slave):
-    first = dict(zip((v.name for v in slave.table), np.cumsum([1, *(v.size for v in slave.table)]).tolist()))
+    first = dict(
+        zip((v.name for v in slave.table), np.cumsum([1, *(v.size for v in slave.table)]).tolist())
+    )
     for v in slave.table:
         common = causality_attributes(v)
         typed = type_attributes(v)
         for k, name in enumerate(element_names(v)):
-            node = SubElement(parent, "ScalarVariable", {
-                "name": name, "valueReference": str(slave.references[v.name] + k), **common})
-            SubElement(node, v.type, typed | ({"derivative": str(first[v.derivative_of] + k)} if v.derivative_of else {}))
+            node = SubElement(
+                parent,
+                "ScalarVariable",
+                {"name": name, "valueReference": str(slave.references[v.name] + k), **common},
+            )
+            SubElement(
+                node,
+                v.type,
+                typed
+                | ({"derivative": str(first[v.derivative_of] + k)} if v.derivative_of else {}),
+            )
 
 
 def causality_attributes(v):
     """Description, causality, variability and initial."""
-    kind = {"parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
-            "input": {"causality": "input", "variability": "continuous" if v.type == "Real" else "discrete"},
-            "output": {"causality": "output", "variability": "continuous" if v.type == "Real" else "discrete",
-                       "initial": "calculated"}}[v.causality]
+    kind = {
+        "parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+        "input": {
+            "causality": "input",
+            "variability": "continuous" if v.type == "Real" else "discrete",
+        },
+        "output": {
+            "causality": "output",
+            "variability": "continuous" if v.type == "Real" else "discrete",
+            "initial": "calculated",
+        },
+    }[v.causality]
     return {"description": v.description, **kind}
 
 
@@ -120,7 +206,9 @@ def type_attributes(v):
 
 
 def _structure(parent, table):
-    """Outputs and initial unknowns, both with empty dependencies: no output follows an input without a step."""
+    """Outputs and initial unknowns, both with empty dependencies: no output follows an input
+    without a step.
+    """
     index, outputs = 1, []
     for v in table:
         if v.causality == "output":

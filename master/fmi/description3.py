@@ -1,4 +1,6 @@
-"""modelDescription.xml of FMI 3.0: arrays whole, a variable's place in the table as its value reference, terminals."""
+"""modelDescription.xml of FMI 3.0: arrays whole, a variable's place in the table as its value
+reference, terminals.
+"""
 
 from xml.etree.ElementTree import Element, SubElement
 
@@ -9,14 +11,32 @@ TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String"}
 
 
 def model_description_3(slave):
-    """XML element tree for `slave` (a FieldSlave), its instantiation token made from its content."""
-    root = Element("fmiModelDescription", {
-        "fmiVersion": "3.0", "modelName": slave.name, "instantiationToken": "", "description": slave.description,
-        "generationTool": "piston-cosim", "variableNamingConvention": "structured"})
-    SubElement(root, "CoSimulation", {
-        "modelIdentifier": slave.name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
-        "canGetAndSetFMUState": "true", "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": str(bool(slave.derivative_inputs)).lower()})
+    """XML element tree for `slave` (a FieldSlave), its instantiation token made from its
+    content.
+    """
+    root = Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "3.0",
+            "modelName": slave.name,
+            "instantiationToken": "",
+            "description": slave.description,
+            "generationTool": "piston-cosim",
+            "variableNamingConvention": "structured",
+        },
+    )
+    SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": slave.name,
+            "needsExecutionTool": "false",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canGetAndSetFMUState": "true",
+            "canSerializeFMUState": "true",
+            "providesDirectionalDerivatives": str(bool(slave.derivative_inputs)).lower(),
+        },
+    )
     common_parts(root, slave)
     _variables(SubElement(root, "ModelVariables"), slave.table)
     structure = SubElement(root, "ModelStructure")
@@ -25,7 +45,11 @@ def model_description_3(slave):
             if v.causality == "output":
                 SubElement(structure, section, {"valueReference": str(k), "dependencies": ""})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
-    SubElement(annotation, "Needs", {"hosts": "any on Linux x86-64", "python": ">=3.11", "packages": " ".join(PACKAGES)})
+    SubElement(
+        annotation,
+        "Needs",
+        {"hosts": "any on Linux x86-64", "python": ">=3.11", "packages": " ".join(PACKAGES)},
+    )
     root.set("instantiationToken", content_guid(root))
     return root
 
@@ -36,20 +60,42 @@ def _variables(parent, table):
         attributes = causality_attributes(v) | type_attributes(v)
         attributes |= {"derivative": place[v.derivative_of]} if v.derivative_of else {}
         start = attributes.pop("start", None) if v.type == "String" else None
-        node = SubElement(parent, TYPES[v.type], {"name": v.name, "valueReference": str(k), **attributes})
+        node = SubElement(
+            parent, TYPES[v.type], {"name": v.name, "valueReference": str(k), **attributes}
+        )
         for size in v.shape:
             SubElement(node, "Dimension", {"start": str(size)})
         if start is not None:
             SubElement(node, "Start", {"value": start})
-    SubElement(parent, "Float64", {"name": "time", "valueReference": str(len(table)), "causality": "independent",
-                                   "variability": "continuous", "description": "Simulation time"})
+    SubElement(
+        parent,
+        "Float64",
+        {
+            "name": "time",
+            "valueReference": str(len(table)),
+            "causality": "independent",
+            "variability": "continuous",
+            "description": "Simulation time",
+        },
+    )
 
 
 def terminals(slave):
     """terminalsAndIcons.xml: what crosses the interface, by the names both sides share."""
     root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
-    terminal = SubElement(SubElement(root, "Terminals"), "Terminal", {
-        "name": "interface", "matchingRule": "bus", "description": "Fields that cross the interface"})
+    terminal = SubElement(
+        SubElement(root, "Terminals"),
+        "Terminal",
+        {
+            "name": "interface",
+            "matchingRule": "bus",
+            "description": "Fields that cross the interface",
+        },
+    )
     for name in (*slave.derivative_inputs, *slave.derivative_outputs):
-        SubElement(terminal, "TerminalMemberVariable", {"variableName": name, "memberName": name, "variableKind": "signal"})
+        SubElement(
+            terminal,
+            "TerminalMemberVariable",
+            {"variableName": name, "memberName": name, "variableKind": "signal"},
+        )
     return root

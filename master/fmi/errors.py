@@ -1,4 +1,6 @@
-"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a bug in a participant."""
+"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a bug
+in a participant.
+"""
 
 
 class BadInput(ValueError):
@@ -16,8 +18,12 @@ class BadInput(ValueError):
 
 
 class Discard(RuntimeError):
-    """A step that physics or numerics refuse: the FMU answers fmi2Discard, its state is untouched, the master retries."""
+    """A step that physics or numerics refuse: the FMU answers fmi2Discard, its state is untouched,
+    the master retries.
+    """
 
 
 class ParticipantFault(RuntimeError):
-    """A bug inside a participant: its traceback, as it logged it; or its process has hung or ended."""
+    """A bug inside a participant: its traceback, as it logged it; or its process has hung or
+    ended.
+    """

@@ -1,4 +1,6 @@
-"""Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models. SI inside, units at the edge alone."""
+"""Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models. SI inside, units at
+the edge alone.
+"""
 
 import re
 from functools import cache
@@ -9,7 +11,9 @@ from pydantic import BeforeValidator
 
 @cache
 def registry():
-    """The pint registry, made on first use (it takes 0.3 s), knowing rpm and deg as engine people write them."""
+    """The pint registry, made on first use (it takes 0.3 s), knowing rpm and deg as engine people
+    write them.
+    """
     import pint
 
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
@@ -17,7 +21,11 @@ def registry():
 
 def pint_unit(unit):
     """A unit as pint writes it, from FMI's way: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
-    return "dimensionless" if unit == "1" else re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", unit).replace(".", "*")
+    return (
+        "dimensionless"
+        if unit == "1"
+        else re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", unit).replace(".", "*")
+    )
 
 
 def to_si(value, unit):
@@ -42,11 +50,16 @@ def to_si(value, unit):
     try:
         quantity = ureg.Quantity(value)
     except Exception:
-        raise ValueError(f"{value!r} is not a quantity (write a number and a unit, e.g. '1 {unit}')") from None
+        raise ValueError(
+            f"{value!r} is not a quantity (write a number and a unit, e.g. '1 {unit}')"
+        ) from None
     if not quantity.is_compatible_with(target):
         wanted = "a pure number" if unit == "1" else f"a unit of {unit}"
-        raise ValueError(f"{value!r} is in {quantity.units:~P}: {wanted} is needed" if str(quantity.units) != "dimensionless"
-                         else f"{value!r} has no unit: {wanted} is needed")
+        raise ValueError(
+            f"{value!r} is in {quantity.units:~P}: {wanted} is needed"
+            if str(quantity.units) != "dimensionless"
+            else f"{value!r} has no unit: {wanted} is needed"
+        )
     return float(quantity.to(target).magnitude)
 
 

@@ -1,6 +1,8 @@
-"""What an FMU needs of the Python it runs in. Standard library alone: this is asked before anything else is imported.
+"""What an FMU needs of the Python it runs in. Standard library alone: this is asked before anything
+else is imported.
 
-Run as a script it answers the C front: "library PATH<tab>EXECUTABLE", or a sentence saying what is missing.
+Run as a script it answers the C front: "library PATH<tab>EXECUTABLE", or a sentence saying what is
+missing.
 """
 
 import importlib.util
@@ -18,14 +20,24 @@ def missing():
     absent = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
     if not absent:
         return ""
-    return "%s missing; run: %s -m pip install %s" % (", ".join(absent), sys.executable or "python3", " ".join(absent))
+    return "%s missing; run: %s -m pip install %s" % (
+        ", ".join(absent),
+        sys.executable or "python3",
+        " ".join(absent),
+    )
 
 
 def library():
-    """Path of this Python's shared library, or None (an interpreter built without one cannot be embedded)."""
+    """Path of this Python's shared library, or None (an interpreter built without one cannot be
+    embedded).
+    """
     name = sysconfig.get_config_var("INSTSONAME") or ""
     places = (sysconfig.get_config_var("LIBDIR") or "", os.path.join(sys.base_prefix, "lib"))
-    found = [os.path.join(place, name) for place in places if ".so" in name and os.path.isfile(os.path.join(place, name))]
+    found = [
+        os.path.join(place, name)
+        for place in places
+        if ".so" in name and os.path.isfile(os.path.join(place, name))
+    ]
     return found[0] if found else None
 
 

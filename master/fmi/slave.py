@@ -1,18 +1,25 @@
-"""The slave every FMU of this project is made of: one variable table, whole-object state, fields moved as slices.
+"""The slave every FMU of this project is made of: one variable table, whole-object state, fields
+moved as slices.
 
-The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`; a participant derives from it and
-writes three: `start`, `advance` and `directional_derivative`. What is stored where:
+The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`; a participant
+derives from it and writes three: `start`, `advance` and `directional_derivative`. What is stored
+where:
 
-- `real`: one array [variables of type Real | courses | seeds | products]; a value reference is an index into it, and each
-  declared array is a view of it. Seeds and products are the reserved references of the directional derivative. A course is
-  what fmi2SetRealInputDerivatives said of an input, its first three derivatives at the beginning of the step to come.
-- `integer`, `string`: likewise for the two other types. The front reads and writes `real` and `integer` in place: they are
+- `real`: one array [variables of type Real | courses | seeds | products]; a value reference is an
+index into it, and each
+  declared array is a view of it. Seeds and products are the reserved references of the directional
+  derivative. A course is what fmi2SetRealInputDerivatives said of an input, its first three
+  derivatives at the beginning of the step to come.
+- `integer`, `string`: likewise for the two other types. The front reads and writes `real` and
+`integer` in place: they are
   allocated once and stay where they are.
-- `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings, state); Integer outputs
+- `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings,
+state); Integer outputs
   count work done, which no rollback undoes, so they are not part of it.
 
-Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host later. A step that
-cannot be taken is logged, leaves the state as it was, and sets `status` to discard (a bug: to error).
+Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host
+later. A step that cannot be taken is logged, leaves the state as it was, and sets `status` to
+discard (a bug: to error).
 """
 
 import json
@@ -35,10 +42,14 @@ class FieldSlave(Fmi2Slave):
     - `name`, `description`: model identifier and one sentence;
     - `state_type`: the frozen dataclass (of arrays and floats) that `start` and `advance` return;
     - `variables(options)`: its table, a list of `Variable`;
-    - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every fault;
-    - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it cannot;
-    - `interpolates_inputs`: True if `advance` asks `course` for its inputs instead of reading `values`;
-    - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`: optional.
+    - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every
+      fault;
+    - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it
+      cannot;
+    - `interpolates_inputs`: True if `advance` asks `course` for its inputs instead of reading
+      `values`;
+    - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`:
+      optional.
     """
 
     name = "slave"
@@ -59,7 +70,8 @@ class FieldSlave(Fmi2Slave):
         self.status = Fmi2Status.ok
         self._lay_out()
 
-    # ---- the participant's part ---------------------------------------------------------------------------------
+    # ---- the participant's part
+    # ---------------------------------------------------------------------------------
 
     @staticmethod
     def variables(options):
@@ -87,10 +99,13 @@ class FieldSlave(Fmi2Slave):
         return np.concatenate([self.views[name][None], self.views[f"course:{name}"]])
 
     def directional_derivative(self, seeds):
-        """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its inputs."""
+        """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its
+        inputs.
+        """
         raise NotImplementedError
 
-    # ---- storage ------------------------------------------------------------------------------------------------
+    # ---- storage
+    # ------------------------------------------------------------------------------------------------
 
     def _lay_out(self):
         """Allocate storage, give every variable its view, and copy the start values in."""
@@ -108,13 +123,25 @@ class FieldSlave(Fmi2Slave):
         self._place(self.real, [(v.name, v.shape) for v in real] + reserved)
         self._place(self.integer, [(v.name, v.shape) for v in integer])
         self.string = [v.start for v in self.table if v.type == "String"]
-        self.references |= {v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")}
+        self.references |= {
+            v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")
+        }
         for v in real + integer:
             self.views[v.name][...] = v.start
-        self.first_product = self.references.get(f"product:{self.derivative_outputs[0]}", len(self.real)) \
-            if self.derivative_outputs else len(self.real)
-        self.parameter_elements = np.array([k for v in real if v.causality == "parameter" for k in
-                                            range(self.references[v.name], self.references[v.name] + v.size)], dtype=int)
+        self.first_product = (
+            self.references.get(f"product:{self.derivative_outputs[0]}", len(self.real))
+            if self.derivative_outputs
+            else len(self.real)
+        )
+        self.parameter_elements = np.array(
+            [
+                k
+                for v in real
+                if v.causality == "parameter"
+                for k in range(self.references[v.name], self.references[v.name] + v.size)
+            ],
+            dtype=int,
+        )
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
@@ -123,57 +150,95 @@ class FieldSlave(Fmi2Slave):
         for name, shape in entries:
             size = int(np.prod(shape))
             self.references[name] = offset
-            self.views[name] = storage[offset:offset + size].reshape(shape)
+            self.views[name] = storage[offset : offset + size].reshape(shape)
             offset += size
 
     def _values(self):
-        """Parameters and inputs as the participant sees them: floats, ints, texts, arrays (copies)."""
-        strings = {v.name: self.string[self.references[v.name]] for v in self.table if v.type == "String"}
-        return strings | {v.name: self.views[v.name].copy() if v.shape else self.views[v.name].item()
-                          for v in self.table if v.causality != "output" and v.type != "String"}
+        """Parameters and inputs as the participant sees them: floats, ints, texts, arrays
+        (copies).
+        """
+        strings = {
+            v.name: self.string[self.references[v.name]] for v in self.table if v.type == "String"
+        }
+        return strings | {
+            v.name: self.views[v.name].copy() if v.shape else self.views[v.name].item()
+            for v in self.table
+            if v.causality != "output" and v.type != "String"
+        }
 
     def _publish(self, outputs):
         for name, value in outputs.items():
             self.views[name][...] = value
 
-    # ---- what the C front calls besides -------------------------------------------------------------------------
+    # ---- what the C front calls besides
+    # -------------------------------------------------------------------------
 
     def layout(self):
-        """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds, products, all variables."""
+        """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds,
+        products, all variables.
+        """
         real, integer = self.real.ctypes.data, self.integer.ctypes.data
-        blocks = [[(self.references[n], self.views[n].size, self.references[f"{kind}:{n}"]) for n in names] for kind, names
-                  in (("course", self.courses), ("seed", self.derivative_inputs), ("product", self.derivative_outputs))]
+        blocks = [
+            [
+                (self.references[n], self.views[n].size, self.references[f"{kind}:{n}"])
+                for n in names
+            ]
+            for kind, names in (
+                ("course", self.courses),
+                ("seed", self.derivative_inputs),
+                ("product", self.derivative_outputs),
+            )
+        ]
         kinds = ("Real", "Integer", "String")
         entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
-        head = [real, integer, self.real_count, len(self.integer), len(self.string), *map(len, blocks), len(entries)]
+        head = [
+            real,
+            integer,
+            self.real_count,
+            len(self.integer),
+            len(self.string),
+            *map(len, blocks),
+            len(entries),
+        ]
         parts = [head, *map(np.ravel, blocks), np.ravel(entries)]
         return np.concatenate(parts).astype(np.int64).tobytes()
 
     def verdict(self):
-        """Status of the call just made and what it logged, (status, category, text) each; both are forgotten here."""
+        """Status of the call just made and what it logged, (status, category, text) each; both are
+        forgotten here.
+        """
         status, self.status = int(self.status), Fmi2Status.ok
         messages = [(int(m.status), m.category or "logAll", m.msg) for m in self.log_queue]
         self.log_queue.clear()
         return status, messages
 
     def update_products(self):
-        """Fill the product storage for what the seed storage holds; NaN and an error if that fails."""
+        """Fill the product storage for what the seed storage holds; NaN and an error if that
+        fails.
+        """
         try:
-            products = self.directional_derivative({n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs})
+            products = self.directional_derivative(
+                {n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs}
+            )
             self._publish({f"product:{name}": value for name, value in products.items()})
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
-            self.real[self.first_product:] = np.nan
+            self.real[self.first_product :] = np.nan
         self.products_due = False
 
-    # ---- what both call -----------------------------------------------------------------------------------------
+    # ---- what both call
+    # -----------------------------------------------------------------------------------------
 
     def exit_initialization_mode(self):
-        """Check every parameter range, start the participant; a fault is logged and every later step discarded."""
+        """Check every parameter range, start the participant; a fault is logged and every later
+        step discarded.
+        """
         self.state = self._checked_start()
 
     def _checked_start(self):
-        """State at the start with its outputs published; None, the fault noted, where parameters are refused."""
+        """State at the start with its outputs published; None, the fault noted, where parameters
+        are refused.
+        """
         self.started_with = self._parameters()
         try:
             if faults := self._range_faults():
@@ -188,7 +253,9 @@ class FieldSlave(Fmi2Slave):
         return None
 
     def _parameters(self):
-        """What `start` depends on, comparable: a state that carries other parameters needs a new start."""
+        """What `start` depends on, comparable: a state that carries other parameters needs a new
+        start.
+        """
         return self.real[self.parameter_elements].tobytes(), tuple(self.string)
 
     def _refuse(self, text):
@@ -200,7 +267,9 @@ class FieldSlave(Fmi2Slave):
         self.log(text, status)
 
     def _range_faults(self):
-        """Sentences on all parameters and inputs that are not finite or out of range (the first element of each)."""
+        """Sentences on all parameters and inputs that are not finite or out of range (the first
+        element of each).
+        """
         faults = []
         for v in self.table:
             if v.causality == "output" or v.type == "String":
@@ -210,11 +279,15 @@ class FieldSlave(Fmi2Slave):
             high = np.inf if v.maximum is None else v.maximum
             bad = np.flatnonzero(~((values >= low) & (values <= high)) | ~np.isfinite(values))
             if bad.size:
-                faults.append(v.fault(values[bad[0]]) or f"{v.name} = {values[bad[0]]}: must be finite")
+                faults.append(
+                    v.fault(values[bad[0]]) or f"{v.name} = {values[bad[0]]}: must be finite"
+                )
         return faults
 
     def do_step(self, current_time, step_size):
-        """One step; False (fmi2Discard) with a log line where it cannot be taken, the state untouched."""
+        """One step; False (fmi2Discard) with a log line where it cannot be taken, the state
+        untouched.
+        """
         try:
             self._check_step(step_size)
             self.state, outputs = self.advance(self.state, self._values(), current_time, step_size)
@@ -225,7 +298,7 @@ class FieldSlave(Fmi2Slave):
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
         finally:
-            for name in self.courses:       # they were those of this step alone
+            for name in self.courses:  # they were those of this step alone
                 self.views[f"course:{name}"][...] = 0.0
         return False
 
@@ -235,9 +308,15 @@ class FieldSlave(Fmi2Slave):
         if not 0 < step_size < np.inf:
             raise Discard(f"step size = {step_size:g} s: must be positive and finite")
         for v in self.table:
-            if v.causality == "input" and v.type == "Real" and not np.isfinite(self.views[v.name]).all():
+            if (
+                v.causality == "input"
+                and v.type == "Real"
+                and not np.isfinite(self.views[v.name]).all()
+            ):
                 k = int(np.flatnonzero(~np.isfinite(np.atleast_1d(self.views[v.name]).ravel()))[0])
-                raise Discard(f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: must be finite")
+                raise Discard(
+                    f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: must be finite"
+                )
 
     def set_real(self, vrs, values):
         first, last = vrs[0], vrs[-1] + 1
@@ -268,29 +347,43 @@ class FieldSlave(Fmi2Slave):
     def get_string(self, vrs):
         return [self.string[reference] for reference in vrs]
 
-    # ---- state --------------------------------------------------------------------------------------------------
+    # ---- state
+    # --------------------------------------------------------------------------------------------------
 
     def _get_fmu_state(self):
-        return self.real[:self.real_count].copy(), tuple(self.string), self.state
+        return self.real[: self.real_count].copy(), tuple(self.string), self.state
 
     def _set_fmu_state(self, saved):
         real, strings, state = saved
         self.string[:], self.fault = strings, None
-        self.real[:self.real_count] = real
+        self.real[: self.real_count] = real
         if state is not None and self._parameters() != self.started_with:
             self._checked_start()
-            self.real[:self.real_count] = real
+            self.real[: self.real_count] = real
         self.state = self.state_type(**state) if isinstance(state, dict) else state
 
     @staticmethod
     def _fmu_state_to_bytes(saved):
         real, strings, state = saved
-        members = {} if state is None else {f.name: np.asarray(getattr(state, f.name)) for f in fields(state)}
+        members = (
+            {}
+            if state is None
+            else {f.name: np.asarray(getattr(state, f.name)) for f in fields(state)}
+        )
         arrays = {"": real} | members
-        header = {"strings": strings, "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
-                  "started": state is not None}
+        header = {
+            "strings": strings,
+            "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
+            "started": state is not None,
+        }
         text = json.dumps(header).encode()
-        return b"".join([len(text).to_bytes(8, "little"), text, *(np.ascontiguousarray(a).tobytes() for a in arrays.values())])
+        return b"".join(
+            [
+                len(text).to_bytes(8, "little"),
+                text,
+                *(np.ascontiguousarray(a).tobytes() for a in arrays.values()),
+            ]
+        )
 
     @staticmethod
     def _fmu_state_from_bytes(data):
@@ -309,4 +402,7 @@ def element_names(variable):
     """FMI names of a variable's scalars: `name`, or `name[i,j]`, 1-based, last index fastest."""
     if not variable.shape:
         return [variable.name]
-    return [f"{variable.name}[{','.join(str(k + 1) for k in index)}]" for index in np.ndindex(*variable.shape)]
+    return [
+        f"{variable.name}[{','.join(str(k + 1) for k in index)}]"
+        for index in np.ndindex(*variable.shape)
+    ]

@@ -1,4 +1,6 @@
-"""The project's own tree of packages: the installed one, or the copy that an FMU carries under a name made of its content."""
+"""The project's own tree of packages: the installed one, or the copy that an FMU carries under a
+name made of its content.
+"""
 
 import sys
 from contextlib import contextmanager
@@ -14,14 +16,18 @@ FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
 
 
 def import_part(name):
-    """Module `name` of this tree ("fmu_ehd.build"), else the installed one of that name (a participant from elsewhere)."""
+    """Module `name` of this tree ("fmu_ehd.build"), else the installed one of that name (a
+    participant from elsewhere).
+    """
     spec = find_spec(f"{ROOT}.{name.partition('.')[0]}")
-    own = spec is not None and spec.origin is not None      # a folder without code is not a part
+    own = spec is not None and spec.origin is not None  # a folder without code is not a part
     return import_module(f"{ROOT}.{name}" if own else name)
 
 
 def slave_class(path):
-    """The class at "module:class" of this tree; `import piston_cosim...` in its module reaches this tree too."""
+    """The class at "module:class" of this tree; `import piston_cosim...` in its module reaches this
+    tree too.
+    """
     module, _, name = path.partition(":")
     with _under_the_installed_name():
         return getattr(import_part(module), name)
@@ -36,7 +42,9 @@ def _under_the_installed_name():
     for name in FOR_USERS:
         import_module(f"{ROOT}.{name}")
     hidden = _taken_out(INSTALLED)
-    sys.modules.update({INSTALLED + name.removeprefix(ROOT): sys.modules[name] for name in _names(ROOT)})
+    sys.modules.update(
+        {INSTALLED + name.removeprefix(ROOT): sys.modules[name] for name in _names(ROOT)}
+    )
     try:
         yield
     finally:

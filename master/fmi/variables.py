@@ -1,4 +1,6 @@
-"""The variable table: each variable of an FMU declared once, for XML, range checks, result files and axis labels."""
+"""The variable table: each variable of an FMU declared once, for XML, range checks, result files
+and axis labels.
+"""
 
 from dataclasses import dataclass
 from math import prod
@@ -8,22 +10,24 @@ from math import prod
 class Variable:
     """One variable of an FMU, scalar or array.
 
-    In FMI 2 an array of shape (n, m) becomes n*m scalars `name[i,j]`, 1-based, j running fastest, with
-    consecutive value references.
+    In FMI 2 an array of shape (n, m) becomes n*m scalars `name[i,j]`, 1-based, j running fastest,
+    with consecutive value references.
 
     Parameters
     ----------
     name : str
         Name of the field's vocabulary, as in the interface contract.
     unit : str
-        SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1" for none.
+        SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1"
+        for none.
     causality : {"parameter", "input", "output"}
-        Parameters are read once, when initialisation ends; a property of the built FMU (grid sizes) is one with
-        minimum = maximum = start.
+        Parameters are read once, when initialisation ends; a property of the built FMU (grid sizes)
+        is one with minimum = maximum = start.
     description : str
         One sentence.
     start : float, int or str
-        Start value (every element of an array). Its type makes the FMI type: float Real, int Integer, str String.
+        Start value (every element of an array). Its type makes the FMI type: float Real, int
+        Integer, str String.
     nominal : float, optional
         Typical magnitude [unit], used to scale residuals.
     minimum, maximum : float, optional
@@ -68,5 +72,7 @@ class Variable:
 
 
 def constant(name, value, description):
-    """A property of the built FMU (grid size, contract version): a parameter that allows one value."""
+    """A property of the built FMU (grid size, contract version): a parameter that allows one
+    value.
+    """
     return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)

@@ -1,6 +1,8 @@
-"""One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its log as text.
+"""One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its
+log as text.
 
-The only file that knows FMPy. Any object with the same methods can take part (`Participant` is the protocol).
+The only file that knows FMPy. Any object with the same methods can take part (`Participant` is the
+protocol).
 """
 
 import ctypes
@@ -25,12 +27,16 @@ from ..fmi.fields import gather_fields
 
 REAL = ctypes.POINTER(ctypes.c_double)
 DIFFERENCE = 1e-5
-"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends the step map."""
+"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends
+the step map.
+"""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
 class Participant(Protocol):
-    """What the master needs of a participant; `fields` maps names to objects with the attributes of `Field`."""
+    """What the master needs of a participant; `fields` maps names to objects with the attributes of
+    `Field`.
+    """
 
     name: str
     fields: dict
@@ -47,7 +53,7 @@ class Participant(Protocol):
     def serialise(self, saved): ...
     def deserialise(self, data): ...
     def derivative(self, seeds, products): ...
-    def set_course(self, name, course): ...     # only where can_interpolate
+    def set_course(self, name, course): ...  # only where can_interpolate
     def close(self): ...
 
 
@@ -59,7 +65,8 @@ class FmuParticipant:
     name : str
         Its name in the system.
     path : Path
-        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled for it is kept.
+        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled
+        for it is kept.
 
     Raises
     ------
@@ -74,20 +81,36 @@ class FmuParticipant:
         try:
             self.description = fmpy.read_model_description(str(path), validate=False)
         except Exception as error:
-            raise BadInput(f"participant {name}: {path} cannot be read as an FMU: {error}") from None
-        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(self.version):
-            raise BadInput(f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation")
+            raise BadInput(
+                f"participant {name}: {path} cannot be read as an FMU: {error}"
+            ) from None
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
+            self.version
+        ):
+            raise BadInput(
+                f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation"
+            )
         self.fields = gather_fields(self.description)
         self.folder = unpack(self.path)
         self.log = []
         root = self._model_description()
-        self._vectors, self._pairs, self._courses, self._derivative = {}, {}, {}, self._reserved_references(root)
-        self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in ("true", "1")
+        self._vectors, self._pairs, self._courses, self._derivative = (
+            {},
+            {},
+            {},
+            self._reserved_references(root),
+        )
+        self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in (
+            "true",
+            "1",
+        )
         self._fmu = None
 
     @property
     def has_derivatives(self):
-        """Whether the FMU answers the standard directional derivative, or names reserved references for one."""
+        """Whether the FMU answers the standard directional derivative, or names reserved references
+        for one.
+        """
         return self._standard_derivative or bool(self._derivative)
 
     @property
@@ -111,7 +134,8 @@ class FmuParticipant:
         return any(field.unit != "1" for field in self.fields.values())
 
     def start(self, parameters, start_time, stop_time):
-        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start values for the rest.
+        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start
+        values for the rest.
 
         Raises BadInput with what the FMU logged if it refuses.
         """
@@ -128,8 +152,12 @@ class FmuParticipant:
 
     def _slave(self, kind):
         """FMPy's slave of this FMU."""
-        return kind(guid=self.description.guid, unzipDirectory=str(self.folder), instanceName=self.name,
-                    modelIdentifier=self.description.coSimulation.modelIdentifier)
+        return kind(
+            guid=self.description.guid,
+            unzipDirectory=str(self.folder),
+            instanceName=self.name,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
@@ -148,7 +176,12 @@ class FmuParticipant:
         """What the log says against a start: a bug, bad input, or None."""
         if any(text.startswith("Traceback") for _, text in self.log):
             return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
-        lines = [f"{self.name}: {line}" for status, text in self.log if status in FAILED for line in text.splitlines()]
+        lines = [
+            f"{self.name}: {line}"
+            for status, text in self.log
+            if status in FAILED
+            for line in text.splitlines()
+        ]
         return BadInput(lines) if lines else None
 
     def _note(self, _environment, _instance, status, _category, message):
@@ -179,11 +212,15 @@ class FmuParticipant:
         highest, field = len(course) - 1, self.fields[name]
         if (name, highest) not in self._courses:
             orders = np.repeat(np.arange(1, highest + 1), field.size)
-            self._courses[name, highest] = ((ctypes.c_uint * orders.size)(*field.references * highest),
-                                            (ctypes.c_int * orders.size)(*orders))
+            self._courses[name, highest] = (
+                (ctypes.c_uint * orders.size)(*field.references * highest),
+                (ctypes.c_int * orders.size)(*orders),
+            )
         references, orders = self._courses[name, highest]
         values = np.ascontiguousarray(course[1:], dtype=float)
-        self._fmu.fmi2SetRealInputDerivatives(self._fmu.component, references, values.size, orders, values.ctypes.data_as(REAL))
+        self._fmu.fmi2SetRealInputDerivatives(
+            self._fmu.component, references, values.size, orders, values.ctypes.data_as(REAL)
+        )
 
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar."""
@@ -204,9 +241,13 @@ class FmuParticipant:
     def _access(self):
         """FMPy's getter and setter of lists, by type."""
         one = self._fmu
-        return {"Real": (one.getReal, one.setReal), "Integer": (one.getInteger, one.setInteger),
-                "Enumeration": (one.getInteger, one.setInteger), "Boolean": (one.getBoolean, one.setBoolean),
-                "String": (one.getString, one.setString)}
+        return {
+            "Real": (one.getReal, one.setReal),
+            "Integer": (one.getInteger, one.setInteger),
+            "Enumeration": (one.getInteger, one.setInteger),
+            "Boolean": (one.getBoolean, one.setBoolean),
+            "String": (one.getString, one.setString),
+        }
 
     def get_many(self, names):
         """Values of several scalars, a call for each type: dict of name to number."""
@@ -218,7 +259,9 @@ class FmuParticipant:
         return values
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with its traceback on a bug."""
+        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with
+        its traceback on a bug.
+        """
         self.log.clear()
         self._last_step = (time, step)
         try:
@@ -253,7 +296,8 @@ class FmuParticipant:
         return self._fmu.deSerializeFMUstate(data)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step: the FMU's own, or for an FMU without one a difference of two steps.
+        """Directional derivative of the last step: the FMU's own, or for an FMU without one a
+        difference of two steps.
 
         Parameters
         ----------
@@ -268,7 +312,11 @@ class FmuParticipant:
             Their change.
         """
         if not self._standard_derivative:
-            return self._reserved_derivative(seeds) if self._derivative else self._difference(seeds, products)
+            return (
+                self._reserved_derivative(seeds)
+                if self._derivative
+                else self._difference(seeds, products)
+            )
         known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
@@ -277,8 +325,15 @@ class FmuParticipant:
 
     def _derive(self, known, unknown):
         """Fill `unknown` with the standard directional derivative for the seeds in `known`."""
-        self._fmu.fmi2GetDirectionalDerivative(self._fmu.component, unknown.references, unknown.count,
-                                               known.references, known.count, known.pointer, unknown.pointer)
+        self._fmu.fmi2GetDirectionalDerivative(
+            self._fmu.component,
+            unknown.references,
+            unknown.count,
+            known.references,
+            known.count,
+            known.pointer,
+            unknown.pointer,
+        )
 
     def _pair(self, names):
         """References of several fields in one block, made once."""
@@ -287,7 +342,10 @@ class FmuParticipant:
         return self._pairs[names]
 
     def _cut(self, block):
-        return {name: block.values[part].reshape(self.fields[name].shape).copy() for name, part in block.parts.items()}
+        return {
+            name: block.values[part].reshape(self.fields[name].shape).copy()
+            for name, part in block.parts.items()
+        }
 
     def _reserved_derivative(self, seeds):
         """The same through the reserved references of an FMU without the standard call."""
@@ -316,11 +374,20 @@ class FmuParticipant:
         """Blocks of all seeds and of all products, from the FMU's vendor annotation."""
         found = {}
         for kind in ("seed", "product"):
-            nodes = root.findall(f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}")
+            nodes = root.findall(
+                f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}"
+            )
             first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
             if first:
-                found[kind] = _block({name: replace(self.fields[name], references=tuple(range(k, k + self.fields[name].size)))
-                                      for name, k in first.items()})
+                found[kind] = _block(
+                    {
+                        name: replace(
+                            self.fields[name],
+                            references=tuple(range(k, k + self.fields[name].size)),
+                        )
+                        for name, k in first.items()
+                    }
+                )
         return found
 
     def close(self):
@@ -333,7 +400,9 @@ class FmuParticipant:
 
 @dataclass(frozen=True)
 class Block:
-    """Fields moved in one call: C array of their references, their number, values with a pointer, each field's part."""
+    """Fields moved in one call: C array of their references, their number, values with a pointer,
+    each field's part.
+    """
 
     references: ctypes.Array
     count: int
@@ -347,12 +416,22 @@ def _block(fields):
     references = [reference for field in fields.values() for reference in field.references]
     ends = np.cumsum([field.size for field in fields.values()])
     values = np.zeros(int(ends[-1]) if fields else 0)
-    parts = {name: slice(int(end) - field.size, int(end)) for (name, field), end in zip(fields.items(), ends)}
-    return Block((ctypes.c_uint * len(references))(*references), len(references), values, values.ctypes.data_as(REAL), parts)
+    parts = {
+        name: slice(int(end) - field.size, int(end))
+        for (name, field), end in zip(fields.items(), ends)
+    }
+    return Block(
+        (ctypes.c_uint * len(references))(*references),
+        len(references),
+        values,
+        values.ctypes.data_as(REAL),
+        parts,
+    )
 
 
 def difference(participant, begin, last_step, seeds, products):
-    """Directional derivative from the last step taken once more with changed inputs; the participant is left as it was.
+    """Directional derivative from the last step taken once more with changed inputs; the
+    participant is left as it was.
 
     Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
 
@@ -371,7 +450,10 @@ def difference(participant, begin, last_step, seeds, products):
     dict of str to ndarray
     """
     before = {name: participant.get(name) for name in (*seeds, *products)}
-    scale = {name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0 for name in seeds}
+    scale = {
+        name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0
+        for name in seeds
+    }
     largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
     if largest == 0.0:
         return {name: np.zeros_like(before[name]) for name in products}
@@ -381,7 +463,9 @@ def difference(participant, begin, last_step, seeds, products):
         for name, value in seeds.items():
             participant.set(name, before[name] + size * value)
         participant.step(*last_step)
-        return {name: (participant.get(name) - before[name]) / size for name in products}      # Eq. (P1)
+        return {
+            name: (participant.get(name) - before[name]) / size for name in products
+        }  # Eq. (P1)
     finally:
         participant.restore(end)
         participant.free(end)
@@ -397,6 +481,6 @@ def unpack(path):
             archive.extractall(partial)
         try:
             partial.rename(folder)
-        except OSError:     # another process was faster
+        except OSError:  # another process was faster
             shutil.rmtree(partial)
     return folder

@@ -1,4 +1,6 @@
-"""One FMI 3.0 FMU under the master: as `FmuParticipant`, by the calls of FMI 3 and with arrays whole."""
+"""One FMI 3.0 FMU under the master: as `FmuParticipant`, by the calls of FMI 3 and with arrays
+whole.
+"""
 
 from fmpy import fmi3
 
@@ -9,7 +11,7 @@ class Fmu3Participant(FmuParticipant):
     """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
-    can_interpolate = False     # FMI 3.0 has no call that tells an FMU the derivatives of its inputs
+    can_interpolate = False  # FMI 3.0 has no call that tells an FMU the derivatives of its inputs
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)
@@ -23,20 +25,36 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.exitInitializationMode()
 
     def _write(self, block):
-        self._fmu.fmi3SetFloat64(self._fmu.component, block.references, block.count, block.pointer, block.values.size)
+        self._fmu.fmi3SetFloat64(
+            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+        )
 
     def _read(self, block):
-        self._fmu.fmi3GetFloat64(self._fmu.component, block.references, block.count, block.pointer, block.values.size)
+        self._fmu.fmi3GetFloat64(
+            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+        )
 
     def _access(self):
         one = self._fmu
-        return {"Real": (one.getFloat64, one.setFloat64), "Integer": (one.getInt32, one.setInt32),
-                "Boolean": (one.getBoolean, one.setBoolean), "String": (one.getString, one.setString)}
+        return {
+            "Real": (one.getFloat64, one.setFloat64),
+            "Integer": (one.getInt32, one.setInt32),
+            "Boolean": (one.getBoolean, one.setBoolean),
+            "String": (one.getString, one.setString),
+        }
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(
-            self._fmu.component, unknown.references, unknown.count, known.references, known.count,
-            known.pointer, known.values.size, unknown.pointer, unknown.values.size)
+            self._fmu.component,
+            unknown.references,
+            unknown.count,
+            known.references,
+            known.count,
+            known.pointer,
+            known.values.size,
+            unknown.pointer,
+            unknown.values.size,
+        )
 
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""

@@ -1,4 +1,6 @@
-"""Inputs that move inside a macro step: told to the FMU as a polynomial through what the master knows at both ends."""
+"""Inputs that move inside a macro step: told to the FMU as a polynomial through what the master
+knows at both ends.
+"""
 
 import pickle
 
@@ -18,11 +20,12 @@ def linear(begin, end, step):
 
     Eq. (I1):  u(s) = u0 + (u1 - u0) s / H,   0 <= s <= H
     """
-    return np.stack([begin, (end - begin) / step])                                                              # Eq. (I1)
+    return np.stack([begin, (end - begin) / step])  # Eq. (I1)
 
 
 def hermite(begin, end, begin_slope, end_slope, step):
-    """Value and three derivatives at the beginning of the step of the cubic with given values and slopes at both ends.
+    """Value and three derivatives at the beginning of the step of the cubic with given values and
+    slopes at both ends.
 
     Eq. (I2):  u(s) = u0 + u0' s + (3 d - 2 u0' - u1') s^2/H + (u0' + u1' - 2 d) s^3/H^2,   d = (u1 - u0)/H
 
@@ -40,15 +43,23 @@ def hermite(begin, end, begin_slope, end_slope, step):
     ndarray, shape (4, *shape)
     """
     d = (end - begin) / step
-    return np.stack([begin, begin_slope, 2 * (3 * d - 2 * begin_slope - end_slope) / step,
-                     6 * (begin_slope + end_slope - 2 * d) / step**2])                                          # Eq. (I2)
+    return np.stack(
+        [
+            begin,
+            begin_slope,
+            2 * (3 * d - 2 * begin_slope - end_slope) / step,
+            6 * (begin_slope + end_slope - 2 * d) / step**2,
+        ]
+    )  # Eq. (I2)
 
 
 class InterpolatedParticipant:
-    """A participant some of whose inputs are interpolated; what is set is their value at the end of the step, as ever.
+    """A participant some of whose inputs are interpolated; what is set is their value at the end of
+    the step, as ever.
 
-    Inputs with a cubic get a companion `der(name)`, set like an input: the slope at the end. Values and slopes at the
-    beginning are those that were set when the state was saved from which the step begins.
+    Inputs with a cubic get a companion `der(name)`, set like an input: the slope at the end. Values
+    and slopes at the beginning are those that were set when the state was saved from which the step
+    begins.
 
     Parameters
     ----------
@@ -58,12 +69,15 @@ class InterpolatedParticipant:
         By input.
     """
 
-    has_derivatives = False     # the FMU's own would be by its inputs at the beginning
+    has_derivatives = False  # the FMU's own would be by its inputs at the beginning
 
     def __init__(self, participant, interpolation):
         self.participant, self.interpolation = participant, interpolation
-        self.fields = participant.fields | {slope_of(name): _slope(participant.fields[name])
-                                            for name, kind in interpolation.items() if kind == "hermite"}
+        self.fields = participant.fields | {
+            slope_of(name): _slope(participant.fields[name])
+            for name, kind in interpolation.items()
+            if kind == "hermite"
+        }
         inputs = [*interpolation, *(name for name in self.fields if name not in participant.fields)]
         self.now = {name: np.zeros(self.fields[name].shape) for name in inputs}
         self._begin = self._last_step = None
@@ -73,8 +87,15 @@ class InterpolatedParticipant:
 
     def start(self, parameters, start_time, stop_time):
         """See `FmuParticipant.start`; interpolated inputs begin with their start values."""
-        self.participant.start({k: v for k, v in parameters.items() if k not in self.now or k in self.participant.fields},
-                               start_time, stop_time)
+        self.participant.start(
+            {
+                k: v
+                for k, v in parameters.items()
+                if k not in self.now or k in self.participant.fields
+            },
+            start_time,
+            stop_time,
+        )
         for name in self.interpolation:
             self.now[name] = np.array(self.participant.get(name))
 
@@ -95,7 +116,9 @@ class InterpolatedParticipant:
         for name, kind in self.interpolation.items():
             ends = begin[name], self.now[name]
             slopes = [at[slope_of(name)] for at in (begin, self.now)] if kind == "hermite" else []
-            self.participant.set_course(name, hermite(*ends, *slopes, step) if slopes else linear(*ends, step))
+            self.participant.set_course(
+                name, hermite(*ends, *slopes, step) if slopes else linear(*ends, step)
+            )
         self.participant.step(time, step)
 
     def save(self):
@@ -121,7 +144,9 @@ class InterpolatedParticipant:
         return self.participant.deserialise(inner), now
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step by its inputs at the end, as a difference of two steps."""
+        """Directional derivative of the last step by its inputs at the end, as a difference of two
+        steps.
+        """
         begin = self._begin
         try:
             return difference(self, begin, self._last_step, seeds, products)
@@ -131,5 +156,16 @@ class InterpolatedParticipant:
 
 def _slope(field):
     """Field of the companion input."""
-    return Field(slope_of(field.name), field.shape, (), "Real", "input", f"{field.unit}/s", None, None, None, None,
-                 f"Time derivative of {field.name} at the end of a step")
+    return Field(
+        slope_of(field.name),
+        field.shape,
+        (),
+        "Real",
+        "input",
+        f"{field.unit}/s",
+        None,
+        None,
+        None,
+        None,
+        f"Time derivative of {field.name} at the end of a step",
+    )

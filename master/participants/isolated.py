@@ -1,7 +1,8 @@
-"""An FMU in a process of its own: it may hang or crash, and the run ends with a sentence instead of with it.
+"""An FMU in a process of its own: it may hang or crash, and the run ends with a sentence instead of
+with it.
 
-Fields lie in memory that both processes share; commands go through a pipe, as many as possible in one message; an answer that
-does not come in time ends the FMU's process.
+Fields lie in memory that both processes share; commands go through a pipe, as many as possible in
+one message; an answer that does not come in time ends the FMU's process.
 """
 
 import multiprocessing
@@ -13,8 +14,7 @@ from itertools import count
 
 import numpy as np
 
-from ..fmi.errors import BadInput, Discard
-from ..fmi.errors import ParticipantFault
+from ..fmi.errors import BadInput, Discard, ParticipantFault
 from .open import open_fmu
 
 FAMILY = multiprocessing.get_context("spawn")
@@ -22,12 +22,14 @@ FAMILY = multiprocessing.get_context("spawn")
 
 
 class IsolatedParticipant:
-    """A participant whose FMU runs in another process; same methods and same bits as the participant it stands for.
+    """A participant whose FMU runs in another process; same methods and same bits as the
+    participant it stands for.
 
     Parameters
     ----------
     participant : FmuParticipant
-        Not started; what the model description says is read from it, the FMU itself is loaded in the other process.
+        Not started; what the model description says is read from it, the FMU itself is loaded in
+        the other process.
     timeout : float
         Longest wait for any one answer [s]; the process is ended then.
 
@@ -41,16 +43,27 @@ class IsolatedParticipant:
         self.description, self.timeout = participant.description, timeout
         self.name, self.fields, self.path = participant.name, participant.fields, participant.path
         self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
-        self.declares_units, self.can_interpolate = participant.declares_units, participant.can_interpolate
+        self.declares_units, self.can_interpolate = (
+            participant.declares_units,
+            participant.can_interpolate,
+        )
         self.can_serialise = participant.can_serialise
-        self._process, self._queue, self._fresh, self._read_ahead, self._numbers = None, [], set(), set(), count(1)
+        self._process, self._queue, self._fresh, self._read_ahead, self._numbers = (
+            None,
+            [],
+            set(),
+            set(),
+            count(1),
+        )
 
     def start(self, parameters, start_time, stop_time):
         """Start the process, then instantiate and initialise there; see `FmuParticipant.start`."""
         memory = FAMILY.RawArray("d", 2 * sum(field.size for field in self.fields.values()))
         self._values, self._changes = _views(memory, self.fields)
         self._pipe, other = FAMILY.Pipe()
-        self._process = FAMILY.Process(target=_serve, args=(other, memory, self.name, self.path), daemon=True)
+        self._process = FAMILY.Process(
+            target=_serve, args=(other, memory, self.name, self.path), daemon=True
+        )
         self._process.start()
         other.close()
         self._ask("start", parameters, start_time, stop_time)
@@ -65,12 +78,16 @@ class IsolatedParticipant:
             self._queue.append(("set", (name, value)))
 
     def set_course(self, name, course):
-        """Set an input and its time derivatives at the beginning of the next step; see `FmuParticipant.set_course`."""
+        """Set an input and its time derivatives at the beginning of the next step; see
+        `FmuParticipant.set_course`.
+        """
         self._fresh.discard(name)
         self._queue.append(("set_course", (name, course)))
 
     def get(self, name):
-        """Value of a field: array of its shape, or a Python scalar. What was read once comes along with every step."""
+        """Value of a field: array of its shape, or a Python scalar. What was read once comes along
+        with every step.
+        """
         if self.fields[name].type != "Real":
             return self._ask("get", name)
         if name not in self._fresh:
@@ -130,26 +147,32 @@ class IsolatedParticipant:
             try:
                 self._ask("close")
             except ParticipantFault:
-                pass    # the run ends anyway; why is told by the fault that came first
+                pass  # the run ends anyway; why is told by the fault that came first
             self._pipe.close()
             self._process.join(self.timeout)
             self._process.kill()
             self._process = None
 
     def _ask(self, method, *arguments):
-        """Send everything queued with this command behind it; its answer, or what it raised in the other process."""
+        """Send everything queued with this command behind it; its answer, or what it raised in the
+        other process.
+        """
         queue, self._queue = [*self._queue, (method, arguments)], []
         try:
             self._pipe.send(queue)
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
-                raise ParticipantFault(f"{self.name}: no answer to {method} within {self.timeout:g} s; "
-                                       "its process has been ended")
+                raise ParticipantFault(
+                    f"{self.name}: no answer to {method} within {self.timeout:g} s; "
+                    "its process has been ended"
+                )
             raised, answer = self._pipe.recv()
         except (EOFError, OSError):
             self._process.join(self.timeout)
-            raise ParticipantFault(f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
-                                   f"{method}{arguments if method == 'step' else ''}") from None
+            raise ParticipantFault(
+                f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
+                f"{method}{arguments if method == 'step' else ''}"
+            ) from None
         if raised:
             raise answer
         return answer
@@ -157,15 +180,19 @@ class IsolatedParticipant:
 
 def _end(code):
     """What an exit code means."""
-    return f"by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+    return (
+        f"by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+    )
 
 
 def _views(memory, fields):
-    """Two arrays a field in the shared memory: its value, and the change a derivative is asked for or answers."""
+    """Two arrays a field in the shared memory: its value, and the change a derivative is asked for
+    or answers.
+    """
     storage, offset, values, changes = np.frombuffer(memory), 0, {}, {}
     for name, field in fields.items():
         for views in (values, changes):
-            views[name] = storage[offset:offset + field.size].reshape(field.shape)
+            views[name] = storage[offset : offset + field.size].reshape(field.shape)
             offset += field.size
     return values, changes
 

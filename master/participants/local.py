@@ -1,4 +1,6 @@
-"""A slave as a participant without FMI in between: for the coupled pair inside one FMU, and for models in the same Python."""
+"""A slave as a participant without FMI in between: for the coupled pair inside one FMU, and for
+models in the same Python.
+"""
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
@@ -21,10 +23,15 @@ class LocalParticipant:
     def __init__(self, name, slave):
         self.name, self.slave = name, slave
         self.fields = {v.name: v for v in slave.table}
-        self.has_derivatives, self.can_interpolate = bool(slave.derivative_inputs), bool(slave.courses)
+        self.has_derivatives, self.can_interpolate = (
+            bool(slave.derivative_inputs),
+            bool(slave.courses),
+        )
 
     def start(self, parameters, start_time, stop_time):
-        """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with this name before it."""
+        """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with
+        this name before it.
+        """
         for name, value in parameters.items():
             self.set(name, value)
         self.slave.exit_initialization_mode()
@@ -39,9 +46,11 @@ class LocalParticipant:
             self.slave.views[name][...] = value
 
     def set_course(self, name, course):
-        """Set an input and its derivatives at the beginning of the next step, shape (order + 1, *shape), value first."""
+        """Set an input and its derivatives at the beginning of the next step, shape (order + 1,
+        *shape), value first.
+        """
         self.slave.views[name][...] = course[0]
-        self.slave.views[f"course:{name}"][:len(course) - 1] = course[1:]
+        self.slave.views[f"course:{name}"][: len(course) - 1] = course[1:]
 
     def get_many(self, names):
         """Values of several scalars: dict of name to number."""
@@ -53,7 +62,9 @@ class LocalParticipant:
         return view.copy() if self.fields[name].shape else view.item()
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the slave's words, ParticipantFault with its traceback on a bug."""
+        """One step [s]; raises Discard with the slave's words, ParticipantFault with its traceback
+        on a bug.
+        """
         if self.slave.do_step(time, step):
             return
         status, messages = self.slave.verdict()
@@ -78,9 +89,14 @@ class LocalParticipant:
         return self.slave._fmu_state_from_bytes(data)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step: change of output fields for a change of input fields."""
+        """Directional derivative of the last step: change of output fields for a change of input
+        fields.
+        """
         slave = self.slave
-        whole = {name: seeds[name] if name in seeds else np.zeros(self.fields[name].shape) for name in slave.derivative_inputs}
+        whole = {
+            name: seeds[name] if name in seeds else np.zeros(self.fields[name].shape)
+            for name in slave.derivative_inputs
+        }
         return slave.directional_derivative(whole)
 
     def close(self):

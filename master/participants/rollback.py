@@ -1,4 +1,6 @@
-"""Trial of an FMU's rollback before the run: a step taken, undone and taken again must give the same bytes."""
+"""Trial of an FMU's rollback before the run: a step taken, undone and taken again must give the
+same bytes.
+"""
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -18,7 +20,8 @@ def rollback_faults(participant, step):
     Returns
     -------
     list of str
-        Sentences; empty if all is well, or if the participant refuses this step, which the run will then hear.
+        Sentences; empty if all is well, or if the participant refuses this step, which the run will
+        then hear.
     """
     try:
         saved = participant.save()
@@ -34,12 +37,17 @@ def rollback_faults(participant, step):
     different = [name for name, value in first.items() if value != second[name]]
     if not different:
         return []
-    return [f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"]
+    return [
+        f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"
+    ]
 
 
 def _outcome(participant, saved, step):
     """Bytes of every real output after a step from a saved state."""
     participant.restore(saved)
     participant.step(0.0, step)
-    return {name: np.asarray(participant.get(name)).tobytes() for name, field in participant.fields.items()
-            if field.causality == "output" and field.type == "Real"}
+    return {
+        name: np.asarray(participant.get(name)).tobytes()
+        for name, field in participant.fields.items()
+        if field.causality == "output" and field.type == "Real"
+    }

@@ -1,4 +1,6 @@
-"""Where the wall time of a run goes: each participant's own work, and carrying values and states to and fro."""
+"""Where the wall time of a run goes: each participant's own work, and carrying values and states to
+and fro.
+"""
 
 from time import perf_counter
 
@@ -10,7 +12,8 @@ class Timed:
     ----------
     participant : Participant
     spent : dict of str to float
-        Seconds by what they went into: steps and derivatives under the participant's name, all else under "transport".
+        Seconds by what they went into: steps and derivatives under the participant's name, all else
+        under "transport".
     """
 
     def __init__(self, participant, spent):
@@ -40,4 +43,7 @@ for _method in ("set", "get", "save", "restore", "free", "serialise", "deseriali
 
 def split(spent, whole):
     """Summary entries [s]: what is in `spent`, and as acceleration the rest of the whole."""
-    return {f"wall_time_{name}_s": seconds for name, seconds in (spent | {"acceleration": whole - sum(spent.values())}).items()}
+    return {
+        f"wall_time_{name}_s": seconds
+        for name, seconds in (spent | {"acceleration": whole - sum(spent.values())}).items()
+    }

@@ -42,12 +42,18 @@ def score(x, y, x_reference, y_reference):
     inside = (x_reference >= x[0]) & (x_reference <= x[-1])
     grid, reference = x_reference[inside], y_reference[inside]
     if inside.sum() < 3 or not np.ptp(reference) > 0:
-        raise BadInput(f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, and they vary by "
-                       f"{np.ptp(reference) if inside.any() else 0:g}: nothing to compare")
+        raise BadInput(
+            f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, and they vary by "
+            f"{np.ptp(reference) if inside.any() else 0:g}: nothing to compare"
+        )
     values, size = np.interp(grid, x, y), np.ptp(reference)
-    return {"amplitude": float(np.ptp(values) / size),                                                          # Eq. (S1)
-            "rms": float(np.sqrt(np.mean((values - reference) ** 2)) / size),                                   # Eq. (S2)
-            "phase": _shift(x, y, grid, reference)}
+    # Eq. (S1)
+    return {
+        "amplitude": float(np.ptp(values) / size),
+        # Eq. (S2)
+        "rms": float(np.sqrt(np.mean((values - reference) ** 2)) / size),
+        "phase": _shift(x, y, grid, reference),
+    }
 
 
 def _shift(x, y, grid, reference):
@@ -59,11 +65,14 @@ def _shift(x, y, grid, reference):
         a, b = np.interp(grid[known] + shift, x, y), reference[known]
         return float(np.mean((a - a.mean() - b + b.mean()) ** 2))
 
-    found = np.array([misfit(shift) for shift in shifts])                                                       # Eq. (S3)
+    # Eq. (S3)
+    found = np.array([misfit(shift) for shift in shifts])
     k = int(np.clip(found.argmin(), 1, len(shifts) - 2))
-    left, middle, right = found[k - 1:k + 2]
+    left, middle, right = found[k - 1 : k + 2]
     bend = left - 2 * middle + right
-    return float(shifts[k] + (0.5 * (left - right) / bend * (shifts[1] - shifts[0]) if bend > 0 else 0.0))
+    return float(
+        shifts[k] + (0.5 * (left - right) / bend * (shifts[1] - shifts[0]) if bend > 0 else 0.0)
+    )
 
 
 def read_measured(path):
@@ -83,8 +92,11 @@ def read_measured(path):
     """
     rows = list(csv.reader(Path(path).read_text().splitlines()))
     heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
-    faults = [f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]"
-              for k, head in enumerate(heads) if not head]
+    faults = [
+        f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]"
+        for k, head in enumerate(heads)
+        if not head
+    ]
     if faults or len(heads) < 2:
         raise BadInput(faults or f"{path}: needs a header and at least two columns")
     try:
@@ -104,7 +116,13 @@ def against_measured(runs, measured):
     for port, (y, y_unit) in columns:
         for label, results in runs.items():
             values, unit, _ = results.series(port)
-            rows.append((label, port, score(results.series(x_port)[0], values, x, y * _factor(y_unit, unit))))
+            rows.append(
+                (
+                    label,
+                    port,
+                    score(results.series(x_port)[0], values, x, y * _factor(y_unit, unit)),
+                )
+            )
     return rows
 
 
@@ -118,10 +136,15 @@ def _factor(unit, si):
 def against_first(runs, x_port, ports):
     """Scores of the second run and those after it against the first."""
     (_, first), *others = runs.items()
+
     def curve(results, port):
         return results.series(x_port)[0], results.series(port)[0]
 
-    return [(label, port, score(*curve(results, port), *curve(first, port))) for port in ports for label, results in others]
+    return [
+        (label, port, score(*curve(results, port), *curve(first, port)))
+        for port in ports
+        for label, results in others
+    ]
 
 
 def against_last_cycle(case, runs, x_port, ports, period):
@@ -140,13 +163,25 @@ def against_last_cycle(case, runs, x_port, ports, period):
 def draw_measured(runs, measured, path):
     """The measured points over the runs' curves, in the measured units."""
     (x_port, (x, x_unit)), *columns = measured.items()
-    figure, panels = plt.subplots(len(columns), 1, sharex=True, squeeze=False, layout="constrained",
-                                  figsize=(11, 1.2 + 2.6 * len(columns)))
+    figure, panels = plt.subplots(
+        len(columns),
+        1,
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+        figsize=(11, 1.2 + 2.6 * len(columns)),
+    )
     for panel, (port, (y, unit)) in zip(panels[:, 0], columns):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             curve_x, si_x, _ = results.series(x_port)
             curve_y, si_y, _ = results.series(port)
-            panel.plot(curve_x / _factor(x_unit, si_x), curve_y / _factor(unit, si_y), color=colour, lw=1.2, label=label)
+            panel.plot(
+                curve_x / _factor(x_unit, si_x),
+                curve_y / _factor(unit, si_y),
+                color=colour,
+                lw=1.2,
+                label=label,
+            )
         panel.plot(x, y, "o", ms=3, mfc="none", color="black", label="measured")
         panel.set_ylabel(f"{port.split('.')[1].replace('_', ' ')} [{unit}]")
         panel.grid(alpha=0.3)

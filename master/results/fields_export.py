@@ -1,4 +1,6 @@
-"""Recorded fields out of a results file: CSV, HDF5, or VTU for ParaView; whole, by line, by instant or at one grid point."""
+"""Recorded fields out of a results file: CSV, HDF5, or VTU for ParaView; whole, by line, by instant
+or at one grid point.
+"""
 
 import csv
 from dataclasses import dataclass, replace
@@ -42,16 +44,23 @@ def read_block(results, expression):
     Raises
     ------
     BadInput
-        For a field that is not recorded, shapes or (in a sum) units that differ, or "+" and "*" in one expression.
+        For a field that is not recorded, shapes or (in a sum) units that differ, or "+" and "*" in
+        one expression.
     """
     sign = "+" if "+" in expression else "*"
     ports = [part.strip() for part in expression.split(sign)]
-    groups = {owner: group for owner, group in results.file["fields"].items() if isinstance(group, h5py.Group)}
+    groups = {
+        owner: group
+        for owner, group in results.file["fields"].items()
+        if isinstance(group, h5py.Group)
+    }
     recorded = [f"{owner}.{name}" for owner, group in groups.items() for name in group]
     unknown = [port for port in ports if port not in recorded]
     if unknown:
-        raise BadInput(f"{', '.join(unknown)}: recorded are {', '.join(recorded)} (record.fields of the case); "
-                       "join them by + or *")
+        raise BadInput(
+            f"{', '.join(unknown)}: recorded are {', '.join(recorded)} (record.fields of the case); "
+            "join them by + or *"
+        )
     sets = [results.file["fields/" + port.replace(".", "/")] for port in ports]
     units = [dataset.attrs["unit"] for dataset in sets]
     if len({dataset.shape for dataset in sets}) > 1 or len(sets[0].shape) != 3:
@@ -66,18 +75,23 @@ def read_block(results, expression):
 
 
 def chosen(block, time=None, i=None, j=None):
-    """The part of a block at the instant nearest to `time` [s], on line i, on line j (1-based); None takes all."""
-    faults = [f"{axis} = {index}: the grid has 1 to {len(line)}" for axis, index, line in (("i", i, block.i), ("j", j, block.j))
-              if index is not None and not 1 <= index <= len(line)]
+    """The part of a block at the instant nearest to `time` [s], on line i, on line j (1-based);
+    None takes all.
+    """
+    faults = [
+        f"{axis} = {index}: the grid has 1 to {len(line)}"
+        for axis, index, line in (("i", i, block.i), ("j", j, block.j))
+        if index is not None and not 1 <= index <= len(line)
+    ]
     if faults:
         raise BadInput(faults)
     if time is not None:
         k = int(np.abs(block.times - time).argmin())
-        block = replace(block, times=block.times[k:k + 1], values=block.values[k:k + 1])
+        block = replace(block, times=block.times[k : k + 1], values=block.values[k : k + 1])
     if i is not None:
-        block = replace(block, i=block.i[i - 1:i], values=block.values[:, i - 1:i])
+        block = replace(block, i=block.i[i - 1 : i], values=block.values[:, i - 1 : i])
     if j is not None:
-        block = replace(block, j=block.j[j - 1:j], values=block.values[:, :, j - 1:j])
+        block = replace(block, j=block.j[j - 1 : j], values=block.values[:, :, j - 1 : j])
     return block
 
 
@@ -86,21 +100,30 @@ def write_csv(blocks, path):
     times, i, j = np.meshgrid(blocks[0].times, blocks[0].i, blocks[0].j, indexing="ij")
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["time [s]", "i", "j", *(f"{block.name} [{block.unit}]" for block in blocks)])
-        writer.writerows(zip(times.ravel(), i.ravel(), j.ravel(), *(block.values.ravel() for block in blocks)))
+        writer.writerow(
+            ["time [s]", "i", "j", *(f"{block.name} [{block.unit}]" for block in blocks)]
+        )
+        writer.writerows(
+            zip(times.ravel(), i.ravel(), j.ravel(), *(block.values.ravel() for block in blocks))
+        )
 
 
 def write_hdf5(blocks, path):
     """`time`, `i`, `j` and a dataset (instants, i, j) a quantity, with units."""
     with h5py.File(path, "w") as file:
-        for name, values, unit in (("time", blocks[0].times, "s"), ("i", blocks[0].i, "1"), ("j", blocks[0].j, "1"),
-                                   *((block.name, block.values, block.unit) for block in blocks)):
+        for name, values, unit in (
+            ("time", blocks[0].times, "s"),
+            ("i", blocks[0].i, "1"),
+            ("j", blocks[0].j, "1"),
+            *((block.name, block.values, block.unit) for block in blocks),
+        ):
             file[name] = values
             file[name].attrs["unit"] = unit
 
 
 def write_vtu(blocks, path, radius, length):
-    """A VTU file an instant, of quadrilateral cells on the cylinder of `radius` and `length` [m], and a .pvd file over them all.
+    """A VTU file an instant, of quadrilateral cells on the cylinder of `radius` and `length` [m],
+    and a .pvd file over them all.
 
     Index i runs around from +z towards +x, j along y. Returns the paths written.
     """
@@ -113,7 +136,9 @@ def write_vtu(blocks, path, radius, length):
     points = np.vstack([ring + [0, height, 0] for height in np.linspace(0, length, m + 1)])
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
-    cells = np.stack([b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1).reshape(-1, 4)
+    cells = np.stack(
+        [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
+    ).reshape(-1, 4)
     written, lines = [], []
     for k, time in enumerate(block.times):
         file = path.with_name(f"{path.stem}_{k:05d}.vtu")
@@ -122,6 +147,9 @@ def write_vtu(blocks, path, radius, length):
         written.append(file)
         lines.append(f'    <DataSet timestep="{float(time)!r}" file="{file.name}"/>')
     collection = path.with_suffix(".pvd")
-    collection.write_text('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
-                          + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n")
+    collection.write_text(
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+        + "\n".join(lines)
+        + "\n  </Collection>\n</VTKFile>\n"
+    )
     return [*written, collection]

@@ -1,4 +1,6 @@
-"""What a results file says in a few numbers: where extremes lie, whether they are in their window, the work in a loop."""
+"""What a results file says in a few numbers: where extremes lie, whether they are in their window,
+the work in a loop.
+"""
 
 import numpy as np
 
@@ -21,8 +23,18 @@ def extremes(case, results):
         if kind in ("min", "max"):
             values, unit, _ = results.series(port)
             k = int(np.argmin(values) if kind == "min" else np.argmax(values))
-            found.append({"name": f"{kind} {port}", "value": float(values[k]), "unit": unit, "time": float(results.time[k]),
-                          "monitor": {name: _at(results, entry.split()[1], k) for name, entry in case.monitor.items()}})
+            found.append(
+                {
+                    "name": f"{kind} {port}",
+                    "value": float(values[k]),
+                    "unit": unit,
+                    "time": float(results.time[k]),
+                    "monitor": {
+                        name: _at(results, entry.split()[1], k)
+                        for name, entry in case.monitor.items()
+                    },
+                }
+            )
     return found
 
 
@@ -32,18 +44,34 @@ def _at(results, port, k):
 
 
 def windows(case, results):
-    """Every entry of the case's window: name, value, unit, low, high (SI) and whether the value lies inside."""
+    """Every entry of the case's window: name, value, unit, low, high (SI) and whether the value
+    lies inside.
+    """
     rows = []
     for text, limits in case.window.items():
         kind, port = text.split()
         values, unit, _ = results.series(port)
-        value, (low, high) = float(REDUCTIONS[kind](values)), (to_si(limit, unit) for limit in limits)
-        rows.append({"name": text, "value": value, "unit": unit, "low": low, "high": high, "inside": low <= value <= high})
+        value, (low, high) = (
+            float(REDUCTIONS[kind](values)),
+            (to_si(limit, unit) for limit in limits),
+        )
+        rows.append(
+            {
+                "name": text,
+                "value": value,
+                "unit": unit,
+                "low": low,
+                "high": high,
+                "inside": low <= value <= high,
+            }
+        )
     return rows
 
 
 def angular_speed(case):
-    """Angular speed [rad/s] that the case gives for turning angles into times; None if it is in times."""
+    """Angular speed [rad/s] that the case gives for turning angles into times; None if it is in
+    times.
+    """
     if case.time.angular_speed is None:
         return None
     owner, name = case.time.angular_speed.split(".")
@@ -51,7 +79,9 @@ def angular_speed(case):
 
 
 def last_period(case, results, period):
-    """Mask of the rows in the last `period` (text: a time, or an angle if the case is in angles)."""
+    """Mask of the rows in the last `period` (text: a time, or an angle if the case is in
+    angles).
+    """
     speed = angular_speed(case)
     length = to_si(period, "s") if speed is None else to_si(period, "rad") / speed
     return results.time >= results.time[-1] - length * (1 + 1e-9)
@@ -73,6 +103,7 @@ def loop_work(case, results, loop):
     from ..fmi.quantities import pint_unit, registry
 
     x, x_unit, y, y_unit = loop_curve(case, results, loop)
-    work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))                                        # Eq. (J1)
+    # Eq. (J1)
+    work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))
     quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
     return float((quantity / registry().Quantity(loop.per)).to(loop.unit).magnitude)

@@ -1,4 +1,6 @@
-"""A report of one or several runs: one HTML page that needs nothing else, and its figures as PNG and SVG."""
+"""A report of one or several runs: one HTML page that needs nothing else, and its figures as PNG
+and SVG.
+"""
 
 import base64
 import hashlib
@@ -43,16 +45,35 @@ def write_report(case, runs, folder, notes="", studies=()):
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    pictures = [_save(figure, folder / Path(picture.file).stem, picture.title) for picture, figure in figures(case, runs)
-                if picture.kind != "map"]
-    pictures += [_save(draw_loop(case, runs, name), folder / f"loop_{name}", f"Loop: {name}") for name in case.report.loops]
-    health = _save(draw_health(runs), folder / "coupling", "Iterations, derivative products and residual of every macro step")
-    page = Environment(loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True).get_template("report.html").render(
-        case=case, runs=[judged(case, label, results) for label, results in runs.items()], pictures=pictures, health=health,
-        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"), notes=notes,
-        studies=[study_rows(path) for path in studies],
-        tree=json.dumps(next(iter(runs.values())).case, indent=1),
-        made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"))
+    pictures = [
+        _save(figure, folder / Path(picture.file).stem, picture.title)
+        for picture, figure in figures(case, runs)
+        if picture.kind != "map"
+    ]
+    pictures += [
+        _save(draw_loop(case, runs, name), folder / f"loop_{name}", f"Loop: {name}")
+        for name in case.report.loops
+    ]
+    health = _save(
+        draw_health(runs),
+        folder / "coupling",
+        "Iterations, derivative products and residual of every macro step",
+    )
+    page = (
+        Environment(loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True)
+        .get_template("report.html")
+        .render(
+            case=case,
+            runs=[judged(case, label, results) for label, results in runs.items()],
+            pictures=pictures,
+            health=health,
+            data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"),
+            notes=notes,
+            studies=[study_rows(path) for path in studies],
+            tree=json.dumps(next(iter(runs.values())).case, indent=1),
+            made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
+        )
+    )
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
@@ -78,13 +99,32 @@ def judged(case, label, results):
     summary = results.summary
     residual = results.series("coupling.residual")[0][1:]
     return {
-        "label": label, "summary": summary or {}, "finished": summary is not None,
-        "steps": len(residual), "worst_residual": float(residual.max(initial=0.0)),
-        "extremes": [{**e, "shown": words(e["value"], e["unit"]), "instant": short(e["time"], "s"),
-                      "monitor": {k: words(*v) for k, v in e["monitor"].items()}} for e in extremes(case, results)],
-        "windows": [{**w, **{k: words(w[k], w["unit"]) for k in ("value", "low", "high")}} for w in windows(case, results)],
-        "loops": {name: f"{loop_work(case, results, loop):.4g} {loop.unit}" for name, loop in case.report.loops.items()},
-        "versions": json.loads(results.file.attrs["versions"]), "file": results.path.name, "digest": digest(results.path)}
+        "label": label,
+        "summary": summary or {},
+        "finished": summary is not None,
+        "steps": len(residual),
+        "worst_residual": float(residual.max(initial=0.0)),
+        "extremes": [
+            {
+                **e,
+                "shown": words(e["value"], e["unit"]),
+                "instant": short(e["time"], "s"),
+                "monitor": {k: words(*v) for k, v in e["monitor"].items()},
+            }
+            for e in extremes(case, results)
+        ],
+        "windows": [
+            {**w, **{k: words(w[k], w["unit"]) for k in ("value", "low", "high")}}
+            for w in windows(case, results)
+        ],
+        "loops": {
+            name: f"{loop_work(case, results, loop):.4g} {loop.unit}"
+            for name, loop in case.report.loops.items()
+        },
+        "versions": json.loads(results.file.attrs["versions"]),
+        "file": results.path.name,
+        "digest": digest(results.path),
+    }
 
 
 def words(value, unit):
@@ -104,7 +144,11 @@ def _save(figure, stem, title):
     figure.savefig(text, format="svg")
     stem.with_suffix(".svg").write_text(text.getvalue())
     plt.close(figure)
-    return {"title": title, "address": "data:image/svg+xml;base64," + base64.b64encode(text.getvalue().encode()).decode()}
+    return {
+        "title": title,
+        "address": "data:image/svg+xml;base64,"
+        + base64.b64encode(text.getvalue().encode()).decode(),
+    }
 
 
 def draw_loop(case, runs, name):
@@ -113,9 +157,18 @@ def draw_loop(case, runs, name):
     figure, panel = plt.subplots(figsize=(7, 4.5), layout="constrained")
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         x, x_unit, y, y_unit = loop_curve(case, results, loop)
-        panel.plot(x, y, color=colour, lw=1.2, label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}")
+        panel.plot(
+            x,
+            y,
+            color=colour,
+            lw=1.2,
+            label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}",
+        )
     panel.set_xlabel(f"{loop.x.split('.')[1].replace('_', ' ')} [{x_unit}]")
-    panel.set_ylabel(" + ".join(port.split(".")[1].replace("_", " ") for port in loop.y) + f" [{y_unit}]", fontsize="small")
+    panel.set_ylabel(
+        " + ".join(port.split(".")[1].replace("_", " ") for port in loop.y) + f" [{y_unit}]",
+        fontsize="small",
+    )
     panel.grid(alpha=0.3)
     panel.legend(frameon=False)
     return figure
@@ -127,8 +180,15 @@ def draw_health(runs):
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         for panel, name in zip(panels, names):
-            panel.plot(results.time[1:] * 1e3, results.series(f"coupling.{name}")[0][1:], ".", ms=2, color=colour, label=label,
-                       rasterized=True)
+            panel.plot(
+                results.time[1:] * 1e3,
+                results.series(f"coupling.{name}")[0][1:],
+                ".",
+                ms=2,
+                color=colour,
+                label=label,
+                rasterized=True,
+            )
     for panel, name in zip(panels, names):
         panel.set_ylabel(name.replace("_", " "))
         panel.grid(alpha=0.3)
@@ -141,19 +201,36 @@ def draw_health(runs):
 
 
 def moving_data(case, runs):
-    """What the page's script draws: instants with their monitor words, field frames, the moving body, a colour table."""
+    """What the page's script draws: instants with their monitor words, field frames, the moving
+    body, a colour table.
+    """
     first = next(iter(runs.values()))
     stored = first.file["fields/time"][:]
-    instants = stored[np.unique(np.linspace(0, len(stored) - 1, min(FRAMES, len(stored))).round().astype(int))]
+    instants = stored[
+        np.unique(np.linspace(0, len(stored) - 1, min(FRAMES, len(stored))).round().astype(int))
+    ]
     rows = np.searchsorted(first.time, instants - 1e-12)
-    words = ["  ".join([f"t = {short(float(first.time[k]), 's')}"] + [f"{name} {short(*_pair(first, text, k))}" for name, text
-             in case.monitor.items()]) for k in rows]
+    words = [
+        "  ".join(
+            [f"t = {short(float(first.time[k]), 's')}"]
+            + [f"{name} {short(*_pair(first, text, k))}" for name, text in case.monitor.items()]
+        )
+        for k in rows
+    ]
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    ports = [port for port in case.record.fields if len(first.file["fields/" + port.replace(".", "/")].shape) == 3]
+    ports = [
+        port
+        for port in case.record.fields
+        if len(first.file["fields/" + port.replace(".", "/")].shape) == 3
+    ]
     colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 256))[:, :3] * 255).astype(int).tolist()
-    return {"words": words, "labels": list(runs), "colours": colours,
-            "fields": [field_frames(port, runs, instants, units.get(port)) for port in ports],
-            "motion": motion_frames(case.report.motion, runs, instants) if case.report.motion else None}
+    return {
+        "words": words,
+        "labels": list(runs),
+        "colours": colours,
+        "fields": [field_frames(port, runs, instants, units.get(port)) for port in ports],
+        "motion": motion_frames(case.report.motion, runs, instants) if case.report.motion else None,
+    }
 
 
 def _pair(results, text, k):
@@ -162,27 +239,48 @@ def _pair(results, text, k):
 
 
 def field_frames(port, runs, instants, wanted):
-    """Frames of a field at the instants for every run: 16-bit whole numbers over one common range, packed as base64."""
+    """Frames of a field at the instants for every run: 16-bit whole numbers over one common range,
+    packed as base64.
+    """
     stacks = []
     for results in runs.values():
-        dataset, stored = results.file["fields/" + port.replace(".", "/")], results.file["fields/time"][:]
+        dataset, stored = (
+            results.file["fields/" + port.replace(".", "/")],
+            results.file["fields/time"][:],
+        )
         nearest = np.abs(stored[None, :] - instants[:, None]).argmin(axis=1)
         values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
         stacks.append(values)
     low, high = min(float(s.min()) for s in stacks), max(float(s.max()) for s in stacks)
     levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
-    return {"name": port.split(".")[1].replace("_", " "), "unit": unit, "low": low, "high": high,
-            "shape": list(stacks[0].shape[1:]), "frames": [base64.b64encode(level.tobytes()).decode() for level in levels]}
+    return {
+        "name": port.split(".")[1].replace("_", " "),
+        "unit": unit,
+        "low": low,
+        "high": high,
+        "shape": list(stacks[0].shape[1:]),
+        "frames": [base64.b64encode(level.tobytes()).decode() for level in levels],
+    }
 
 
 def motion_frames(motion, runs, instants):
     """Outline, lines and the three motions at the instants, in SI."""
+
     def point(pair):
         return [to_si(text, "m") for text in pair]
 
     tracks = []
     for results in runs.values():
         rows = np.searchsorted(results.time, instants - 1e-12)
-        tracks.append({key: results.series(getattr(motion, key))[0][rows].tolist() for key in ("across", "along", "rotation")})
-    return {"outline": [point(p) for p in motion.outline], "lines": [[point(p) for p in line] for line in motion.lines],
-            "exaggeration": motion.exaggeration, "tracks": tracks}
+        tracks.append(
+            {
+                key: results.series(getattr(motion, key))[0][rows].tolist()
+                for key in ("across", "along", "rotation")
+            }
+        )
+    return {
+        "outline": [point(p) for p in motion.outline],
+        "lines": [[point(p) for p in line] for line in motion.lines],
+        "exaggeration": motion.exaggeration,
+        "tracks": tracks,
+    }

@@ -1,6 +1,8 @@
-"""Lubrication models side by side on one case: what they make of film, load and friction, and what they cost.
+"""Lubrication models side by side on one case: what they make of film, load and friction, and what
+they cost.
 
-The measures need nothing but the fields of the contract, so that any two lubrication FMUs can be held against each other.
+The measures need nothing but the fields of the contract, so that any two lubrication FMUs can be
+held against each other.
 """
 
 from pathlib import Path
@@ -11,8 +13,16 @@ import numpy as np
 from ..case.contract import contract, swap
 from .pictures import PALETTE
 
-MEASURES = {"thinnest film": "um", "film, rms distance": "um", "load, mean": "N", "friction force, mean size": "N",
-            "friction power, mean": "W", "iterations a step, mean": "", "iterations a step, most": "", "wall time": "s"}
+MEASURES = {
+    "thinnest film": "um",
+    "film, rms distance": "um",
+    "load, mean": "N",
+    "friction force, mean size": "N",
+    "friction power, mean": "W",
+    "iterations a step, mean": "",
+    "iterations a step, most": "",
+    "wall time": "s",
+}
 
 
 def rival_trees(tree, models):
@@ -42,19 +52,27 @@ def rival_trees(tree, models):
         else:
             own = tree["participants"][name]
             parameters = own.get("parameters", {}) | {"cavitation_model": model}
-            trees[model] = tree | {"participants": tree["participants"] | {name: own | {"parameters": parameters}}}
+            trees[model] = tree | {
+                "participants": tree["participants"] | {name: own | {"parameters": parameters}}
+            }
     for label, each in trees.items():
         record = each.get("record", {})
         fields = list(dict.fromkeys([*record.get("fields", []), *ports().values()]))
-        trees[label] = each | {"record": record | {"fields": fields, "every": 1}}  # halved steps would shift every n-th row
+        # halved steps would shift every n-th row
+        trees[label] = each | {"record": record | {"fields": fields, "every": 1}}
     return trees, common, left_out
 
 
 def ports():
-    """The fields that cross the interface: name in the contract -> participant.name, as the side that gives it records it."""
+    """The fields that cross the interface: name in the contract -> participant.name, as the side
+    that gives it records it.
+    """
     terms = contract()
-    return {field: f"{role['participant']}.{field}" for role in (terms["bodies"], terms["lubrication"])
-            for field in role["outputs"]["field"]}
+    return {
+        field: f"{role['participant']}.{field}"
+        for role in (terms["bodies"], terms["lubrication"])
+        for field in role["outputs"]["field"]
+    }
 
 
 def curves(results):
@@ -65,20 +83,30 @@ def curves(results):
     Returns
     -------
     dict
-        time [s], shape (n,); film [m], shape (n, n_c, n_a); thinnest [m], load [N], friction [N], power [W], shape (n,); V is
-        the sliding velocity [m/s], F_p and F_f are the nodal forces [N].
+        time [s], shape (n,); film [m], shape (n, n_c, n_a); thinnest [m], load [N], friction [N],
+        power [W], shape (n,); V is the sliding velocity [m/s], F_p and F_f are the nodal forces
+        [N].
     """
+
     def field(name):
         return results.file["fields/" + ports()[name].replace(".", "/")][:]
 
     film, friction = field("film_thickness"), field("nodal_friction_force")
-    return {"time": results.file["fields/time"][:], "film": film, "thinnest": film.min(axis=(1, 2)),            # Eq. (V1)
-            "load": field("nodal_pressure_force").sum(axis=(1, 2)), "friction": friction.sum(axis=(1, 2)),
-            "power": -(friction * field("sliding_velocity")).sum(axis=(1, 2))}
+    # Eq. (V1)
+    return {
+        "time": results.file["fields/time"][:],
+        "film": film,
+        "thinnest": film.min(axis=(1, 2)),
+        "load": field("nodal_pressure_force").sum(axis=(1, 2)),
+        "friction": friction.sum(axis=(1, 2)),
+        "power": -(friction * field("sliding_velocity")).sum(axis=(1, 2)),
+    }
 
 
 def distance(one, first):
-    """Instants that both recorded [s], and there the root mean square difference of two films over the cells [m]."""
+    """Instants that both recorded [s], and there the root mean square difference of two films over
+    the cells [m].
+    """
     shared, here, there = np.intersect1d(one["time"], first["time"], return_indices=True)
     return shared, np.sqrt(np.mean((one["film"][here] - first["film"][there]) ** 2, axis=(1, 2)))
 
@@ -89,7 +117,8 @@ def measures(found, summaries):
     Parameters
     ----------
     found, summaries : dict
-        By model: `curves` and the summary of its run; the first is what the others are held against.
+        By model: `curves` and the summary of its run; the first is what the others are held
+        against.
 
     Returns
     -------
@@ -97,13 +126,24 @@ def measures(found, summaries):
         By model, in the order of `MEASURES`.
     """
     first = next(iter(found.values()))
-    return {label: [1e6 * c["thinnest"].min(), 1e6 * np.sqrt(np.mean(distance(c, first)[1] ** 2)), c["load"].mean(),
-                    np.abs(c["friction"]).mean(), c["power"].mean(), summaries[label]["mean_iterations"],
-                    summaries[label]["max_iterations"], summaries[label]["wall_time_s"]] for label, c in found.items()}
+    return {
+        label: [
+            1e6 * c["thinnest"].min(),
+            1e6 * np.sqrt(np.mean(distance(c, first)[1] ** 2)),
+            c["load"].mean(),
+            np.abs(c["friction"]).mean(),
+            c["power"].mean(),
+            summaries[label]["mean_iterations"],
+            summaries[label]["max_iterations"],
+            summaries[label]["wall_time_s"],
+        ]
+        for label, c in found.items()
+    }
 
 
 def draw_rivals(found, iterations, path):
-    """Thinnest film, distance from the first film, load, friction and iterations over time, all models in each panel.
+    """Thinnest film, distance from the first film, load, friction and iterations over time, all
+    models in each panel.
 
     Parameters
     ----------
@@ -114,13 +154,25 @@ def draw_rivals(found, iterations, path):
     path : Path
         The PNG file.
     """
-    labels = ("thinnest film [um]", "distance from the\nfirst film, rms [um]", "load [N]", "friction force [N]", "iterations")
-    figure, panels = plt.subplots(len(labels), 1, sharex=True, layout="constrained", figsize=(11, 2.0 * len(labels)))
+    labels = (
+        "thinnest film [um]",
+        "distance from the\nfirst film, rms [um]",
+        "load [N]",
+        "friction force [N]",
+        "iterations",
+    )
+    figure, panels = plt.subplots(
+        len(labels), 1, sharex=True, layout="constrained", figsize=(11, 2.0 * len(labels))
+    )
     first = next(iter(found.values()))
     for colour, (label, c) in zip(PALETTE, found.items()):
         shared, apart = distance(c, first)
-        for panel, time, values in ((panels[0], c["time"], 1e6 * c["thinnest"]), (panels[1], shared, 1e6 * apart),
-                                    (panels[2], c["time"], c["load"]), (panels[3], c["time"], c["friction"])):
+        for panel, time, values in (
+            (panels[0], c["time"], 1e6 * c["thinnest"]),
+            (panels[1], shared, 1e6 * apart),
+            (panels[2], c["time"], c["load"]),
+            (panels[3], c["time"], c["friction"]),
+        ):
             panel.plot(1e3 * time, values, color=colour, lw=1.2, label=label)
         time, steps = iterations[label]
         panels[-1].plot(1e3 * time[1:], steps[1:], color=colour, lw=0.9, label=label)

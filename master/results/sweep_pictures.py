@@ -1,4 +1,6 @@
-"""Pictures of a sweep: every summary entry of the case over the first axis, a curve for each combination of the others."""
+"""Pictures of a sweep: every summary entry of the case over the first axis, a curve for each
+combination of the others.
+"""
 
 import matplotlib.pyplot as plt
 
@@ -37,22 +39,37 @@ def draw_sweep(rows, axes, entries, path):
     done = [row for row in rows if row["status"] == "done"]
     entries = [entry for entry in entries if done]
     lines = max(1, -(-len(entries) // 2))
-    figure, panels = plt.subplots(lines, 2, squeeze=False, layout="constrained", figsize=(11, 1 + 2.6 * lines))
+    figure, panels = plt.subplots(
+        lines, 2, squeeze=False, layout="constrained", figsize=(11, 1 + 2.6 * lines)
+    )
     for panel, entry in zip(panels.flat, entries):
-        for k, key in enumerate(dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)):
+        for k, key in enumerate(
+            dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)
+        ):
             chosen = [row for row in done if tuple(str(row[name]) for name in others) == key]
             places = [magnitude(row[first.name]) for row in chosen]
             named = None in places
-            panel.plot(range(len(chosen)) if named else places, [row[entry] for row in chosen], "o-", ms=4, lw=1.2,
-                       color=PALETTE[k % len(PALETTE)], label=", ".join(key))
+            panel.plot(
+                range(len(chosen)) if named else places,
+                [row[entry] for row in chosen],
+                "o-",
+                ms=4,
+                lw=1.2,
+                color=PALETTE[k % len(PALETTE)],
+                label=", ".join(key),
+            )
             if named:
-                panel.set_xticks(range(len(chosen)), [str(row[first.name]) for row in chosen], fontsize="small")
+                panel.set_xticks(
+                    range(len(chosen)), [str(row[first.name]) for row in chosen], fontsize="small"
+                )
         panel.set_title(entry, fontsize="small")
         panel.grid(alpha=0.3)
     for panel in panels[-1]:
         panel.set_xlabel(_heading(first))
     if others and len(entries):
-        panels[0, 0].legend(title=", ".join(name.split(".")[-1] for name in others), fontsize="small", frameon=False)
+        panels[0, 0].legend(
+            title=", ".join(name.split(".")[-1] for name in others), fontsize="small", frameon=False
+        )
     figure.savefig(path, dpi=130)
     plt.close(figure)
     return path
@@ -60,7 +77,11 @@ def draw_sweep(rows, axes, entries, path):
 
 def _heading(axis):
     try:
-        unit = f"{registry().Quantity(axis.values[0]).units:~P}" if isinstance(axis.values[0], str) else ""
+        unit = (
+            f"{registry().Quantity(axis.values[0]).units:~P}"
+            if isinstance(axis.values[0], str)
+            else ""
+        )
     except Exception:
         unit = ""
     name = axis.name.split(".")[-1].replace("_", " ")

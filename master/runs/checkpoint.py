@@ -1,4 +1,6 @@
-"""Checkpoint of a run: enough to go on in a new process with the same bits, never damaged by a crash."""
+"""Checkpoint of a run: enough to go on in a new process with the same bits, never damaged by a
+crash.
+"""
 
 import os
 import pickle
@@ -9,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
-from ..fmi.errors import BadInput
 from ..coupling.stepping import Counters
 from ..coupling.work import WorkBalance
+from ..fmi.errors import BadInput
 
 
 class Interrupted(RuntimeError):
@@ -33,8 +35,9 @@ def kept(output):
 class Account:
     """What a run has brought and taken so far: all that its summary is made of.
 
-    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went into; steps_done : macro
-    steps of the case; rows : of the results file, and wall_time [s], both as of the last checkpoint.
+    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went
+    into; steps_done : macro steps of the case; rows : of the results file, and wall_time [s], both
+    as of the last checkpoint.
     """
 
     counters: Counters
@@ -50,7 +53,8 @@ class Account:
 class Checkpoint:
     """State of a run after a macro step.
 
-    tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor, method (see `freezing`).
+    tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor,
+    method (see `freezing`).
     """
 
     tree: dict
@@ -60,7 +64,9 @@ class Checkpoint:
 
     @staticmethod
     def path(output):
-        """Where the checkpoint of a results file lies; none is written if a participant cannot serialise its state."""
+        """Where the checkpoint of a results file lies; none is written if a participant cannot
+        serialise its state.
+        """
         return Path(f"{output}.checkpoint")
 
     def write(self, output):
@@ -75,7 +81,9 @@ class Checkpoint:
 
     @staticmethod
     def read(path):
-        """The checkpoint in a file; only files of your own making: reading one can run code. BadInput if it is none."""
+        """The checkpoint in a file; only files of your own making: reading one can run code.
+        BadInput if it is none.
+        """
         try:
             with open(path, "rb") as file:
                 found = pickle.load(file)
@@ -88,7 +96,9 @@ class Checkpoint:
 
 @contextmanager
 def listening():
-    """SIGINT and SIGTERM are noted in `.signal` instead of ending the process, so that the macro step can end."""
+    """SIGINT and SIGTERM are noted in `.signal` instead of ending the process, so that the macro
+    step can end.
+    """
     heard = SimpleNamespace(signal=None)
     if threading.current_thread() is not threading.main_thread():
         yield heard

@@ -8,14 +8,15 @@ from rich.table import Column, Table
 
 from ..fmi.quantities import short
 
-
 REFRESH = 0.2
 """Seconds from one progress line to the next: units of handy size take a millisecond to find."""
 
 
 @contextmanager
 def watching(console, label):
-    """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step was done."""
+    """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step
+    was done.
+    """
     name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
     columns = (name, BarColumn(8), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:

@@ -1,4 +1,5 @@
-"""Two text tables beside the results, in the manner of preCICE: what every macro step took, and how every iteration fared.
+"""Two text tables beside the results, in the manner of preCICE: what every macro step took, and how
+every iteration fared.
 
 <label>-iterations.log    a line for each attempt at a macro step, failed ones with Converged = 0 and why
 <label>-convergence.log   a line for each sweep: residual / tolerance of every wire, converged where all are 1 or less
@@ -20,7 +21,8 @@ class CouplingLog:
         Results file.
     connections : sequence of Connection
     counters : Counters
-        Of the run so far: what its tables hold beyond that was written by an interrupted run after its checkpoint, and goes.
+        Of the run so far: what its tables hold beyond that was written by an interrupted run after
+        its checkpoint, and goes.
     """
 
     def __init__(self, output, connections, counters):
@@ -29,21 +31,31 @@ class CouplingLog:
         wires = [f"{c.target[0]}.{c.target[1]}" for c in connections]
         self.widths = [max(12, len(wire)) for wire in wires]
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
-        self.convergence = _table(log_path(output, "convergence"), self._line("Window", "Iteration", wires), windows)
+        self.convergence = _table(
+            log_path(output, "convergence"), self._line("Window", "Iteration", wires), windows
+        )
 
     def _line(self, window, iteration, cells):
-        return f"{window:>6} {iteration:>9} " + " ".join(f"{cell:>{width}}" for cell, width in zip(cells, self.widths))
+        return f"{window:>6} {iteration:>9} " + " ".join(
+            f"{cell:>{width}}" for cell, width in zip(cells, self.widths)
+        )
 
     def attempt(self, time, step, trail, failure):
         """Note an attempt at the macro step from `time` over `step` [s].
 
-        trail : residual / tolerance of every wire, by sweep; failure : why it failed, None if it converged.
+        trail : residual / tolerance of every wire, by sweep; failure : why it failed, None if it
+        converged.
         """
         self.total += len(trail)
         window = self.windows + 1
         for k, shares in enumerate(trail):
-            print(self._line(window, k + 1, [f"{share:.4e}" for share in shares]), file=self.convergence)
-        line = ATTEMPT.format(window, repr(time), repr(step), len(trail), self.total, int(failure is None))
+            print(
+                self._line(window, k + 1, [f"{share:.4e}" for share in shares]),
+                file=self.convergence,
+            )
+        line = ATTEMPT.format(
+            window, repr(time), repr(step), len(trail), self.total, int(failure is None)
+        )
         print(f"{line}  {failure}" if failure else line, file=self.iterations)
         self.windows += failure is None
 
@@ -60,10 +72,14 @@ def log_path(output, kind):
 
 
 def _table(path, header, windows):
-    """The table, open for appending: its first `windows` windows if there are any, else a new header."""
+    """The table, open for appending: its first `windows` windows if there are any, else a new
+    header.
+    """
     lines = [header + "\n"]
     if windows and path.exists():
-        head, *rows = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]   # finished lines
+        head, *rows = [
+            line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")
+        ]  # finished lines
         lines = [head, *(row for row in rows if int(row.split()[0]) <= windows)]
     path.write_text("".join(lines))
     return open(path, "a", buffering=1)

@@ -1,4 +1,5 @@
-"""Results file: HDF5 with units, the resolved case inside, readable up to the last step whatever happens to the run.
+"""Results file: HDF5 with units, the resolved case inside, readable up to the last step whatever
+happens to the run.
 
 Layout
     /                       attributes: title, case (resolved TOML tree as JSON), versions, summary (JSON, when finished)
@@ -16,7 +17,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-
 
 ROOM = 2**18
 """Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
@@ -61,11 +61,19 @@ class Recorder:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
-        reserve(fresh, ROOM + taken_over)       # a full disk is found here: a write that fails is more than HDF5 can cope with
+        reserve(
+            fresh, ROOM + taken_over
+        )  # a full disk is found here: a write that fails is more than HDF5 can cope with
         self.file = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
-        self.scalars = {name: [f for f in p.fields.values() if f.causality == "output" and not f.shape and f.type != "String"]
-                        for name, p in participants.items()}
+        self.scalars = {
+            name: [
+                f
+                for f in p.fields.values()
+                if f.causality == "output" and not f.shape and f.type != "String"
+            ]
+            for name, p in participants.items()
+        }
         self.rows = rows
         self._make_datasets()
         self._waiting, self._reserved, self._need = {}, 0, ROOM + self._largest_growth()
@@ -80,8 +88,11 @@ class Recorder:
         for name, fields in self.scalars.items():
             for field in fields:
                 self._series(f"{name}/{field.name}", field.unit, field.description)
-        for name, text in (("iterations", "sweeps of the macro step"), ("derivative_products", "directional derivatives"),
-                           ("residual", "largest residual / tolerance of the accepted step")):
+        for name, text in (
+            ("iterations", "sweeps of the macro step"),
+            ("derivative_products", "directional derivatives"),
+            ("residual", "largest residual / tolerance of the accepted step"),
+        ):
             self._series(f"coupling/{name}", "1", text)
         self._series("fields/time", "s", "instants of the recorded fields")
         for port in self.record.fields:
@@ -91,12 +102,20 @@ class Recorder:
 
     def _series(self, name, unit, description, shape=()):
         chunk = (1, *shape) if shape else (1024,)
-        dataset = self.file.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=float, chunks=chunk,
-                                           compression="lzf" if shape else None)
+        dataset = self.file.create_dataset(
+            name,
+            (0, *shape),
+            maxshape=(None, *shape),
+            dtype=float,
+            chunks=chunk,
+            compression="lzf" if shape else None,
+        )
         dataset.attrs.update({"unit": unit, "description": description})
 
     def _take_over(self):
-        """Copy the first rows of the interrupted run; its file may lack the mark of having been closed."""
+        """Copy the first rows of the interrupted run; its file may lack the mark of having been
+        closed.
+        """
         with h5py.File(self.partial, "r", libver="latest", swmr=True) as old:
             instants = -(-self.rows // self.record.every)
 
@@ -109,35 +128,51 @@ class Recorder:
             self.file.visititems(copy)
 
     def _largest_growth(self):
-        """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each series."""
+        """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each
+        series.
+        """
         datasets = []
-        self.file.visititems(lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None)
+        self.file.visititems(
+            lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None
+        )
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
-        return sum(count * item.dtype.itemsize * int(np.prod(item.chunks)) for count, item in zip(waiting, datasets))
+        return sum(
+            count * item.dtype.itemsize * int(np.prod(item.chunks))
+            for count, item in zip(waiting, datasets)
+        )
 
     def _reserve(self, path, more=0):
-        """Take room for what comes next, and `more` bytes, before HDF5 needs it: after a failed write it cannot even close."""
+        """Take room for what comes next, and `more` bytes, before HDF5 needs it: after a failed
+        write it cannot even close.
+        """
         end = self.file.id.get_filesize() + self._need + more
         if end > self._reserved:
             self._reserved = end + self._need
             reserve(path, self._reserved)
 
     def flush(self):
-        """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time are lost then."""
+        """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time
+        are lost then.
+        """
         waiting, self._waiting = self._waiting, {}
         self._reserve(self.partial)
         for name, rows in waiting.items():
             dataset = self.file[name]
             dataset.resize(dataset.shape[0] + len(rows), axis=0)
-            dataset[-len(rows):] = rows
+            dataset[-len(rows) :] = rows
         self.file.flush()
 
     def _append(self, name, value):
         self._waiting.setdefault(name, []).append(value)
 
     def write(self, time, solution=None):
-        """Add a row for `time` [s] from the participants' outputs as they are now; it waits in memory for the next `flush`."""
-        values = {name: self.participants[name].get_many([f.name for f in fields]) for name, fields in self.scalars.items()}
+        """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
+        memory for the next `flush`.
+        """
+        values = {
+            name: self.participants[name].get_many([f.name for f in fields])
+            for name, fields in self.scalars.items()
+        }
         self._append("time", time)
         for name, row in values.items():
             for key, value in row.items():

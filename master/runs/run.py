@@ -1,4 +1,6 @@
-"""One run of an opened system from start to stop: march, record, checkpoint, and the summary of what it did."""
+"""One run of an opened system from start to stop: march, record, checkpoint, and the summary of
+what it did.
+"""
 
 import json
 import platform
@@ -9,18 +11,18 @@ from importlib.metadata import version
 
 import numpy as np
 
-from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
 from ..coupling.freezing import freeze, thaw
-from .logs import CouplingLog
 from ..coupling.methods import method_of
-from ..participants.fmi2 import ParticipantFault
-from .recorder import CannotWrite, Recorder, writing
-from ..participants.rollback import rollback_faults
 from ..coupling.step_control import step_control
-from ..coupling.stepping import Stepper, StepFailed
-from ..participants.timing import Timed, split
+from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import start
 from ..coupling.work import WorkBalance
+from ..participants.fmi2 import ParticipantFault
+from ..participants.rollback import rollback_faults
+from ..participants.timing import Timed, split
+from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
+from .logs import CouplingLog
+from .recorder import CannotWrite, Recorder, writing
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
@@ -49,15 +51,20 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Raises
     ------
     BadInput
-        If a participant refuses its parameters, or cannot go back to a saved state; nothing has been written then.
+        If a participant refuses its parameters, or cannot go back to a saved state; nothing has
+        been written then.
     StepFailed, ParticipantFault, CannotWrite
-        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the results up to there stay
-        in `<output>.partial`, and a note on the exception names the last checkpoint.
+        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the
+        results up to there stay in `<output>.partial`, and a note on the exception names the last
+        checkpoint.
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
     try:
-        start(system, (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step))
+        start(
+            system,
+            (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step),
+        )
         march = March(system, case, tree, output, watch, begin_at)
         try:
             return march.go()
@@ -72,25 +79,53 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
 
 
 class March:
-    """A run under way; see `run` for the arguments. What it has brought and taken so far is in `account`."""
+    """A run under way; see `run` for the arguments. What it has brought and taken so far is in
+    `account`.
+    """
 
     def __init__(self, system, case, tree, output, watch, begin_at):
-        self.system, self.case, self.tree, self.output, self.watch = system, case, tree, output, watch
+        self.system, self.case, self.tree, self.output, self.watch = (
+            system,
+            case,
+            tree,
+            output,
+            watch,
+        )
         spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
-        timed = replace(system, participants={name: Timed(p, spent) for name, p in system.participants.items()})
-        self.stepper = Stepper(timed, method_of(case.coupling), case.coupling.halvings, self.accepted, case.coupling.predictor,
-                               self.attempted, step_control(timed.connections, system.smallest_step))
+        timed = replace(
+            system, participants={name: Timed(p, spent) for name, p in system.participants.items()}
+        )
+        self.stepper = Stepper(
+            timed,
+            method_of(case.coupling),
+            case.coupling.halvings,
+            self.accepted,
+            case.coupling.predictor,
+            self.attempted,
+            step_control(timed.connections, system.smallest_step),
+        )
         if begin_at:
             thaw(self.stepper, begin_at.frozen)
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
         else:
-            Checkpoint.path(output).unlink(missing_ok=True)     # that of an older run, whose results give way to these
-            self.account = Account(self.stepper.counters, [Reduction(name, text) for name, text in case.summary.items()],
-                                   WorkBalance(self.stepper.interface, case.wires), spent)
+            Checkpoint.path(output).unlink(
+                missing_ok=True
+            )  # that of an older run, whose results give way to these
+            self.account = Account(
+                self.stepper.counters,
+                [Reduction(name, text) for name, text in case.summary.items()],
+                WorkBalance(self.stepper.interface, case.wires),
+                spent,
+            )
         self.begin = clock.perf_counter() - self.account.wall_time
         with writing(output):
-            self.recorder = Recorder(output, system.participants, case.record, {
-                "title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())}, self.account.rows)
+            self.recorder = Recorder(
+                output,
+                system.participants,
+                case.record,
+                {"title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())},
+                self.account.rows,
+            )
             self.log = CouplingLog(output, timed.connections, self.account.counters)
 
     def go(self):
@@ -137,7 +172,9 @@ class March:
         self.recorder.flush()
         self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
         with writing(Checkpoint.path(self.output)):
-            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(self.output)
+            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(
+                self.output
+            )
         self.account.spent["recording"] += clock.perf_counter() - begin
 
     def close(self):
@@ -176,13 +213,29 @@ def monitored(case, system, values):
 def summarise(account, control, wall_time):
     """The summary of a finished run; only `explicit` coupling accepts a step unconverged."""
     counters = account.counters
-    controlled = {"rejected_steps": counters.rejected_steps, "inaccurate_smallest_steps": control.at_smallest} if control else {}
-    return {"steps": counters.steps, "unconverged_steps": counters.unconverged_steps,
-            "halved_steps": counters.halved_steps, **controlled,
-            "mean_iterations": float(np.mean(counters.iterations)), "max_iterations": int(np.max(counters.iterations)),
-            "residual_evaluations": counters.residual_evaluations, "jacobian_evaluations": counters.jacobian_evaluations,
-            "derivative_products": counters.derivative_products, "wall_time_s": wall_time, **split(account.spent, wall_time),
-            **account.work.summary(), **{r.name: r.result() for r in account.reductions}}
+    controlled = (
+        {
+            "rejected_steps": counters.rejected_steps,
+            "inaccurate_smallest_steps": control.at_smallest,
+        }
+        if control
+        else {}
+    )
+    return {
+        "steps": counters.steps,
+        "unconverged_steps": counters.unconverged_steps,
+        "halved_steps": counters.halved_steps,
+        **controlled,
+        "mean_iterations": float(np.mean(counters.iterations)),
+        "max_iterations": int(np.max(counters.iterations)),
+        "residual_evaluations": counters.residual_evaluations,
+        "jacobian_evaluations": counters.jacobian_evaluations,
+        "derivative_products": counters.derivative_products,
+        "wall_time_s": wall_time,
+        **split(account.spent, wall_time),
+        **account.work.summary(),
+        **{r.name: r.result() for r in account.reductions},
+    }
 
 
 def versions():

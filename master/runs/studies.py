@@ -8,13 +8,19 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..case.schema import check_case, read_tree
-from ..results.compare import score
 from ..fmi.errors import BadInput
-from ..results.pictures import PALETTE, labelled, scaled
+from ..results.compare import score
 from ..results.file import Results
+from ..results.pictures import PALETTE, labelled, scaled
 from .sweep import Point
 
-COST = ("mean_iterations", "residual_evaluations", "jacobian_evaluations", "derivative_products", "wall_time_s")
+COST = (
+    "mean_iterations",
+    "residual_evaluations",
+    "jacobian_evaluations",
+    "derivative_products",
+    "wall_time_s",
+)
 
 
 def study_points(path, changes, name):
@@ -43,12 +49,16 @@ def study_points(path, changes, name):
 
 def open_points(found, rows, folder):
     """Results of the points that are done, by label."""
-    return {row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5")
-            for point, row in zip(found, rows) if row["status"] == "done"}
+    return {
+        row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5")
+        for point, row in zip(found, rows)
+        if row["status"] == "done"
+    }
 
 
 def study_table(study, case, rows, runs):
-    """A row a run: cost, the case's summary entries, and for every curve the rms difference to the reference over its range.
+    """A row a run: cost, the case's summary entries, and for every curve the rms difference to the
+    reference over its range.
 
     Raises
     ------
@@ -64,7 +74,9 @@ def study_table(study, case, rows, runs):
         entry = {key: row.get(key, "") for key in ("run", "status", *COST, *case.summary)}
         for port in study.curves if row["run"] in runs else ():
             results = runs[row["run"]]
-            entry[f"rms {port}"] = score(*_curve(results, study.x, port), *_curve(reference, study.x, port))["rms"]
+            entry[f"rms {port}"] = score(
+                *_curve(results, study.x, port), *_curve(reference, study.x, port)
+            )["rms"]
         table.append(entry)
     return table
 
@@ -77,15 +89,24 @@ def write_table(table, path):
     """CSV of rows that may lack columns."""
     names = list(dict.fromkeys(name for row in table for name in row))
     with open(path, "w", newline="") as file:
-        csv.writer(file).writerows([names] + [[row.get(name, "") for name in names] for row in table])
+        csv.writer(file).writerows(
+            [names] + [[row.get(name, "") for name in names] for row in table]
+        )
     return path
 
 
 def draw_study(study, case, table, runs, path):
     """Left the curves of all runs, right their rms distance from the reference."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    figure, panels = plt.subplots(len(study.curves), 2, squeeze=False, sharex="col", layout="constrained",
-                                  figsize=(13, 1 + 2.6 * len(study.curves)), width_ratios=(3, 1))
+    figure, panels = plt.subplots(
+        len(study.curves),
+        2,
+        squeeze=False,
+        sharex="col",
+        layout="constrained",
+        figsize=(13, 1 + 2.6 * len(study.curves)),
+        width_ratios=(3, 1),
+    )
     for (left, right), port in zip(panels, study.curves):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, x_unit = scaled(*results.series(study.x)[:2], units.get(study.x))
@@ -111,8 +132,14 @@ def draw_cost(title, table, path):
     """Bars of what each run has cost, a panel per counter, in the order of the study."""
     rows = [row for row in table if row.get(COST[0], "") != ""][::-1]
     counted = [key for key in COST if any(row[key] for row in rows)]
-    figure, panels = plt.subplots(1, len(counted), sharey=True, squeeze=False, layout="constrained",
-                                  figsize=(14, 1.2 + 0.32 * len(rows)))
+    figure, panels = plt.subplots(
+        1,
+        len(counted),
+        sharey=True,
+        squeeze=False,
+        layout="constrained",
+        figsize=(14, 1.2 + 0.32 * len(rows)),
+    )
     for panel, key, colour in zip(panels[0], counted, PALETTE):
         bars = panel.barh([row["run"] for row in rows], [row[key] for row in rows], color=colour)
         panel.bar_label(bars, fmt="{:,.4g}", padding=3, fontsize="small")

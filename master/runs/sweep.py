@@ -1,4 +1,6 @@
-"""Many runs of one case: axes over its keys, one row a run in one table, on local processes or any other executor."""
+"""Many runs of one case: axes over its keys, one row a run in one table, on local processes or any
+other executor.
+"""
 
 import csv
 import hashlib
@@ -32,7 +34,8 @@ class Axis:
 
 
 def parse_axis(text, tree):
-    """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined by "+".
+    """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined
+    by "+".
 
     A key may be given by its last part alone where one place of the case has it.
 
@@ -84,7 +87,9 @@ def _range(text, rest):
         first, last = ureg.Quantity(low), ureg.Quantity(high)
         points = np.linspace(first.magnitude, last.to(first.units).magnitude, number)
     except Exception:
-        raise BadInput(f"--vary {text!r}: write KEY=LOW..HIGH:COUNT, both ends in units of one kind") from None
+        raise BadInput(
+            f"--vary {text!r}: write KEY=LOW..HIGH:COUNT, both ends in units of one kind"
+        ) from None
     if number < 2:
         raise BadInput(f"--vary {text!r}: a range needs at least 2 values")
     return tuple(f"{value:.10g} {first.units:~}".replace("µ", "u").strip() for value in points)
@@ -92,7 +97,9 @@ def _range(text, rest):
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the content that bears on the run)."""
+    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the content
+    that bears on the run).
+    """
 
     values: dict
     tree: dict
@@ -127,14 +134,16 @@ def run_point(tree, case_folder, output):
     dict
         status ("done", "failed" or "bad input"), message, and the summary of a run that is done.
     """
+    from ..case.system import open_system
+    from ..coupling.stepping import StepFailed
     from ..participants.fmi2 import ParticipantFault
     from .run import run
-    from ..coupling.stepping import StepFailed
-    from ..case.system import open_system
 
     try:
         case = check_case(tree, case_folder)
-        return {"status": "done", "message": ""} | run(open_system(case, Path(case_folder), _silent), case, tree, Path(output))
+        return {"status": "done", "message": ""} | run(
+            open_system(case, Path(case_folder), _silent), case, tree, Path(output)
+        )
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except (StepFailed, ParticipantFault) as error:
@@ -154,7 +163,8 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
     case_folder : Path
         Where the case's files are.
     folder : Path
-        Rows and results go to `<folder>/runs`; what is there from an earlier sweep is taken, failed points included.
+        Rows and results go to `<folder>/runs`; what is there from an earlier sweep is taken, failed
+        points included.
     executor : concurrent.futures.Executor
         Runs the points; its processes must see the same folders.
     watch : callable(row, done, total)
@@ -168,8 +178,13 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
     runs.mkdir(parents=True, exist_ok=True)
     kept = {k: runs / f"{point.name}.json" for k, point in enumerate(found)}
     rows = {k: json.loads(path.read_text()) for k, path in kept.items() if path.exists()}
-    waiting = {executor.submit(run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())): k
-               for k, p in enumerate(found) if k not in rows}
+    waiting = {
+        executor.submit(
+            run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())
+        ): k
+        for k, p in enumerate(found)
+        if k not in rows
+    }
     for future in as_completed(waiting):
         k = waiting[future]
         rows[k] = _row(future)
@@ -183,11 +198,17 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
 def _row(future):
     """What the run answered; a process that died is a failed row too."""
     error = future.exception()
-    return future.result() if error is None else {"status": "failed", "message": f"{type(error).__name__}: {error}"}
+    return (
+        future.result()
+        if error is None
+        else {"status": "failed", "message": f"{type(error).__name__}: {error}"}
+    )
 
 
 def _write_table(path, found, rows):
-    records = [found[k].values | {"results": f"runs/{found[k].name}.h5"} | rows[k] for k in sorted(rows)]
+    records = [
+        found[k].values | {"results": f"runs/{found[k].name}.h5"} | rows[k] for k in sorted(rows)
+    ]
     names = list(dict.fromkeys(name for record in records for name in record))
     text = [names] + [[record.get(name, "") for name in names] for record in records]
     with open(f"{path}.new", "w", newline="") as file:
@@ -202,12 +223,16 @@ def _replace(path, text):
 
 
 def unfinished(found, folder):
-    """The points that have no row in `folder` yet. A row is known by the case's content, not by the code that made it."""
+    """The points that have no row in `folder` yet. A row is known by the case's content, not by the
+    code that made it.
+    """
     return [point for point in found if not (Path(folder) / "runs" / f"{point.name}.json").exists()]
 
 
 def build_all(found, case_folder, progress):
-    """Build every FMU the points need, each once, before processes race for it; faults are left to the rows."""
+    """Build every FMU the points need, each once, before processes race for it; faults are left to
+    the rows.
+    """
     tables = {}
     for point in found:
         for table in check_case(point.tree, case_folder).participants.values():
@@ -221,12 +246,16 @@ def build_all(found, case_folder, progress):
 
 
 def local_executor(workers):
-    """Processes of this machine, each started fresh: what an FMU loads in one is not seen by another."""
+    """Processes of this machine, each started fresh: what an FMU loads in one is not seen by
+    another.
+    """
     return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
 
 
 def dask_executor(address):
-    """An existing Dask cluster by its address; raises BadInput if dask is not installed or nobody answers."""
+    """An existing Dask cluster by its address; raises BadInput if dask is not installed or nobody
+    answers.
+    """
     try:
         from dask.distributed import Client
 
@@ -235,4 +264,3 @@ def dask_executor(address):
         raise BadInput("--dask: install dask[distributed] first") from None
     except OSError as error:
         raise BadInput(f"--dask {address}: {error}") from None
-

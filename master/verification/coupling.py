@@ -1,4 +1,6 @@
-"""Figures of the coupling methods, on whole runs through FMUs: rows for `piston-cosim verify master`."""
+"""Figures of the coupling methods, on whole runs through FMUs: rows for `piston-cosim verify
+master`.
+"""
 
 from functools import partial
 from pathlib import Path
@@ -7,26 +9,38 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ..case.schema import check_case, find_case, read_tree
+from ..case.system import open_system
+from ..coupling.stepping import StepFailed
 from ..results.compare import score
 from ..results.file import Results
 from ..runs.run import run
-from ..coupling.stepping import StepFailed
-from ..case.system import open_system
 
 
 def summary_of(name, *changes, look=lambda results: {}):
-    """Summary of a case run with changes (pairs of dotted key and value), and what `look` finds in its results."""
+    """Summary of a case run with changes (pairs of dotted key and value), and what `look` finds in
+    its results.
+    """
     path = find_case(name)
     tree = read_tree(path, changes)
     case = check_case(tree, path)
     with TemporaryDirectory() as folder:
         file = Path(folder) / "run.h5"
-        return run(open_system(case, path.parent, lambda text: None), case, tree, file) | look(Results(file))
+        return run(open_system(case, path.parent, lambda text: None), case, tree, file) | look(
+            Results(file)
+        )
 
 
 def at_most(case, quantity, computed, tolerance, source, reason):
-    return {"case": case, "quantity": quantity, "computed": computed, "reference": None, "tolerance": tolerance,
-            "kind": "at most", "source": source, "reason": reason}
+    return {
+        "case": case,
+        "quantity": quantity,
+        "computed": computed,
+        "reference": None,
+        "tolerance": tolerance,
+        "kind": "at most",
+        "source": source,
+        "reason": reason,
+    }
 
 
 def tube_iterations(*changes):
@@ -35,13 +49,30 @@ def tube_iterations(*changes):
 
 def checks():
     """Elastic tube with the settings of preCICE's tutorial, whose own log needs 846 iterations."""
-    yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations", tube_iterations(), 870, "preCICE's reference log: 846",
-                  "same method and settings; rounding alone (threads, last digits of the inflow) moves ours from 838 to 849")
-    yield at_most("Elastic tube, 100 windows", "IQN-ILS iterations, quadratic predictor",
-                  tube_iterations(("coupling.predictor", 2)), 700, "design target", "a better start saves iterations")
-    yield at_most("Elastic tube, 100 windows", "iterations with ageing secants",
-                  tube_iterations(("coupling.method", "iqn_ageing")), 846, "preCICE's reference log: 846",
-                  "secants that are trusted less the older they are need no filter")
+    yield at_most(
+        "Elastic tube, 100 windows",
+        "IQN-ILS iterations",
+        tube_iterations(),
+        870,
+        "preCICE's reference log: 846",
+        "same method and settings; rounding alone (threads, last digits of the inflow) moves ours from 838 to 849",
+    )
+    yield at_most(
+        "Elastic tube, 100 windows",
+        "IQN-ILS iterations, quadratic predictor",
+        tube_iterations(("coupling.predictor", 2)),
+        700,
+        "design target",
+        "a better start saves iterations",
+    )
+    yield at_most(
+        "Elastic tube, 100 windows",
+        "iterations with ageing secants",
+        tube_iterations(("coupling.method", "iqn_ageing")),
+        846,
+        "preCICE's reference log: 846",
+        "secants that are trusted less the older they are need no filter",
+    )
     yield from oscillator_checks()
 
 
@@ -50,70 +81,181 @@ def oscillator_error(interpolation, step):
 
     Eq. (O3):  u = (cos 2 pi t + cos 6 pi t)/2 of the left mass, (cos 2 pi t - cos 6 pi t)/2 of the right one
     """
+
     def error(results):
         slow, fast = (np.cos(2 * k * np.pi * results.time) / 2 for k in (1, 3))
-        exact = {"left": slow + fast, "right": slow - fast}                                             # Eq. (O3)
-        return {"error": max(np.max(np.abs(results.series(f"{name}.displacement")[0] - u)) for name, u in exact.items())}
+        exact = {"left": slow + fast, "right": slow - fast}  # Eq. (O3)
+        return {
+            "error": max(
+                np.max(np.abs(results.series(f"{name}.displacement")[0] - u))
+                for name, u in exact.items()
+            )
+        }
 
     changes = [(f"wires.{k}.interpolation", interpolation) for k in (0, 1)]
-    return summary_of("two_mass_oscillator", *changes, ("time.step", f"{step} s"), look=error)["error"]
+    return summary_of("two_mass_oscillator", *changes, ("time.step", f"{step} s"), look=error)[
+        "error"
+    ]
 
 
 def oscillator_checks():
-    """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to 0.005 s."""
+    """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to
+    0.005 s.
+    """
     source = "solution in closed form"
     for kind, order, reference, tolerance, reason in (
-            ("held", 1, 0.404, 0.01, "the reference holds inputs at the step's beginning, we at its end: equal to first order"),
-            ("linear", 2, 6.6e-3, 0.01, "two digits are given"), ("hermite", 4, 3.4e-6, 0.015, "two digits are given")):
+        (
+            "held",
+            1,
+            0.404,
+            0.01,
+            "the reference holds inputs at the step's beginning, we at its end: equal to first order",
+        ),
+        ("linear", 2, 6.6e-3, 0.01, "two digits are given"),
+        ("hermite", 4, 3.4e-6, 0.015, "two digits are given"),
+    ):
         coarse, fine = (oscillator_error(kind, step) for step in (0.01, 0.005))
-        common = {"case": "Two-mass oscillator", "source": source, "reference": reference, "computed": coarse}
-        yield common | {"quantity": f"largest error, inputs {kind}", "tolerance": tolerance, "kind": "relative", "reason": reason}
-        yield common | {"quantity": f"observed order, inputs {kind}", "reference": order,
-                        "computed": float(np.log2(coarse / fine)), "tolerance": 0.05, "kind": "absolute",
-                        "reason": "the next term of the error at these steps"}
+        common = {
+            "case": "Two-mass oscillator",
+            "source": source,
+            "reference": reference,
+            "computed": coarse,
+        }
+        yield common | {
+            "quantity": f"largest error, inputs {kind}",
+            "tolerance": tolerance,
+            "kind": "relative",
+            "reason": reason,
+        }
+        yield common | {
+            "quantity": f"observed order, inputs {kind}",
+            "reference": order,
+            "computed": float(np.log2(coarse / fine)),
+            "tolerance": 0.05,
+            "kind": "absolute",
+            "reason": "the next term of the error at these steps",
+        }
 
 
 def slow_checks():
-    """The numerical example whole, with derivatives and without, and the fired one with adaptive steps."""
-    yield at_most("Elastic tube, window 1", "plain Gauss-Seidel converges (1) or not (0)", plain_converges(), 0,
-                  "known to fail", "unrelaxed iteration diverges on this tube")
+    """The numerical example whole, with derivatives and without, and the fired one with adaptive
+    steps.
+    """
+    yield at_most(
+        "Elastic tube, window 1",
+        "plain Gauss-Seidel converges (1) or not (0)",
+        plain_converges(),
+        0,
+        "known to fail",
+        "unrelaxed iteration diverges on this tube",
+    )
     for modes in (0, 20, 200):
-        yield at_most(f"Numerical example, {modes} modes a body", "mean iterations",
-                      summary_of("numerical_example", *modes_a_body(modes))["mean_iterations"], 2.5, "design target",
-                      "iterations do not grow with modes")
+        yield at_most(
+            f"Numerical example, {modes} modes a body",
+            "mean iterations",
+            summary_of("numerical_example", *modes_a_body(modes))["mean_iterations"],
+            2.5,
+            "design target",
+            "iterations do not grow with modes",
+        )
     flexible = summary_of("numerical_example", look=films)
     case = "Numerical example, 60 modes a body"
-    yield at_most(case, "mean iterations", flexible["mean_iterations"], 2.5, "design target",
-                  "Newton: the second sweep of most steps is below the tolerance")
-    yield at_most(case, "largest mass imbalance", flexible["mass_imbalance_max"], 1e-12, "conservation", "round-off")
-    yield at_most(case, "interface work that both sides disagree on / exchanged", abs(flexible["interface_work_imbalance"]), 1e-6,
-                  "conservation", "films of some um agree to 1 nm")
-    yield at_most(case, "largest interface work error", flexible["interface_work_error_max"], 1e-10, "conservation", "round-off")
+    yield at_most(
+        case,
+        "mean iterations",
+        flexible["mean_iterations"],
+        2.5,
+        "design target",
+        "Newton: the second sweep of most steps is below the tolerance",
+    )
+    yield at_most(
+        case,
+        "largest mass imbalance",
+        flexible["mass_imbalance_max"],
+        1e-12,
+        "conservation",
+        "round-off",
+    )
+    yield at_most(
+        case,
+        "interface work that both sides disagree on / exchanged",
+        abs(flexible["interface_work_imbalance"]),
+        1e-6,
+        "conservation",
+        "films of some um agree to 1 nm",
+    )
+    yield at_most(
+        case,
+        "largest interface work error",
+        flexible["interface_work_error_max"],
+        1e-10,
+        "conservation",
+        "round-off",
+    )
     aged = summary_of("numerical_example", *WITHOUT_DERIVATIVES, look=films)
-    yield at_most(case, "steps without derivatives, unconverged", aged["unconverged_steps"], 0, "design target", "ageing secants")
-    yield at_most(case, "mean sweeps without derivatives, probes counted", aged["residual_evaluations"] / aged["steps"], 8.0,
-                  "design target", "ageing secants")
+    yield at_most(
+        case,
+        "steps without derivatives, unconverged",
+        aged["unconverged_steps"],
+        0,
+        "design target",
+        "ageing secants",
+    )
+    yield at_most(
+        case,
+        "mean sweeps without derivatives, probes counted",
+        aged["residual_evaluations"] / aged["steps"],
+        8.0,
+        "design target",
+        "ageing secants",
+    )
     apart = float(np.max(np.abs(aged["films"] - flexible["films"])))
-    yield at_most(case, "film, with against without derivatives [m]", apart, 1e-9, "the tolerance of the film",
-                  "both converge to it in every step")
+    yield at_most(
+        case,
+        "film, with against without derivatives [m]",
+        apart,
+        1e-9,
+        "the tolerance of the film",
+        "both converge to it in every step",
+    )
     yield from convergence_checks()
     yield from adaptive_checks()
 
 
 def convergence_checks():
-    """What the numerical example's grid, step, modes and tolerance are worth: rms distance from finer ones, first turn."""
+    """What the numerical example's grid, step, modes and tolerance are worth: rms distance from
+    finer ones, first turn.
+    """
     case = check_case(read_tree(path := find_case("numerical_example"), ()), path)
-    for name, standard, finer, share in (("grid", "40 x 40", "80 x 80", 0.05), ("step", "1 deg", "0.25 deg", 0.01),
-                                         ("modes", "pressure_modes 40", "pressure_modes 60", 0.01),
-                                         ("tolerance", "1 nm", "0.1 nm", 1e-6)):
+    for name, standard, finer, share in (
+        ("grid", "40 x 40", "80 x 80", 0.05),
+        ("step", "1 deg", "0.25 deg", 0.01),
+        ("modes", "pressure_modes 40", "pressure_modes 60", 0.01),
+        ("tolerance", "1 nm", "0.1 nm", 1e-6),
+    ):
         study = case.studies[name]
-        runs = [summary_of("numerical_example", *study.set.items(), *study.points[point].items(), ("time.stop", "360 deg"),
-                           look=lambda results: {port: [results.series(which)[0] for which in (study.x, port)]
-                                                 for port in study.curves}) for point in (standard, finer)]
+        runs = [
+            summary_of(
+                "numerical_example",
+                *study.set.items(),
+                *study.points[point].items(),
+                ("time.stop", "360 deg"),
+                look=lambda results: {
+                    port: [results.series(which)[0] for which in (study.x, port)]
+                    for port in study.curves
+                },
+            )
+            for point in (standard, finer)
+        ]
         for port in study.curves:
-            yield at_most(f"Numerical example, {name} {standard}", f"{port.split('.')[1]}: rms distance from {finer} / range",
-                          score(*runs[0][port], *runs[1][port])["rms"], share, "finer run",
-                          "first or second order, with a margin of two")
+            yield at_most(
+                f"Numerical example, {name} {standard}",
+                f"{port.split('.')[1]}: rms distance from {finer} / range",
+                score(*runs[0][port], *runs[1][port])["rms"],
+                share,
+                "finer run",
+                "first or second order, with a margin of two",
+            )
 
 
 def films(results):
@@ -122,33 +264,69 @@ def films(results):
 
 
 def adaptive_checks():
-    """The fired engine with steps by local error and in steps of 1 deg: each curve's error against steps of 0.125 deg.
+    """The fired engine with steps by local error and in steps of 1 deg: each curve's error against
+    steps of 0.125 deg.
 
-    From 30 deg on, because the start from rest rings elastic modes that no step resolves: in the first 5 deg the highest pressure
-    still differs by a quarter of its range between steps of 1/32 and 1/64 deg.
+    From 30 deg on, because the start from rest rings elastic modes that no step resolves: in the
+    first 5 deg the highest pressure still differs by a quarter of its range between steps of 1/32
+    and 1/64 deg.
     """
     case = check_case(read_tree(path := find_case("fired_motorcycle"), ()), path)
     study = case.studies["step"]
-    fine, fixed, adaptive = (summary_of("fired_motorcycle", *study.set.items(), *study.points[point].items(),
-                                        look=partial(curves, study.curves)) for point in (study.reference, "1 deg", "adaptive"))
+    fine, fixed, adaptive = (
+        summary_of(
+            "fired_motorcycle",
+            *study.set.items(),
+            *study.points[point].items(),
+            look=partial(curves, study.curves),
+        )
+        for point in (study.reference, "1 deg", "adaptive")
+    )
     case = "Fired engine, two cycles, steps by local error"
-    yield at_most(case, "macro steps / those of 1 deg", adaptive["steps"] / fixed["steps"], 0.5, "design target",
-                  "long steps between the slaps")
-    yield at_most(case, "sweeps, of rejected steps too / those of 1 deg",
-                  adaptive["residual_evaluations"] / fixed["residual_evaluations"], 1.0, "steps of 1 deg",
-                  "fewer steps cost less")
+    yield at_most(
+        case,
+        "macro steps / those of 1 deg",
+        adaptive["steps"] / fixed["steps"],
+        0.5,
+        "design target",
+        "long steps between the slaps",
+    )
+    yield at_most(
+        case,
+        "sweeps, of rejected steps too / those of 1 deg",
+        adaptive["residual_evaluations"] / fixed["residual_evaluations"],
+        1.0,
+        "steps of 1 deg",
+        "fewer steps cost less",
+    )
     ours, theirs = (distances(run, fine, fine["time"][-1] * 30 / 1440) for run in (adaptive, fixed))
-    worst = [max(errors[port][0] / np.ptp(fine["curves"][port]) for port in study.curves) for errors in (ours, theirs)]
-    yield at_most(case, "largest error of a curve over its range / that of 1 deg", worst[0] / worst[1], 1.0, "design target",
-                  "the same accuracy of the worst of all curves and instants")
+    worst = [
+        max(errors[port][0] / np.ptp(fine["curves"][port]) for port in study.curves)
+        for errors in (ours, theirs)
+    ]
+    yield at_most(
+        case,
+        "largest error of a curve over its range / that of 1 deg",
+        worst[0] / worst[1],
+        1.0,
+        "design target",
+        "the same accuracy of the worst of all curves and instants",
+    )
     for port in study.curves:
         for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port]):
-            yield at_most(case, f"{kind} error of {port.split('.')[1]} / that of 1 deg", own / other, 2.4**2,
-                          "steps of 0.125 deg", "second order: no step is longer than 2.4 deg")
+            yield at_most(
+                case,
+                f"{kind} error of {port.split('.')[1]} / that of 1 deg",
+                own / other,
+                2.4**2,
+                "steps of 0.125 deg",
+                "second order: no step is longer than 2.4 deg",
+            )
 
 
 def distances(run, fine, begin):
-    """Largest and root mean square difference of every curve from a finer run, at the run's own times from `begin` [s] on.
+    """Largest and root mean square difference of every curve from a finer run, at the run's own
+    times from `begin` [s] on.
 
     Eq. (V2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
     """
@@ -156,8 +334,10 @@ def distances(run, fine, begin):
     time, found = run["time"][late], {}
     for port, values in run["curves"].items():
         apart = values[late] - np.interp(time, fine["time"], fine["curves"][port])
-        mean_square = np.sum(np.diff(time) * (apart[1:]**2 + apart[:-1]**2)) / 2 / (time[-1] - time[0])
-        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)                                               # Eq. (V2)
+        mean_square = (
+            np.sum(np.diff(time) * (apart[1:] ** 2 + apart[:-1] ** 2)) / 2 / (time[-1] - time[0])
+        )
+        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)  # Eq. (V2)
     return found
 
 
@@ -166,7 +346,11 @@ def curves(ports, results):
     return {"time": results.time, "curves": {port: results.series(port)[0] for port in ports}}
 
 
-WITHOUT_DERIVATIVES = (("coupling.method", "iqn_ageing"), ("coupling.probing", True), ("coupling.max_iterations", 60))
+WITHOUT_DERIVATIVES = (
+    ("coupling.method", "iqn_ageing"),
+    ("coupling.probing", True),
+    ("coupling.max_iterations", 60),
+)
 
 
 def modes_a_body(count):
@@ -177,8 +361,13 @@ def modes_a_body(count):
 def plain_converges():
     """1 if unrelaxed Gauss-Seidel gets through the first window of the tube, else 0."""
     try:
-        summary_of("elastic_tube", ("coupling.method", "constant"), ("coupling.relaxation", 1.0), ("coupling.halvings", 0),
-                   ("time.stop", "0.01 s"))
+        summary_of(
+            "elastic_tube",
+            ("coupling.method", "constant"),
+            ("coupling.relaxation", 1.0),
+            ("coupling.halvings", 0),
+            ("time.stop", "0.01 s"),
+        )
         return 1
     except StepFailed:
         return 0

@@ -1,8 +1,9 @@
-"""Independent importers tried on FMUs, each in a process of its own: who, which version, what was seen.
+"""Independent importers tried on FMUs, each in a process of its own: who, which version, what was
+seen.
 
-`piston-cosim verify importers` tries them on the body FMU and on the coupled FMU of the numerical example. Further
-interpreters are named by PISTON_COSIM_PYTHONS, separated by colons: their version of Python runs the FMUs too, and so do the
-importers installed there.
+`piston-cosim verify importers` tries them on the body FMU and on the coupled FMU of the numerical
+example. Further interpreters are named by PISTON_COSIM_PYTHONS, separated by colons: their version
+of Python runs the FMUs too, and so do the importers installed there.
 """
 
 import os
@@ -12,19 +13,29 @@ import sys
 STEPS, STEP = 5, 2.5e-5
 
 MARK = "seen: "
-COMMON = "import sys\nfmu, folder, steps, step, output = sys.argv[1:6]\nsteps, step = int(steps), float(step)\n" \
-         "def seen(what):\n    print('" + MARK + "' + str(what), flush=True)\n"
+COMMON = (
+    "import sys\nfmu, folder, steps, step, output = sys.argv[1:6]\nsteps, step = int(steps), float(step)\n"
+    "def seen(what):\n    print('" + MARK + "' + str(what), flush=True)\n"
+)
 
 SCRIPTS = {
-    "fmpy in process": ("fmpy", """
+    "fmpy in process": (
+        "fmpy",
+        """
 import fmpy
 r = fmpy.simulate_fmu(fmu, stop_time=steps * step, output_interval=step, step_size=step, output=[output])
-seen(float(r[output][-1]))"""),
-    "fmpy validate": ("fmpy", """
+seen(float(r[output][-1]))""",
+    ),
+    "fmpy validate": (
+        "fmpy",
+        """
 from fmpy.validation import validate_fmu
 found = validate_fmu(fmu)
-seen(found or "no problem")"""),
-    "libcosim": ("libcosimpy", """
+seen(found or "no problem")""",
+    ),
+    "libcosim": (
+        "libcosimpy",
+        """
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
@@ -34,16 +45,22 @@ observer = CosimObserver.create_last_value()
 execution.add_observer(observer)
 assert execution.step(step_count=steps)
 reference = {v.name.decode(): v.reference for v in execution.slave_variables(index)}[output]
-seen(observer.last_real_values(index, [reference])[0])"""),
-    "Ecos": ("ecospy", """
+seen(observer.last_real_values(index, [reference])[0])""",
+    ),
+    "Ecos": (
+        "ecospy",
+        """
 from ecospy import EcosSimulation, EcosSimulationStructure
 structure = EcosSimulationStructure()
 structure.add_model("one", fmu)
 with EcosSimulation(structure=structure, step_size=step) as simulation:
     simulation.init()
     simulation.step(steps)
-    seen(simulation.get_real("one::" + output))"""),
-    "fmpy simulate": ("fmpy", """
+    seen(simulation.get_real("one::" + output))""",
+    ),
+    "fmpy simulate": (
+        "fmpy",
+        """
 import csv, subprocess, tempfile
 from pathlib import Path
 table = Path(tempfile.mkdtemp()) / "out.csv"
@@ -52,8 +69,11 @@ words = ["simulate", fmu, "--stop-time", str(steps * step), "--output-interval",
 done = subprocess.run([sys.executable, "-m", "fmpy", *words], capture_output=True, text=True)
 assert done.returncode == 0, done.stderr
 *_, last = csv.reader(table.read_text().splitlines())
-seen(float(last[1]))"""),
-    "fmuloader": ("fmuloader", """
+seen(float(last[1]))""",
+    ),
+    "fmuloader": (
+        "fmuloader",
+        """
 from pathlib import Path
 from xml.etree import ElementTree
 from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
@@ -68,8 +88,11 @@ for k in range(steps):
     one.do_step(k * step, step)
 seen(one.get_real([reference])[0])
 one.terminate()
-one.free_instance()"""),
-    "OMSimulator": ("OMSimulator", """
+one.free_instance()""",
+    ),
+    "OMSimulator": (
+        "OMSimulator",
+        """
 from OMSimulator import OMSimulator
 oms = OMSimulator()
 for status in (oms.newModel("m"), oms.addSystem("m.s", oms.system_wc), oms.addSubModel("m.s.one", fmu)):
@@ -78,23 +101,32 @@ oms.setStopTime("m", steps * step)
 oms.setFixedStepSize("m.s", step)
 for status in (oms.instantiate("m"), oms.initialize("m"), oms.simulate("m")):
     assert status == 0, status
-seen(oms.getReal("m.s.one." + output)[0])"""),
-    "PyFMI": ("PyFMI", """
+seen(oms.getReal("m.s.one." + output)[0])""",
+    ),
+    "PyFMI": (
+        "PyFMI",
+        """
 from pyfmi import load_fmu
 one = load_fmu(fmu)
 one.setup_experiment()
 one.initialize()
 for k in range(steps):
     assert one.do_step(k * step, step) == 0
-seen(float(one.get(output)[0]))"""),
-    "fmu-manipulation-toolbox": ("fmu_manipulation_toolbox", """
+seen(float(one.get(output)[0]))""",
+    ),
+    "fmu-manipulation-toolbox": (
+        "fmu_manipulation_toolbox",
+        """
 import subprocess
 from pathlib import Path
 done = subprocess.run([str(Path(sys.executable).parent / "fmutool"), "-input", fmu, "-check"], capture_output=True, text=True)
 words = done.stdout + done.stderr
 bad = [line for line in words.splitlines() if line.startswith(("ERROR", "WARNING"))]
-seen(bad or "no problem")"""),
-    "Python alone (ctypes)": (None, """
+seen(bad or "no problem")""",
+    ),
+    "Python alone (ctypes)": (
+        None,
+        """
 import ctypes, urllib.parse
 from pathlib import Path
 from xml.etree import ElementTree
@@ -120,12 +152,14 @@ value = d()
 calls.append(library.fmi2GetReal(one, (ctypes.c_uint * 1)(reference), ctypes.c_size_t(1), ctypes.byref(value)))
 assert not any(calls), (calls, said)
 library.fmi2FreeInstance(one)
-seen(value.value)"""),
+seen(value.value)""",
+    ),
 }
 
 
 REFERENCE = "Python alone (ctypes)"
-ROUNDING = 1e-10  # relative; importers that count time in whole nanoseconds differ in the last bits of the time
+# relative; importers that count time in whole nanoseconds differ in the last bits of the time
+ROUNDING = 1e-10
 NOT_INSTALLED = "not installed"
 
 
@@ -139,7 +173,8 @@ def try_importers(fmu, output, pythons=(sys.executable,)):
     output : str
         Real output to read after the last step.
     pythons : iterable of path
-        Interpreters; each importer is tried in the ones it is installed in, and named once if it is in none.
+        Interpreters; each importer is tried in the ones it is installed in, and named once if it is
+        in none.
 
     Yields
     ------
@@ -152,10 +187,19 @@ def try_importers(fmu, output, pythons=(sys.executable,)):
     for python in pythons:
         version = _ask(python, "import platform; print(platform.python_version())")
         for importer, (package, script) in SCRIPTS.items():
-            known = _ask(python, f"import importlib.metadata as m; print(m.version({package!r}))") if package else "-"
+            known = (
+                _ask(python, f"import importlib.metadata as m; print(m.version({package!r}))")
+                if package
+                else "-"
+            )
             if not known.startswith(FAILED):
                 absent.pop(importer, None)
-                yield importer, known, version, _ask(python, COMMON + script, fmu, folder, STEPS, STEP, output)
+                yield (
+                    importer,
+                    known,
+                    version,
+                    _ask(python, COMMON + script, fmu, folder, STEPS, STEP, output),
+                )
     for importer in absent:
         yield importer, "-", "-", NOT_INSTALLED
 
@@ -164,8 +208,16 @@ FAILED = "failed"
 
 
 def _ask(python, script, *arguments):
-    """What the script says it saw, else the last line printed; "failed" with the last line of the error."""
-    done = subprocess.run([str(python), "-c", script, *map(str, arguments)], capture_output=True, text=True, timeout=600, cwd="/")
+    """What the script says it saw, else the last line printed; "failed" with the last line of the
+    error.
+    """
+    done = subprocess.run(
+        [str(python), "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        cwd="/",
+    )
     if done.returncode:
         return f"{FAILED} ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
     lines = done.stdout.strip().splitlines() or ["nothing"]
@@ -173,7 +225,8 @@ def _ask(python, script, *arguments):
 
 
 def judged(rows):
-    """Each row with its verdict: what Python alone sees every importer must see; checkers, no problem.
+    """Each row with its verdict: what Python alone sees every importer must see; checkers, no
+    problem.
 
     Parameters
     ----------
@@ -183,10 +236,15 @@ def judged(rows):
     Returns
     -------
     list of tuple
-        Verdict, then the row: "ok", "FAIL", or "-" where the importer is not installed, or the FMU says what its Python lacks.
+        Verdict, then the row: "ok", "FAIL", or "-" where the importer is not installed, or the FMU
+        says what its Python lacks.
     """
     rows = list(rows)
-    reference = next(float(seen) for importer, _, _, seen in rows if importer == REFERENCE and not seen.startswith(FAILED))
+    reference = next(
+        float(seen)
+        for importer, _, _, seen in rows
+        if importer == REFERENCE and not seen.startswith(FAILED)
+    )
 
     def verdict(seen):
         if seen == NOT_INSTALLED or "-m pip install" in seen:
@@ -201,17 +259,23 @@ def judged(rows):
 
 def shipped(say):
     """The FMUs that other tools load, small: (title, path, output to look at)."""
-    from ..case.schema import check_case, find_case, read_tree
     from ..case.export import export_fmu
+    from ..case.schema import check_case, find_case, read_tree
     from ..case.system import open_system
 
     path = find_case("numerical_example")
-    small = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]),
-             ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+    small = [
+        ("participants.bodies.build.grid", [12, 10]),
+        ("participants.ehd.build.grid", [12, 10]),
+        ("participants.bodies.build.piston.modes", 0),
+        ("participants.bodies.build.block.modes", 0),
+    ]
     case = check_case(read_tree(path, small), path)
     bodies = open_system(case, path.parent, say).participants["bodies"].path
-    return [("body FMU", bodies, "lateral_displacement"),
-            ("coupled FMU", export_fmu(case, path.parent, say), "lateral_displacement")]
+    return [
+        ("body FMU", bodies, "lateral_displacement"),
+        ("coupled FMU", export_fmu(case, path.parent, say), "lateral_displacement"),
+    ]
 
 
 def verify_importers(console, say):
@@ -219,7 +283,10 @@ def verify_importers(console, say):
     from rich.table import Table
 
     pythons = [sys.executable, *filter(None, os.environ.get("PISTON_COSIM_PYTHONS", "").split(":"))]
-    failed, table = 0, Table("", "FMU", "importer", "version", "Python", f"seen after {STEPS} steps", box=None)
+    failed, table = (
+        0,
+        Table("", "FMU", "importer", "version", "Python", f"seen after {STEPS} steps", box=None),
+    )
     for title, fmu, output in shipped(say):
         for verdict, *row in judged(try_importers(fmu, output, pythons)):
             failed += verdict == "FAIL"

@@ -1,6 +1,6 @@
 """Runs engine.ssp by FMPy's functions, explicitly: every FMU steps with what the others said last.
 
-    python by_fmpy.py engine.ssp STEPS
+python by_fmpy.py engine.ssp STEPS
 """
 
 import sys
@@ -21,17 +21,25 @@ def simulate(ssp, steps):
     with tempfile.TemporaryDirectory() as folder:
         zipfile.ZipFile(ssp).extractall(folder)
         system = ElementTree.parse(Path(folder) / "SystemStructure.ssd").getroot()
-        parts = {c.get("name"): _start(Path(folder) / c.get("source")) for c in system.iter(SSD + "Component")}
-        wires = [[c.get(end) for end in ("startElement", "startConnector", "endElement", "endConnector")]
-                 for c in system.iter(SSD + "Connection")]
+        parts = {
+            c.get("name"): _start(Path(folder) / c.get("source"))
+            for c in system.iter(SSD + "Component")
+        }
+        wires = [
+            [c.get(end) for end in ("startElement", "startConnector", "endElement", "endConnector")]
+            for c in system.iter(SSD + "Connection")
+        ]
         for k in range(steps):
             values = [_get(parts[source], output) for source, output, _, _ in wires]
             for value, (_, _, target, name) in zip(values, wires):
                 parts[target][0].setReal([parts[target][1][name]], [value])
             for fmu, _ in parts.values():
                 fmu.doStep(k * STEP, STEP)
-        found = (_get(parts["crankshaft"], "crank_speed"), _get(parts["piston"], "lateral_displacement"),
-                 _get(parts["piston"], "friction_power"))
+        found = (
+            _get(parts["crankshaft"], "crank_speed"),
+            _get(parts["piston"], "lateral_displacement"),
+            _get(parts["piston"], "friction_power"),
+        )
         for fmu, _ in parts.values():
             fmu.terminate()
             fmu.freeInstance()
@@ -41,8 +49,12 @@ def simulate(ssp, steps):
 def _start(path):
     """(FMU initialised with its start values, references by name)."""
     description = fmpy.read_model_description(str(path))
-    fmu = fmi2.FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(str(path), unzipdir=str(path.with_suffix(""))),
-                         modelIdentifier=description.coSimulation.modelIdentifier, instanceName=path.stem)
+    fmu = fmi2.FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=fmpy.extract(str(path), unzipdir=str(path.with_suffix(""))),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=path.stem,
+    )
     fmu.instantiate()
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()

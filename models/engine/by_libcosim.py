@@ -20,7 +20,11 @@ def simulate(ssp, steps):
         reference = {v.name.decode(): v.reference for v in execution.slave_variables(index)}[name]
         return observer.last_real_values(index, [reference])[0]
 
-    return get("crankshaft", "crank_speed"), get("piston", "lateral_displacement"), get("piston", "friction_power")
+    return (
+        get("crankshaft", "crank_speed"),
+        get("piston", "lateral_displacement"),
+        get("piston", "friction_power"),
+    )
 
 
 if __name__ == "__main__":

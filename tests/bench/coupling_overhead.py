@@ -1,28 +1,29 @@
-"""What FMI costs the numerical example: its first turn through FMUs against the same slaves called directly in this process.
+"""What FMI costs the numerical example: its first turn through FMUs against the same slaves called
+directly in this process.
 
-Same master, same steps, 60 modes a body, 40 x 40; the two take turns of 10 steps. Run: python tests/bench/coupling_overhead.py
+Same master, same steps, 60 modes a body, 40 x 40; the two take turns of 10 steps. Run: python
+tests/bench/coupling_overhead.py
 """
 
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-from concurrent.futures import ProcessPoolExecutor  # noqa: E402
-from dataclasses import replace  # noqa: E402
-from multiprocessing import get_context  # noqa: E402
-from time import perf_counter  # noqa: E402
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from time import perf_counter
 
-import numpy as np  # noqa: E402
-
-from piston_cosim.fmu_ehd.slave import Ehd  # noqa: E402
-from piston_cosim.fmu_mfbd.slave import Mfbd  # noqa: E402
-from piston_cosim.master.case.schema import check_case, find_case, read_tree  # noqa: E402
-from piston_cosim.master.participants.local import LocalParticipant  # noqa: E402
-from piston_cosim.master.coupling.methods import method_of  # noqa: E402
-from piston_cosim.master.participants.fmi2 import unpack  # noqa: E402
-from piston_cosim.master.coupling.stepping import Stepper  # noqa: E402
-from piston_cosim.master.case.system import open_system  # noqa: E402
-from piston_cosim.master.coupling.wiring import start  # noqa: E402
+import numpy as np
+from piston_cosim.fmu_ehd.slave import Ehd
+from piston_cosim.fmu_mfbd.slave import Mfbd
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.coupling.methods import method_of
+from piston_cosim.master.coupling.stepping import Stepper
+from piston_cosim.master.coupling.wiring import start
+from piston_cosim.master.participants.fmi2 import unpack
+from piston_cosim.master.participants.local import LocalParticipant
 
 STEPS, TURN, UNTIMED = 360, 10, 20
 SLAVES = {"ehd": Ehd, "bodies": Mfbd}
@@ -36,11 +37,21 @@ def prepare(direct):
     case = check_case(read_tree(path), path)
     system = open_system(case, path.parent, lambda text: None)
     if direct:
-        system = replace(system, participants={
-            name: LocalParticipant(name, SLAVES[name](instance_name=name, resources=str(unpack(p.path) / "resources")))
-            for name, p in system.participants.items()})
+        system = replace(
+            system,
+            participants={
+                name: LocalParticipant(
+                    name,
+                    SLAVES[name](instance_name=name, resources=str(unpack(p.path) / "resources")),
+                )
+                for name, p in system.participants.items()
+            },
+        )
     start(system)
-    own.update(step=system.step, stepper=Stepper(system, method_of(case.coupling), 6, order=case.coupling.predictor))
+    own.update(
+        step=system.step,
+        stepper=Stepper(system, method_of(case.coupling), 6, order=case.coupling.predictor),
+    )
 
 
 def turn(number):
@@ -52,19 +63,30 @@ def turn(number):
 
 
 def main():
-    # a process each: numba looks types up slowly once equally named classes of two packages have been seen
-    workers = [ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=prepare, initargs=(direct,))
-               for direct in (False, True)]
+    # a process each: numba looks types up slowly once equally named classes of two packages have
+    # been seen
+    workers = [
+        ProcessPoolExecutor(
+            1, mp_context=get_context("spawn"), initializer=prepare, initargs=(direct,)
+        )
+        for direct in (False, True)
+    ]
     times, same = np.zeros((STEPS // TURN, 2)), True
     for number in range(len(times)):
-        (times[number, 0], one), (times[number, 1], other) = (worker.submit(turn, number).result() for worker in workers)
+        (times[number, 0], one), (times[number, 1], other) = (
+            worker.submit(turn, number).result() for worker in workers
+        )
         same &= np.array_equal(one, other)
     for worker in workers:
         worker.shutdown()
-    timed = times[UNTIMED // TURN:]  # what is compiled or first touched in the first steps is left out
+    timed = times[
+        UNTIMED // TURN :
+    ]  # what is compiled or first touched in the first steps is left out
     through, direct = timed.sum(axis=0) / (STEPS - UNTIMED)
-    print(f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: {through / direct:.2f} times "
-          f"(at most 1.5); median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}")
+    print(
+        f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: {through / direct:.2f} times "
+        f"(at most 1.5); median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}"
+    )
 
 
 if __name__ == "__main__":

@@ -1,24 +1,24 @@
 """What FMI 2.0 adds to a lubrication step at 40 x 40. Run: python tests/bench/ehd_fmi.py
 
-Set both input fields, doStep, get both force fields of the built FMU by pointers, against the bare model on the same films;
-also the directional derivative through the FMU against the bare one. One thread, one run, the best of several passes.
+Set both input fields, doStep, get both force fields of the built FMU by pointers, against the bare
+model on the same films; also the directional derivative through the FMU against the bare one. One
+thread, one run, the best of several passes.
 """
 
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-from pathlib import Path  # noqa: E402
-from time import perf_counter  # noqa: E402
+from pathlib import Path
+from time import perf_counter
 
-import numpy as np  # noqa: E402
-
-from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
-from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
-from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS  # noqa: E402
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
-from piston_cosim.master.fmi.builder import build_fmu  # noqa: E402
-from piston_cosim.master.participants.fmi2 import FmuParticipant  # noqa: E402
+import numpy as np
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 SHAPE = (40, 40)
 STEPS = 360
@@ -64,7 +64,11 @@ def best(work, repeats=50):
 def main():
     inputs = [motored_film(SHAPE, k * DEGREE) for k in range(STEPS + 1)]
     participant = FmuParticipant("ehd", build_fmu("fmu_ehd", {"grid": list(SHAPE)}, Path(".")))
-    participant.start({"roughness_rms": 5e-7, "film_thickness": inputs[0][0], "sliding_velocity": inputs[0][1]}, 0.0, 1.0)
+    participant.start(
+        {"roughness_rms": 5e-7, "film_thickness": inputs[0][0], "sliding_velocity": inputs[0][1]},
+        0.0,
+        1.0,
+    )
     start = participant.save()
     model_pass(inputs[:20])
     fmu_pass(participant, start, inputs[:20])
@@ -76,12 +80,18 @@ def main():
         through.append(times)
     assert np.array_equal(force, expected)
     bare, through = np.min(bare, axis=0).mean(), np.min(through, axis=0).mean()
-    change = np.random.default_rng(0).standard_normal((2, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None]
+    change = (
+        np.random.default_rng(0).standard_normal((2, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None]
+    )
     seeds = dict(zip(DERIVATIVE_INPUTS, change))
     direct = best(lambda: model.tangent(*seeds.values()))
     derivative = best(lambda: participant.derivative(seeds, DERIVATIVE_OUTPUTS))
-    print(f"bare step {1e6 * bare:.0f} us, through FMI {1e6 * through:.0f} us: {through / bare:.2f} times (target 2), same bits")
-    print(f"bare derivative {1e6 * direct:.0f} us, through FMI {1e6 * derivative:.0f} us: {derivative / direct:.1f} times")
+    print(
+        f"bare step {1e6 * bare:.0f} us, through FMI {1e6 * through:.0f} us: {through / bare:.2f} times (target 2), same bits"
+    )
+    print(
+        f"bare derivative {1e6 * direct:.0f} us, through FMI {1e6 * derivative:.0f} us: {derivative / direct:.1f} times"
+    )
     participant.close()
 
 

@@ -1,6 +1,8 @@
-"""How the cost of a factorisation and of a step grows with the grid. Run: python tests/bench/ehd_grids.py [cells ...]
+"""How the cost of a factorisation and of a step grows with the grid. Run: python
+tests/bench/ehd_grids.py [cells ...]
 
-One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film ruptures.
+One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film
+ruptures.
 """
 
 import os
@@ -9,20 +11,21 @@ import sys
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy is loaded
 
-from time import perf_counter  # noqa: E402
+from time import perf_counter
 
-import numpy as np  # noqa: E402
-
-from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
-from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
-from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU  # noqa: E402
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+import numpy as np
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU
 
 STEPS = 8
 
 
 def measure(cells, solver):
-    """Step [s], factorisations a step, one factorisation [s], highest pressure [Pa]; means over the steps after the first."""
+    """Step [s], factorisations a step, one factorisation [s], highest pressure [Pa]; means over the
+    steps after the first.
+    """
     shape = cells, cells
     model = LubricationModel(Parameters(shape, roughness_rms=5e-7))
     model.film_step.solver = solver
@@ -36,7 +39,9 @@ def measure(cells, solver):
     start, _ = model.start(*inputs[0])
     start, _ = model.advance(start, *inputs[1], DEGREE)
     passes = []
-    for _ in range(1 + 200 // cells):  # small grids more often, so that other load on the machine matters less
+    for _ in range(
+        1 + 200 // cells
+    ):  # small grids more often, so that other load on the machine matters less
         state, counts, times = start, [], []
         for film, velocity in inputs[2:]:
             begin = perf_counter()
@@ -47,8 +52,15 @@ def measure(cells, solver):
     solver.factorise = recorded
     for film, velocity in inputs[2:]:
         start, _ = model.advance(start, film, velocity, DEGREE)
-    ones = [shortest(lambda m=matrix: factorise(m), 1 + 200 // cells) for matrix in matrices]  # all stations
-    return np.min(passes, axis=0).mean(), np.mean(counts), np.mean(ones), outputs["maximum_pressure"]
+    ones = [
+        shortest(lambda m=matrix: factorise(m), 1 + 200 // cells) for matrix in matrices
+    ]  # all stations
+    return (
+        np.min(passes, axis=0).mean(),
+        np.mean(counts),
+        np.mean(ones),
+        outputs["maximum_pressure"],
+    )
 
 
 def shortest(work, repeats):
@@ -64,8 +76,10 @@ def shortest(work, repeats):
 def main():
     measure(12, BlockTridiagonal((12, 12)))  # compile
     sizes = [int(argument) for argument in sys.argv[1:]] or [20, 40, 80, 160]
-    print(f"{'grid':>9s}  {'solver':16s}{'factorisation ms':>17s}{'step ms':>10s}{'a step':>8s}{'step/(n x fact.)':>18s}"
-          f"{'us a cell':>11s}{'peak MPa':>10s}")
+    print(
+        f"{'grid':>9s}  {'solver':16s}{'factorisation ms':>17s}{'step ms':>10s}{'a step':>8s}{'step/(n x fact.)':>18s}"
+        f"{'us a cell':>11s}{'peak MPa':>10s}"
+    )
     for cells in sizes:
         for kind in (BlockTridiagonal, Pardiso, SuperLU):
             if kind is SuperLU and cells > 160:
@@ -75,8 +89,10 @@ def main():
             except ImportError:
                 print(f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}   not installed")
                 continue
-            print(f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}{1e3 * one:17.2f}{1e3 * step:10.2f}{count:8.2f}"
-                  f"{step / count / one:18.2f}{1e6 * step / cells**2:11.2f}{1e-6 * peak:10.4f}")
+            print(
+                f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}{1e3 * one:17.2f}{1e3 * step:10.2f}{count:8.2f}"
+                f"{step / count / one:18.2f}{1e6 * step / cells**2:11.2f}{1e-6 * peak:10.4f}"
+            )
 
 
 if __name__ == "__main__":

@@ -1,22 +1,22 @@
-"""Cost of a lubrication step and of its derivative, in units of one block factorisation. Run: python tests/bench/ehd_step.py
+"""Cost of a lubrication step and of its derivative, in units of one block factorisation. Run:
+python tests/bench/ehd_step.py
 
-One thread, one run, ratios: the motored skirt of `fmu_ehd.verification` at 40 x 40 with contact, the best of several passes
-for each step, so that other load on the machine matters less.
+One thread, one run, ratios: the motored skirt of `fmu_ehd.verification` at 40 x 40 with contact,
+the best of several passes for each step, so that other load on the machine matters less.
 """
 
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-from time import perf_counter  # noqa: E402
+from time import perf_counter
 
-import numpy as np  # noqa: E402
-
-from piston_cosim.fmu_ehd.blocks import BlockTridiagonal  # noqa: E402
-from piston_cosim.fmu_ehd.model import LubricationModel  # noqa: E402
-from piston_cosim.fmu_ehd.parameters import Parameters  # noqa: E402
-from piston_cosim.fmu_ehd.sparse import SuperLU  # noqa: E402
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film  # noqa: E402
+import numpy as np
+from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.sparse import SuperLU
 
 SHAPE = (40, 40)
 STEPS = 720
@@ -62,28 +62,41 @@ def best(work, repeats=20):
 def main():
     inputs = [motored_film(SHAPE, k * DEGREE) for k in range(STEPS + 1)]
     cycle(inputs[:20])
-    passes = [(cycle(inputs), cycle(inputs, SuperLU(SHAPE))) for _ in range(3)]  # in turn, so that both see the same machine
+    passes = [
+        (cycle(inputs), cycle(inputs, SuperLU(SHAPE))) for _ in range(3)
+    ]  # in turn, so that both see the same machine
     step, superlu = (np.min([times for times, _, _ in kind], axis=0) for kind in zip(*passes))
     _, iterations, model = passes[-1][0]
     recorder = Recorder(SHAPE)
     cycle(inputs, recorder)
     solver = BlockTridiagonal(SHAPE)
-    factorisation = np.mean([best(lambda m=matrix: solver.factorise(m), 3) for matrix in recorder.matrices[::10]])
+    factorisation = np.mean(
+        [best(lambda m=matrix: solver.factorise(m), 3) for matrix in recorder.matrices[::10]]
+    )
     rng = np.random.default_rng(0)
     one = rng.standard_normal((2, 1, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
     sixty = rng.standard_normal((2, 60, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
     first = best(lambda: (setattr(model, "_linear", None), model.tangent(*one)))
-    rows = [("block factorisation (mean over the cycle)", factorisation, None),
-            ("step (mean over the cycle)", step.mean(), 2.5), ("step, median", np.median(step), None),
-            ("first directional derivative of a step", first, None),
-            ("directional derivative", best(lambda: model.tangent(*one)), 0.4),
-            ("60 directional derivatives at once", best(lambda: model.tangent(*sixty)), 4.0)]
-    print(f"{SHAPE[0]} x {SHAPE[1]}, {STEPS} steps, {np.mean(iterations):.2f} factorisations a step, most {max(iterations)}")
+    rows = [
+        ("block factorisation (mean over the cycle)", factorisation, None),
+        ("step (mean over the cycle)", step.mean(), 2.5),
+        ("step, median", np.median(step), None),
+        ("first directional derivative of a step", first, None),
+        ("directional derivative", best(lambda: model.tangent(*one)), 0.4),
+        ("60 directional derivatives at once", best(lambda: model.tangent(*sixty)), 4.0),
+    ]
+    print(
+        f"{SHAPE[0]} x {SHAPE[1]}, {STEPS} steps, {np.mean(iterations):.2f} factorisations a step, most {max(iterations)}"
+    )
     print(f"{'':44s}{'us':>8s}{'factorisations':>16s}{'target':>8s}")
     for name, time, target in rows:
-        print(f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}{'' if target is None else target:>8}")
-    print(f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the "
-          "block step (target 10)")
+        print(
+            f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}{'' if target is None else target:>8}"
+        )
+    print(
+        f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the "
+        "block step (target 10)"
+    )
 
 
 if __name__ == "__main__":

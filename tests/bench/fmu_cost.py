@@ -1,9 +1,10 @@
-"""What access to an FMU costs: set all inputs, a step, read both force fields, save and restore the state, a derivative.
+"""What access to an FMU costs: set all inputs, a step, read both force fields, save and restore the
+state, a derivative.
 
-Times are the best of several, in milliseconds, on the 40 x 40 lubrication FMU with oil temperature as a third input field;
-compare within one run only. Columns: FMI 2.0 and 3.0 by FMPy's Python lists and by the master's pointers; and FMI 2.0 by
-pointers through pythonfmu's own library, as an FMU has it that was built without a C compiler. A step is that of a restored
-state with inputs as they are.
+Times are the best of several, in milliseconds, on the 40 x 40 lubrication FMU with oil temperature
+as a third input field; compare within one run only. Columns: FMI 2.0 and 3.0 by FMPy's Python lists
+and by the master's pointers; and FMI 2.0 by pointers through pythonfmu's own library, as an FMU has
+it that was built without a C compiler. A step is that of a restored state with inputs as they are.
 
     python tests/bench/fmu_cost.py
 """
@@ -12,18 +13,20 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-import time  # noqa: E402
+import time
 
-import numpy as np  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.table import Table  # noqa: E402
-
-from piston_cosim.master.fmi.builder import build_fmu  # noqa: E402
-from piston_cosim.master.participants.open import open_fmu  # noqa: E402
+import numpy as np
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.participants.open import open_fmu
+from rich.console import Console
+from rich.table import Table
 
 CELLS, REPEATS, STEP = (40, 40), 60, 5e-5
-INPUTS = {"film_thickness": np.full(CELLS, 2.7e-5), "sliding_velocity": np.full(CELLS, 5.0),
-          "oil_temperature": np.full(CELLS, 370.0)}
+INPUTS = {
+    "film_thickness": np.full(CELLS, 2.7e-5),
+    "sliding_velocity": np.full(CELLS, 5.0),
+    "oil_temperature": np.full(CELLS, 370.0),
+}
 OUTPUTS = ("nodal_pressure_force", "nodal_friction_force")
 
 
@@ -39,7 +42,9 @@ def best(action, before=lambda: None):
 
 
 def costs(p, write, read, advance):
-    """Rows of the table for one way of access: `write()`, `read()`, `advance()` of a participant that has been started."""
+    """Rows of the table for one way of access: `write()`, `read()`, `advance()` of a participant
+    that has been started.
+    """
     write()
     start = p.save()
 
@@ -48,8 +53,12 @@ def costs(p, write, read, advance):
         p.restore(saved)
         p.free(saved)
 
-    rows = {"set 4800": best(write), "step": best(advance, lambda: p.restore(start)), "get 3200": best(read),
-            "save + restore": best(state)}
+    rows = {
+        "set 4800": best(write),
+        "step": best(advance, lambda: p.restore(start)),
+        "get 3200": best(read),
+        "save + restore": best(state),
+    }
     p.restore(start)
     advance()
     return rows
@@ -78,16 +87,28 @@ def by_pointers(path):
 
 
 def by_lists(path):
-    """FMPy's calls with Python lists, as an importer in Python makes them; the state by the same calls as the master's."""
+    """FMPy's calls with Python lists, as an importer in Python makes them; the state by the same
+    calls as the master's.
+    """
     p = started(path)
     one = p._fmu
-    inputs, outputs = ([r for name in names for r in p.fields[name].references] for names in (INPUTS, OUTPUTS))
+    inputs, outputs = (
+        [r for name in names for r in p.fields[name].references] for names in (INPUTS, OUTPUTS)
+    )
     values = np.concatenate([v.ravel() for v in INPUTS.values()]).tolist()
     if p.version == "2":
-        calls = lambda: one.setReal(inputs, values), lambda: one.getReal(outputs), lambda: one.doStep(0.0, STEP)
+        calls = (
+            lambda: one.setReal(inputs, values),
+            lambda: one.getReal(outputs),
+            lambda: one.doStep(0.0, STEP),
+        )
     else:
         size = 2 * CELLS[0] * CELLS[1]
-        calls = lambda: one.setFloat64(inputs, values), lambda: one.getFloat64(outputs, size), lambda: one.doStep(0.0, STEP)
+        calls = (
+            lambda: one.setFloat64(inputs, values),
+            lambda: one.getFloat64(outputs, size),
+            lambda: one.doStep(0.0, STEP),
+        )
     rows = costs(p, *calls)
     p.close()
     return rows
@@ -96,17 +117,31 @@ def by_lists(path):
 def main():
     """Print the table."""
     options = {"grid": list(CELLS), "inputs": ["oil_temperature"]}
-    front, twin = (build_fmu("fmu_ehd", options, ".", version=version) for version in ("2.0", "3.0"))
+    front, twin = (
+        build_fmu("fmu_ehd", options, ".", version=version) for version in ("2.0", "3.0")
+    )
     os.environ["CC"] = "none"
     stock = build_fmu("fmu_ehd", options, ".")
-    columns = {"FMI 2 lists": by_lists(front), "FMI 2 pointers": by_pointers(front), "FMI 3 lists": by_lists(twin),
-               "FMI 3 pointers": by_pointers(twin), "FMI 2 pointers, pythonfmu's library": by_pointers(stock)}
+    columns = {
+        "FMI 2 lists": by_lists(front),
+        "FMI 2 pointers": by_pointers(front),
+        "FMI 3 lists": by_lists(twin),
+        "FMI 3 pointers": by_pointers(twin),
+        "FMI 2 pointers, pythonfmu's library": by_pointers(stock),
+    }
     table = Table("ms", *columns, box=None)
     for row in ("set 4800", "step", "get 3200", "save + restore", "derivative"):
-        table.add_row(row, *(f"{column[row]:.4f}" if row in column else "" for column in columns.values()))
+        table.add_row(
+            row, *(f"{column[row]:.4f}" if row in column else "" for column in columns.values())
+        )
     Console(width=140).print(table)
-    pointers, lists = (sum(columns[name][row] for row in ("set 4800", "get 3200")) for name in ("FMI 2 pointers", "FMI 2 lists"))
-    print(f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU (at most 0.3)")
+    pointers, lists = (
+        sum(columns[name][row] for row in ("set 4800", "get 3200"))
+        for name in ("FMI 2 pointers", "FMI 2 lists")
+    )
+    print(
+        f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU (at most 0.3)"
+    )
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
-"""Time and peak memory of reducing the shipped bodies from their meshes, each in a process of its own.
+"""Time and peak memory of reducing the shipped bodies from their meshes, each in a process of its
+own.
 
-    python tests/bench/mfbd_reduction.py
+python tests/bench/mfbd_reduction.py
 """
 
 import resource
@@ -17,14 +18,26 @@ def reduce_one(name, basis, modes):
     from piston_cosim.fmu_mfbd.options import read_options
     from piston_cosim.fmu_mfbd.reduction.reduce import reduce_block, reduce_piston
 
-    material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33, "basis": basis, "modes": modes}
-    table = {"grid": [40, 40]} | {body: {"mesh": f"{body}.msh.gz", **material} for body in ("piston", "block")}
+    material = {
+        "density": "2700 kg/m^3",
+        "young": "75 GPa",
+        "poisson": 0.33,
+        "basis": basis,
+        "modes": modes,
+    }
+    table = {"grid": [40, 40]} | {
+        body: {"mesh": f"{body}.msh.gz", **material} for body in ("piston", "block")
+    }
     options = read_options(table, CASE)[name]
     begin = time.perf_counter()
-    body = (reduce_piston if name == "piston" else reduce_block)(options, (40, 40), lambda text: None)
+    body = (reduce_piston if name == "piston" else reduce_block)(
+        options, (40, 40), lambda text: None
+    )
     seconds = time.perf_counter() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
-    print(f"{name:>8} {3 * len(body['points']):>8} dof  {modes:>3} {basis:<34} {seconds:6.1f} s {peak:5.2f} GB")
+    print(
+        f"{name:>8} {3 * len(body['points']):>8} dof  {modes:>3} {basis:<34} {seconds:6.1f} s {peak:5.2f} GB"
+    )
 
 
 def main():

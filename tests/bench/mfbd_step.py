@@ -1,6 +1,7 @@
-"""Cost of a step and of a directional derivative against the two dense products no step can avoid, measured side by side.
+"""Cost of a step and of a directional derivative against the two dense products no step can avoid,
+measured side by side.
 
-    python tests/bench/mfbd_step.py            the shipped case's bodies, and 0 to 200 modes
+python tests/bench/mfbd_step.py            the shipped case's bodies, and 0 to 200 modes
 """
 
 import itertools
@@ -8,9 +9,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.variables import parameters
 
@@ -19,8 +19,9 @@ MATERIAL = {"density": "2700 kg/m^3", "young": "78 GPa", "poisson": 0.33}
 
 
 def fastest(calls, repeats=500, number=4):
-    """Smallest mean time of `number` calls of each [s], taken in turns, each turn shorter than a time slice: what the
-    machine does when nothing else wants it."""
+    """Smallest mean time of `number` calls of each [s], taken in turns, each turn shorter than a
+    time slice: what the machine does when nothing else wants it.
+    """
     for call in calls:
         call()
     times = np.empty((repeats, len(calls)))
@@ -35,7 +36,9 @@ def fastest(calls, repeats=500, number=4):
 
 def model(modes, symmetric=True):
     """The shipped bodies with the given number of modes each, as a running model."""
-    table = {"grid": [40, 40]} | {name: {"mesh": f"{name}.msh.gz", "modes": modes, **MATERIAL} for name in ("piston", "block")}
+    table = {"grid": [40, 40]} | {
+        name: {"mesh": f"{name}.msh.gz", "modes": modes, **MATERIAL} for name in ("piston", "block")
+    }
     options, files = prepare(table, CASE, lambda text: None)
     piston, block = (dict(np.load(path)) for path in files)
     if not symmetric:
@@ -44,7 +47,9 @@ def model(modes, symmetric=True):
 
 
 def row(modes, symmetric=True):
-    """Times of the two products, a step, a derivative, and the first derivative after a step, which linearises [us]."""
+    """Times of the two products, a step, a derivative, and the first derivative after a step, which
+    linearises [us].
+    """
     body = model(modes, symmetric)
     rng = np.random.default_rng(0)
     push, drag = rng.random((40, 40)), -0.1 * rng.random((40, 40))
@@ -56,21 +61,36 @@ def row(modes, symmetric=True):
         body._linear = None
         return body.directional_derivative(push, drag)
 
-    return 1e6 * fastest([lambda: (dense[0] @ q, dense[1] @ q), lambda: body.advance(state, inputs, 5e-5),
-                          lambda: body.directional_derivative(push, drag), first])
+    return 1e6 * fastest(
+        [
+            lambda: (dense[0] @ q, dense[1] @ q),
+            lambda: body.advance(state, inputs, 5e-5),
+            lambda: body.directional_derivative(push, drag),
+            first,
+        ]
+    )
 
 
 def main():
     """The table."""
-    print(f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} {'ratio':>6} {'first':>10} "
-          f"{'ratio':>6}")
+    print(
+        f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} {'ratio':>6} {'first':>10} "
+        f"{'ratio':>6}"
+    )
     for modes, symmetric in itertools.product((0, 20, 40, 60, 120, 200), (True, False)):
         if modes or symmetric:
             two, *others = row(modes, symmetric)
-            cells = "".join(f" {t:{width}.1f}us {t / two:6.2f}" for t, width in zip(others, (8, 9, 8)))
-            print(f"{modes:>3} + {modes:<3}{' ' if symmetric else '*'} {two:9.1f}us{cells}", flush=True)
-    print("* as if the bodies had no planes of symmetry. Products: two dense 1600 x modes (60 at least) matrices times a vector, "
-          "timed in turns with\nthe rest. first: the first derivative after a step, which linearises; a step asks for several.")
+            cells = "".join(
+                f" {t:{width}.1f}us {t / two:6.2f}" for t, width in zip(others, (8, 9, 8))
+            )
+            print(
+                f"{modes:>3} + {modes:<3}{' ' if symmetric else '*'} {two:9.1f}us{cells}",
+                flush=True,
+            )
+    print(
+        "* as if the bodies had no planes of symmetry. Products: two dense 1600 x modes (60 at least) matrices times a vector, "
+        "timed in turns with\nthe rest. first: the first derivative after a step, which linearises; a step asks for several."
+    )
 
 
 if __name__ == "__main__":

@@ -1,10 +1,12 @@
-"""Parallel efficiency of a sweep: the same points by one and by two processes, in one go on one machine.
+"""Parallel efficiency of a sweep: the same points by one and by two processes, in one go on one
+machine.
 
     python tests/bench/sweep_efficiency.py [points]
 
-Efficiency = time with one process / (2 x time with two); it means something on an otherwise idle machine only. On a busy one
-the other two figures still hold: the share of the two processes' time spent in points (the rest is start and waiting for the last
-one), and how processor time a point grows when two run side by side.
+Efficiency = time with one process / (2 x time with two); it means something on an otherwise idle
+machine only. On a busy one the other two figures still hold: the share of the two processes' time
+spent in points (the rest is start and waiting for the last one), and how processor time a point
+grows when two run side by side.
 """
 
 import os
@@ -25,11 +27,18 @@ def timed_point(tree, case_folder, output):
 
 
 def timed_sweep(found, folder, workers):
-    """Wall time of all points, their start included; sums of the points' wall and processor times [s]."""
+    """Wall time of all points, their start included; sums of the points' wall and processor times
+    [s].
+    """
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory() as output, local_executor(workers) as executor:
-        futures = [executor.submit(timed_point, p.tree, str(folder), str(Path(output) / f"{p.name}.h5")) for p in found]
-        inside, processor = (sum(column) for column in zip(*(future.result() for future in futures)))
+        futures = [
+            executor.submit(timed_point, p.tree, str(folder), str(Path(output) / f"{p.name}.h5"))
+            for p in found
+        ]
+        inside, processor = (
+            sum(column) for column in zip(*(future.result() for future in futures))
+        )
     return time.perf_counter() - begin, inside, processor
 
 
@@ -43,11 +52,15 @@ def main():
     build_all(found, path.parent, print)
     timed_sweep(found[:1], path.parent, 1)
     load = os.getloadavg()[0]
-    (one, _, processor_one), (two, inside, processor_two) = (timed_sweep(found, path.parent, workers) for workers in (1, 2))
+    (one, _, processor_one), (two, inside, processor_two) = (
+        timed_sweep(found, path.parent, workers) for workers in (1, 2)
+    )
     print(f"{count} points; load of the machine before: {load:.1f}")
     print(f"1 process {one:.1f} s, 2 processes {two:.1f} s: efficiency {one / two / 2:.2f}")
-    print(f"two processes spent {inside / two / 2:.2f} of their time in points; "
-          f"processor time a point grew by {processor_two / processor_one:.2f}")
+    print(
+        f"two processes spent {inside / two / 2:.2f} of their time in points; "
+        f"processor time a point grew by {processor_two / processor_one:.2f}"
+    )
 
 
 if __name__ == "__main__":

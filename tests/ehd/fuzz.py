@@ -1,7 +1,9 @@
-"""Random calls with random values, most of them senseless, on the lubrication slave. Run: python tests/ehd/fuzz.py 100000
+"""Random calls with random values, most of them senseless, on the lubrication slave. Run: python
+tests/ehd/fuzz.py 100000
 
-Every call must return; a step that is refused must leave the state as it was, to the bit; a step that is taken must give
-finite forces, and a film fraction between 0 and 1 unless film, velocity or pressure are beyond all sense.
+Every call must return; a step that is refused must leave the state as it was, to the bit; a step
+that is taken must give finite forces, and a film fraction between 0 and 1 unless film, velocity or
+pressure are beyond all sense.
 """
 
 import json
@@ -11,7 +13,6 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 
@@ -30,7 +31,9 @@ class Fuzz:
 
     def __init__(self, seed, folder):
         self.rng = np.random.default_rng(seed)
-        options, _ = prepare({"grid": [6, 5], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print)
+        options, _ = prepare(
+            {"grid": [6, 5], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print
+        )
         (folder / "build.json").write_text(json.dumps(options))
         self.folder, self.taken, self.refused, self.saved = folder, 0, 0, []
         self.renew()
@@ -39,9 +42,13 @@ class Fuzz:
         """A fresh slave, in a third of the cases with strange parameters."""
         self.slave = Ehd(instance_name="fuzz", resources=str(self.folder))
         self.slave.log = lambda *arguments: None
-        laws = {"viscosity_law": ("constant", "vogel_1921"), "pressure_viscosity_law": ("none", "barus_1893", "roelands_1966"),
-                "shear_thinning_law": ("none", "cross_1965"), "flow_factors": ("none", "patir_cheng_1978"),
-                "cavitation_model": ("jfo", "reynolds", "gumbel", "full_film")}
+        laws = {
+            "viscosity_law": ("constant", "vogel_1921"),
+            "pressure_viscosity_law": ("none", "barus_1893", "roelands_1966"),
+            "shear_thinning_law": ("none", "cross_1965"),
+            "flow_factors": ("none", "patir_cheng_1978"),
+            "cavitation_model": ("jfo", "reynolds", "gumbel", "full_film"),
+        }
         for name, choices in laws.items():
             self.slave.set_string([self.slave.references[name]], [str(self.rng.choice(choices))])
         self.slave.views["roughness_rms"][...] = 1e-6
@@ -52,11 +59,21 @@ class Fuzz:
 
     def value(self):
         """A plausible or a strange number."""
-        return float(self.rng.choice(STRANGE)) if self.rng.random() < 0.3 else 10.0 ** self.rng.uniform(-8.0, 6.0)
+        return (
+            float(self.rng.choice(STRANGE))
+            if self.rng.random() < 0.3
+            else 10.0 ** self.rng.uniform(-8.0, 6.0)
+        )
 
     def set_values(self):
-        """Any value in any run of references; parameters only before initialisation, as the standard demands."""
-        free = 0 if self.slave.state is None and self.slave.fault is None else self.slave.references["film_thickness"]
+        """Any value in any run of references; parameters only before initialisation, as the
+        standard demands.
+        """
+        free = (
+            0
+            if self.slave.state is None and self.slave.fault is None
+            else self.slave.references["film_thickness"]
+        )
         first = int(self.rng.integers(free, len(self.slave.real)))
         last = min(first + int(self.rng.integers(1, 40)), len(self.slave.real))
         self.slave.set_real(list(range(first, last)), [self.value() for _ in range(first, last)])
@@ -75,15 +92,28 @@ class Fuzz:
         """A step, plausible or not."""
         if self.rng.random() < 0.7:
             self.set_film()
-        before = self.slave._fmu_state_to_bytes(self.slave._get_fmu_state()) if self.slave.state is not None else None
+        before = (
+            self.slave._fmu_state_to_bytes(self.slave._get_fmu_state())
+            if self.slave.state is not None
+            else None
+        )
         size = 10.0 ** self.rng.uniform(-7.0, -3.0) if self.rng.random() < 0.8 else self.value()
         if self.slave.do_step(0.0, size):
             self.taken += 1
             views = self.slave.views
-            assert np.isfinite(views["nodal_pressure_force"]).all() and np.isfinite(views["nodal_friction_force"]).all()
-            if (views["maximum_pressure"] < 1e12 and views["film_thickness"].max() < 1.0
-                    and np.abs(views["sliding_velocity"]).max() < 1e6):  # beyond, the round-off of flows fills a cell
-                assert -1e-9 <= views["film_fraction"].min() and views["film_fraction"].max() <= 1.0 + 1e-9
+            assert (
+                np.isfinite(views["nodal_pressure_force"]).all()
+                and np.isfinite(views["nodal_friction_force"]).all()
+            )
+            if (
+                views["maximum_pressure"] < 1e12
+                and views["film_thickness"].max() < 1.0
+                and np.abs(views["sliding_velocity"]).max() < 1e6
+            ):  # beyond, the round-off of flows fills a cell
+                assert (
+                    -1e-9 <= views["film_fraction"].min()
+                    and views["film_fraction"].max() <= 1.0 + 1e-9
+                )
             return
         self.refused += 1
         if before is not None:
@@ -106,7 +136,14 @@ class Fuzz:
 
     def run(self, calls):
         """So many calls."""
-        work = (self.set_values, self.set_film, self.step, self.step, self.read, self.save_and_restore)
+        work = (
+            self.set_values,
+            self.set_film,
+            self.step,
+            self.step,
+            self.read,
+            self.save_and_restore,
+        )
         for _ in range(calls):
             if self.rng.random() < 0.005:
                 self.renew()
@@ -118,7 +155,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         fuzz = Fuzz(0, Path(folder))
         fuzz.run(int(sys.argv[1]))
-    print(f"{sys.argv[1]} calls: {fuzz.taken} steps taken, {fuzz.refused} refused, every refusal left the state untouched")
+    print(
+        f"{sys.argv[1]} calls: {fuzz.taken} steps taken, {fuzz.refused} refused, every refusal left the state untouched"
+    )
 
 
 if __name__ == "__main__":

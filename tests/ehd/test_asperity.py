@@ -1,15 +1,21 @@
 import numpy as np
 import pytest
-from scipy.integrate import quad
-
 from piston_cosim.fmu_ehd import asperity
+from scipy.integrate import quad
 
 
 @pytest.mark.parametrize("order", [1.5, 2.0, 2.5])
 @pytest.mark.parametrize("separation", [0.0, 0.7, 2.3])
 def test_integral_is_its_definition(order, separation):
-    value, _ = quad(lambda s: (s - separation)**order * np.exp(-s * s / 2.0) / np.sqrt(2.0 * np.pi), separation, 20.0, epsabs=0.0)
-    assert asperity.gaussian_integral(order, separation) == pytest.approx(value, rel=1e-7)  # quad's end-point error
+    value, _ = quad(
+        lambda s: (s - separation) ** order * np.exp(-s * s / 2.0) / np.sqrt(2.0 * np.pi),
+        separation,
+        20.0,
+        epsabs=0.0,
+    )
+    assert asperity.gaussian_integral(order, separation) == pytest.approx(
+        value, rel=1e-7
+    )  # quad's end-point error
 
 
 def test_slope_is_the_derivative_across_table_cells_and_overlap():
@@ -17,21 +23,30 @@ def test_slope_is_the_derivative_across_table_cells_and_overlap():
     table = asperity.contact_table()
     size = 1e-6
     slope = asperity.contact(film, 1.0, 1.0, 1.0, 0.1, 0.0, table)[1]
-    difference = (asperity.contact(film + size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
-                  - asperity.contact(film - size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]) / (2.0 * size)
-    assert np.abs(slope - difference).max() <= 1e-8  # the second derivative jumps at the table's points
+    difference = (
+        asperity.contact(film + size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
+        - asperity.contact(film - size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
+    ) / (2.0 * size)
+    assert (
+        np.abs(slope - difference).max() <= 1e-8
+    )  # the second derivative jumps at the table's points
 
 
 def test_overlap_goes_on_straight():
-    pressure, slope, *_ = asperity.contact(np.array([[0.0, -1.0, -2.0]]), 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
+    pressure, slope, *_ = asperity.contact(
+        np.array([[0.0, -1.0, -2.0]]), 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table()
+    )
     assert slope[0, 1] == slope[0, 0] and np.diff(pressure[0]) == pytest.approx(-slope[0, 0])
 
 
 def test_smooth_surfaces_do_not_touch():
-    pressure, slope, area, stress, _ = asperity.contact(np.array([[-1e-6]]), 0.0, 1e9, 0.1, 0.1, 1e6, asperity.contact_table())
+    pressure, slope, area, stress, _ = asperity.contact(
+        np.array([[-1e-6]]), 0.0, 1e9, 0.1, 0.1, 1e6, asperity.contact_table()
+    )
     assert pressure[0, 0] == slope[0, 0] == area[0, 0] == stress[0, 0] == 0.0
 
 
 def test_scale():
-    # [Greenwood1970] with eta beta sigma = 0.05, sigma/beta = 0.01, E* = 1e11 Pa, by hand: 4.7390 x 2.5e-3 x 0.1 x 1e11
+    # [Greenwood1970] with eta beta sigma = 0.05, sigma/beta = 0.01, E* = 1e11 Pa, by hand: 4.7390 x
+    # 2.5e-3 x 0.1 x 1e11
     assert asperity.pressure_scale(0.05, 0.01, 1e11) == pytest.approx(1.18477e8, rel=1e-5)

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal, invert_in_place
 
 
@@ -8,15 +7,25 @@ def stencil(rng, shape):
     """A column-dominant M-matrix of five-point shape on a ring."""
     south, north, west, east = (-rng.random(shape) for _ in range(4))
     south[:, 0] = north[:, -1] = 0.0
-    rows = np.roll(south, -1, 1), np.roll(north, 1, 1), np.roll(west, -1, 0), np.roll(east, 1, 0)  # what stands in column (i,j)
+    rows = (
+        np.roll(south, -1, 1),
+        np.roll(north, 1, 1),
+        np.roll(west, -1, 0),
+        np.roll(east, 1, 0),
+    )  # what stands in column (i,j)
     return -sum(rows) + 0.01 * rng.random(shape), south, north, west, east
 
 
 def product(coefficients, x):
     """Five-point matrix times x, Eq. (B1), by shifts."""
     centre, south, north, west, east = coefficients
-    return (centre * x + south * np.roll(x, 1, 1) + north * np.roll(x, -1, 1)
-            + west * np.roll(x, 1, 0) + east * np.roll(x, -1, 0))
+    return (
+        centre * x
+        + south * np.roll(x, 1, 1)
+        + north * np.roll(x, -1, 1)
+        + west * np.roll(x, 1, 0)
+        + east * np.roll(x, -1, 0)
+    )
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 40])
@@ -48,11 +57,15 @@ def test_solution_satisfies_the_system(shape):
     solver.factorise(coefficients)
     right = rng.standard_normal((3, *shape))
     for b, x in zip(right, solver.solve(right.copy())):
-        assert np.abs(product(coefficients, x) - b).max() <= 1e-11 * np.abs(x).max()  # round-off times condition
+        assert (
+            np.abs(product(coefficients, x) - b).max() <= 1e-11 * np.abs(x).max()
+        )  # round-off times condition
 
 
 def with_columns(old, new, chosen):
-    """Stencil with the columns of axial stations `chosen` taken from `new`, the others from `old`."""
+    """Stencil with the columns of axial stations `chosen` taken from `new`, the others from
+    `old`.
+    """
     j = np.arange(old[0].shape[1])
     offset = (0, 1, -1, 0, 0)  # south of station j stands in column j - 1, north in j + 1
     return tuple(np.where(np.isin(j - o, chosen), b, a) for a, b, o in zip(old, new, offset))
@@ -80,7 +93,9 @@ def test_columns_with_a_diagonal_alone_are_solved_too(downstream):
     rng = np.random.default_rng(3)
     shape = (8, 7)
     centre, south, north, west, east = stencil(rng, shape)
-    empty = rng.random(shape) < 0.5  # cells whose column reaches one neighbour downstream, like cavitated ones
+    empty = (
+        rng.random(shape) < 0.5
+    )  # cells whose column reaches one neighbour downstream, like cavitated ones
     ahead = north if downstream == "up" else south
     shift = 1 if downstream == "up" else -1
     ahead[np.roll(empty, -shift, 1)] = 0.0
@@ -90,7 +105,10 @@ def test_columns_with_a_diagonal_alone_are_solved_too(downstream):
     solver.factorise((centre, south, north, west, east))
     right = rng.standard_normal((1, *shape))
     x = solver.solve(right.copy())[0]
-    assert np.abs(product((centre, south, north, west, east), x) - right[0]).max() <= 1e-11 * np.abs(x).max()
+    assert (
+        np.abs(product((centre, south, north, west, east), x) - right[0]).max()
+        <= 1e-11 * np.abs(x).max()
+    )
 
 
 def test_nothing_of_an_earlier_factorisation_is_left():

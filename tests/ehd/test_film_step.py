@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd import cavitation, reynolds
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep
@@ -23,12 +22,17 @@ def problem(ring, seed=0, shape=(7, 9)):
 @pytest.mark.parametrize("ring", [True, False])
 def test_every_cell_balances(ring):
     grid, edges, film, velocities, content = problem(ring)
-    solution = FilmStep(grid).solve(flow_film(film, 0.01), *velocities, edges, content, content >= film, 1e-4)
+    solution = FilmStep(grid).solve(
+        flow_film(film, 0.01), *velocities, edges, content, content >= film, 1e-4
+    )
     assert 0 < np.count_nonzero(solution.full) < film.size  # both kinds of cells are there
     flow = flow_film(film, 0.01)
-    faces = reynolds.faces(flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, ring)
-    out, edge_flow, _ = reynolds.outflow(solution.pressure, solution.film_fraction, *faces, edges.pressure,
-                                         edges.film_fraction, ring)
+    faces = reynolds.faces(
+        flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, ring
+    )
+    out, edge_flow, _ = reynolds.outflow(
+        solution.pressure, solution.film_fraction, *faces, edges.pressure, edges.film_fraction, ring
+    )
     growth = grid.cell_area / 1e-4 * (solution.content - content)
     assert np.abs(out + growth).max() <= 1e-12 * np.abs(growth).max()
     assert abs(edge_flow.sum() + out.sum()) <= 1e-14 * np.abs(out).sum()
@@ -37,7 +41,9 @@ def test_every_cell_balances(ring):
 @pytest.mark.parametrize("ring", [True, False])
 def test_film_fraction_and_pressure_stay_in_range(ring):
     grid, edges, film, velocities, content = problem(ring)
-    solution = FilmStep(grid).solve(flow_film(film, 0.01), *velocities, edges, 0.01 * content, content >= film, 1e-4)
+    solution = FilmStep(grid).solve(
+        flow_film(film, 0.01), *velocities, edges, 0.01 * content, content >= film, 1e-4
+    )
     assert solution.film_fraction.min() >= 0.0
     assert solution.film_fraction.max() <= 1.0 + cavitation.FRACTION_ROUNDOFF
     assert solution.pressure.min() >= -cavitation.PRESSURE_ROUNDOFF * solution.pressure.max()
@@ -48,10 +54,21 @@ def test_tangent_is_the_central_difference(ring):
     grid, edges, film, velocities, content = problem(ring)
     rng = np.random.default_rng(5)
     dfilm, dvelocity = 1e-6 * rng.standard_normal(film.shape), rng.standard_normal(film.shape)
-    along = rng.standard_normal(velocities.shape)  # both entrainment velocities follow the sliding velocity
+    along = rng.standard_normal(
+        velocities.shape
+    )  # both entrainment velocities follow the sliding velocity
     step, size = FilmStep(grid), 1e-5
-    ends = [step.solve(flow_film(film + s * dfilm, 0.01), *(velocities + s * along * dvelocity), edges, content,
-                       content >= film, 1e-4) for s in (size, -size)]
+    ends = [
+        step.solve(
+            flow_film(film + s * dfilm, 0.01),
+            *(velocities + s * along * dvelocity),
+            edges,
+            content,
+            content >= film,
+            1e-4,
+        )
+        for s in (size, -size)
+    ]
     step.solve(flow_film(film, 0.01), *velocities, edges, content, content >= film, 1e-4)
     assert np.array_equal(ends[0].full, ends[1].full)
     slopes = smooth_film(film, np.full_like(film, 0.01), FLOOR)[1]
@@ -61,21 +78,36 @@ def test_tangent_is_the_central_difference(ring):
         tangent = share * change
         difference = (getattr(ends[0], name) - getattr(ends[1], name)) / (2.0 * size)
         assert np.all(tangent[0] == 0.0)
-        assert np.abs(difference - tangent[1]).max() <= 1e-7 * np.abs(difference).max()  # third derivative x size^2
+        assert (
+            np.abs(difference - tangent[1]).max() <= 1e-7 * np.abs(difference).max()
+        )  # third derivative x size^2
 
 
 def test_switching_singly_finds_the_same_film():
     grid, edges, film, velocities, content = problem(True)
     flow = flow_film(film, 0.01)
-    faces = reynolds.faces(flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, True)
+    faces = reynolds.faces(
+        flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, True
+    )
 
     def assemble(pattern):
-        return reynolds.assemble(pattern, *faces, film, content, grid.cell_area / 1e-4, edges.pressure, edges.film_fraction, True)
+        return reynolds.assemble(
+            pattern,
+            *faces,
+            film,
+            content,
+            grid.cell_area / 1e-4,
+            edges.pressure,
+            edges.film_fraction,
+            True,
+        )
 
     start = np.ones(grid.shape, dtype=bool)
     jfo, free = cavitation.CAVITATION["jfo"], np.zeros(grid.shape, dtype=bool)
     together = cavitation.settle(jfo, assemble, BlockTridiagonal(grid.shape), start, free)
-    singly = cavitation.settle(jfo, assemble, BlockTridiagonal(grid.shape), start, free, all_at_once=0)
+    singly = cavitation.settle(
+        jfo, assemble, BlockTridiagonal(grid.shape), start, free, all_at_once=0
+    )
     assert singly[2] > together[2]
     assert np.array_equal(singly[1], together[1])
     assert np.allclose(singly[0], together[0], rtol=1e-9)

@@ -1,10 +1,7 @@
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.fmu_ehd.motored import (
     DEGREE,
     motored,
@@ -13,6 +10,8 @@ from piston_cosim.fmu_ehd.motored import (
     physics,
     tangent_error,
 )
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
 
 SHAPE = (12, 10)
 OPENING = opening(SHAPE)
@@ -39,11 +38,16 @@ def test_many_directions_at_once_are_the_single_ones():
     together = model.tangent(dfilm, dvelocity)
     for k in range(30):
         for many, single in zip(together, model.tangent(dfilm[k], dvelocity[k])):
-            assert np.abs(many[k] - single).max() <= 1e-12 * np.abs(single).max()  # order of summation
+            assert (
+                np.abs(many[k] - single).max() <= 1e-12 * np.abs(single).max()
+            )  # order of summation
 
 
-@pytest.mark.parametrize("changes", [v for k, v in PHYSICS.items() if k not in ("reynolds", "gumbel", "full film")],
-                         ids=[k for k in PHYSICS if k not in ("reynolds", "gumbel", "full film")])
+@pytest.mark.parametrize(
+    "changes",
+    [v for k, v in PHYSICS.items() if k not in ("reynolds", "gumbel", "full film")],
+    ids=[k for k in PHYSICS if k not in ("reynolds", "gumbel", "full film")],
+)
 def test_oil_is_conserved_under_every_option(changes):
     _, _, history = motored(Parameters(SHAPE, **changes), 100)
     assert max(o["mass_imbalance"] for o in history) <= 1e-12  # round-off
@@ -59,14 +63,18 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
 
 def test_coating_yields_by_its_compliance():
     film, velocity = motored_film(SHAPE, 31 * DEGREE)
-    for parameters in (Parameters(SHAPE, coating_thickness=3e-5, roughness_rms=1e-6),
-                       Parameters(SHAPE, coating_thickness=3e-5, oil=Oil(pressure_viscosity_law="barus_1893"))):
+    for parameters in (
+        Parameters(SHAPE, coating_thickness=3e-5, roughness_rms=1e-6),
+        Parameters(SHAPE, coating_thickness=3e-5, oil=Oil(pressure_viscosity_law="barus_1893")),
+    ):
         model, state, _ = motored(parameters, 30)
         state, outputs = model.advance(state, film, velocity, DEGREE)
         compliance = 3e-5 * 1.3 * 0.4 / (1e9 * 0.7)  # Eq. (L1) by hand
         expected = compliance * (outputs["pressure"] + outputs["asperity_pressure"])
         assert expected.max() > 1e-8
-        assert np.abs(state.deflection - expected).max() <= 1e-9 * expected.max()  # coating.TOLERANCE
+        assert (
+            np.abs(state.deflection - expected).max() <= 1e-9 * expected.max()
+        )  # coating.TOLERANCE
 
 
 def test_coating_lowers_the_peak_of_pressure():
@@ -79,10 +87,14 @@ def test_halves_add_up():
     o = history[-1]
     angle = (np.arange(SHAPE[0]) + 0.5) * 2.0 * np.pi / SHAPE[0]
     across = (o["nodal_pressure_force"] * np.sin(angle)[:, None]).sum()
-    assert o["radial_force_thrust_side"] - o["radial_force_anti_thrust_side"] == pytest.approx(across)
+    assert o["radial_force_thrust_side"] - o["radial_force_anti_thrust_side"] == pytest.approx(
+        across
+    )
     assert o["radial_force_thrust_side"] > 0.0
     both = o["friction_force_hydrodynamic"] + o["friction_force_asperity"]
-    assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(both)
+    assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(
+        both
+    )
     thinnest = [o[f"minimum_film_thickness_{side}_side"] for side in ("thrust", "anti_thrust")]
     assert min(thinnest) == o["minimum_film_thickness"] < max(thinnest)
 
@@ -99,14 +111,20 @@ def test_a_refused_step_has_no_tangent():
 def test_conditions_given_in_a_step_are_those_of_the_parameters():
     film, velocity = motored_film(SHAPE, DEGREE)
     oil = Oil("vogel_1921")
-    given = dict(pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0)
+    given = dict(
+        pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0
+    )
     fixed = LubricationModel(Parameters(SHAPE, oil, **given))
     free = LubricationModel(Parameters(SHAPE, oil))
     state, _ = free.start(*motored_film(SHAPE, 0.0))
     expected = fixed.advance(state, film, velocity, DEGREE)[1]["nodal_pressure_force"]
-    assert np.array_equal(free.advance(state, film, velocity, DEGREE, **given)[1]["nodal_pressure_force"], expected)
+    assert np.array_equal(
+        free.advance(state, film, velocity, DEGREE, **given)[1]["nodal_pressure_force"], expected
+    )
     field = dict(pressure_upper_edge=3e5, oil_temperature=np.full(SHAPE, 350.0))
-    assert np.array_equal(free.advance(state, film, velocity, DEGREE, **field)[1]["nodal_pressure_force"], expected)
+    assert np.array_equal(
+        free.advance(state, film, velocity, DEGREE, **field)[1]["nodal_pressure_force"], expected
+    )
 
 
 def test_halved_viscosity_on_one_side_halves_its_shear():
@@ -115,7 +133,9 @@ def test_halved_viscosity_on_one_side_halves_its_shear():
     temperature[:6] = 400.0
     model = LubricationModel(Parameters(SHAPE, oil))
     state, _ = model.start(film, velocity)
-    friction = model.advance(state, film, velocity, DEGREE, oil_temperature=temperature)[1]["nodal_friction_force"]
+    friction = model.advance(state, film, velocity, DEGREE, oil_temperature=temperature)[1][
+        "nodal_friction_force"
+    ]
     ratio = oil.low_shear_viscosity(np.array([400.0, 350.0]))
     assert friction[0, 0] / friction[-1, 0] == pytest.approx(ratio[0] / ratio[1])
 
@@ -138,15 +158,24 @@ def test_shear_on_a_parallel_film_is_couette():
     area = 2.0 * np.pi * 28.25e-3 * 27e-3
     assert outputs["friction_force_hydrodynamic"] == pytest.approx(-0.01 * 2.0 / 1e-5 * area)
     assert outputs["friction_power"] == pytest.approx(0.01 * 4.0 / 1e-5 * area)
-    assert outputs["flow_lower_edge"] == pytest.approx(-1e-5 * 2.0 * np.pi * 28.25e-3)  # the skirt moves up, the oil stays behind
+    assert outputs["flow_lower_edge"] == pytest.approx(
+        -1e-5 * 2.0 * np.pi * 28.25e-3
+    )  # the skirt moves up, the oil stays behind
     assert outputs["flow_upper_edge"] == pytest.approx(1e-5 * 2.0 * np.pi * 28.25e-3)
 
 
 def test_cavitation_pressure_shifts_the_datum_alone():
-    gauge, absolute = (motored(Parameters(SHAPE, pressure_lower_edge=p, pressure_upper_edge=p, cavitation_pressure=p), 60)[2][-1]
-                       for p in (0.0, 1e5))
+    gauge, absolute = (
+        motored(
+            Parameters(SHAPE, pressure_lower_edge=p, pressure_upper_edge=p, cavitation_pressure=p),
+            60,
+        )[2][-1]
+        for p in (0.0, 1e5)
+    )
     scale = gauge["maximum_pressure"]
-    assert np.abs(absolute["pressure"] - 1e5 - gauge["pressure"]).max() <= 1e-9 * scale  # round-off of the datum
+    assert (
+        np.abs(absolute["pressure"] - 1e5 - gauge["pressure"]).max() <= 1e-9 * scale
+    )  # round-off of the datum
     assert np.abs(absolute["film_fraction"] - gauge["film_fraction"]).max() <= 1e-12
 
 

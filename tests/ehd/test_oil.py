@@ -2,10 +2,9 @@ import tomllib
 
 import numpy as np
 import pytest
-
-from piston_cosim.models import MODELS
 from piston_cosim.fmu_ehd.build import oil_values
 from piston_cosim.fmu_ehd.oil import Barus1893, Oil, Roelands1966
+from piston_cosim.models import MODELS
 
 LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 
@@ -17,7 +16,9 @@ def test_reduced_pressure_is_its_integral_and_inverts(law):
     grid = np.linspace(0.0, 1.0, 20001)
     integral = [np.trapezoid(1.0 / oil.ratio(p * grid)[0], p * grid) for p in pressure]
     assert oil.reduced(pressure) == pytest.approx(integral, rel=1e-7)  # trapezoid rule
-    assert oil.pressure(oil.reduced(pressure)) == pytest.approx(pressure, rel=1e-9, abs=1e-3)  # table
+    assert oil.pressure(oil.reduced(pressure)) == pytest.approx(
+        pressure, rel=1e-9, abs=1e-3
+    )  # table
 
 
 @pytest.mark.parametrize("law", [Barus1893, Roelands1966])
@@ -50,7 +51,9 @@ def test_thinning_falls_from_one_to_the_high_shear_ratio_with_its_own_slope(law,
     factor, slope = oil.thinning(np.array([0.0, 1e6, 1e14]), temperature)
     assert factor[[0, 2]] == pytest.approx([1.0, 0.6], abs=2e-3)
     size = 1.0
-    difference = (oil.thinning(1e6 + size, temperature)[0] - oil.thinning(1e6 - size, temperature)[0]) / (2.0 * size)
+    difference = (
+        oil.thinning(1e6 + size, temperature)[0] - oil.thinning(1e6 - size, temperature)[0]
+    ) / (2.0 * size)
     assert slope[1] == pytest.approx(difference[1], rel=1e-6)
 
 
@@ -65,12 +68,22 @@ def test_every_oil_of_the_library_is_usable_and_sourced(name):
 
 def test_points_of_a_library_oil_are_met():
     oil = Oil(**oil_values("heavy_machine_oil", LIBRARY["heavy_machine_oil"], []))
-    assert oil.low_shear_viscosity(np.array([303.15, 333.15, 373.15])) == pytest.approx([0.153, 0.034, 0.0091], rel=1e-9)
+    assert oil.low_shear_viscosity(np.array([303.15, 333.15, 373.15])) == pytest.approx(
+        [0.153, 0.034, 0.0091], rel=1e-9
+    )
 
 
 def test_library_faults_are_reported_together():
     faults = []
-    oil_values("x", dict(viscosity="1 m", vogel_b="1e6 K", grade="a", viscosity_law="linear"), faults)
+    oil_values(
+        "x", dict(viscosity="1 m", vogel_b="1e6 K", grade="a", viscosity_law="linear"), faults
+    )
     text = "\n".join(faults)
-    words = "viscosity has no source", "'1 m'", "vogel_b = 1e+06 K", "grade is no parameter", "'linear'"
+    words = (
+        "viscosity has no source",
+        "'1 m'",
+        "vogel_b = 1e+06 K",
+        "grade is no parameter",
+        "'linear'",
+    )
     assert all(word in text for word in words)

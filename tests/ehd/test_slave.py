@@ -3,7 +3,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput
@@ -66,11 +65,15 @@ def test_bad_build_options_are_reported_together():
     assert len(error.value.faults) == 2
 
 
-@pytest.mark.parametrize("name, value, element, words", [
-    ("film_thickness", np.nan, (0, 0), "film_thickness[1,1] = nan m"),
-    ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
-    ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
-    ("sliding_velocity", np.inf, (1, 2), "sliding_velocity[2,3] = inf m/s")])
+@pytest.mark.parametrize(
+    "name, value, element, words",
+    [
+        ("film_thickness", np.nan, (0, 0), "film_thickness[1,1] = nan m"),
+        ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
+        ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
+        ("sliding_velocity", np.inf, (1, 2), "sliding_velocity[2,3] = inf m/s"),
+    ],
+)
 def test_senseless_input_is_refused_by_name_and_changes_nothing(slave, name, value, element, words):
     slave.exit_initialization_mode()
     log = []
@@ -115,11 +118,17 @@ def test_a_squeeze_beyond_the_thickening_law_still_has_a_pressure(slave, law):
 
 
 def test_conditions_become_inputs(tmp_path):
-    options, _ = prepare({"grid": [8, 6], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print)
+    options, _ = prepare(
+        {"grid": [8, 6], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print
+    )
     (tmp_path / "build.json").write_text(json.dumps(options))
     slave = Ehd(instance_name="film", resources=str(tmp_path))
     assert {v.name for v in slave.table if v.causality == "input"} == {
-        "film_thickness", "sliding_velocity", "pressure_upper_edge", "oil_temperature"}
+        "film_thickness",
+        "sliding_velocity",
+        "pressure_upper_edge",
+        "oil_temperature",
+    }
     slave.set_string([slave.references["viscosity_law"]], ["vogel_1921"])
     slave.exit_initialization_mode()
     slave.views["pressure_upper_edge"][...] = 2e5

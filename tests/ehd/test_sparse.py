@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd import sparse
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (11, 9)
 
@@ -16,7 +15,9 @@ def pressure_force(solver):
     state, _ = model.start(*motored_film(SHAPE, 0.0))
     for k in range(1, 20):
         state, outputs = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
-    derivative = model.tangent(*np.ones((2, 3, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None])
+    derivative = model.tangent(
+        *np.ones((2, 3, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
+    )
     return outputs["nodal_pressure_force"], derivative[1]
 
 
@@ -27,7 +28,9 @@ def test_every_solver_gives_the_same_answer(name):
     except ImportError:
         pytest.skip("pypardiso is an optional extra")
     for value, reference in zip(other, pressure_force(sparse.BlockTridiagonal)):
-        assert np.abs(value - reference).max() <= 1e-10 * np.abs(reference).max()  # round-off x condition
+        assert (
+            np.abs(value - reference).max() <= 1e-10 * np.abs(reference).max()
+        )  # round-off x condition
 
 
 def test_pardiso_repeats_its_bits_and_returns_its_memory():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film, motored_until
 from piston_cosim.fmu_ehd.parameters import Parameters
@@ -20,7 +19,9 @@ def rate(course, ends):
 
 @pytest.mark.parametrize("ratio", [0.01, 0.5, 1.0, 2.0])
 def test_a_content_quadratic_in_time_has_its_exact_rate(ratio):
-    assert rate(lambda t: 5.0 + 3.0 * t - 2.0 * t**2, (0.0, 0.1, 0.1 + 0.1 * ratio)) == pytest.approx(3.0 - 0.4 * (1.0 + ratio))
+    assert rate(
+        lambda t: 5.0 + 3.0 * t - 2.0 * t**2, (0.0, 0.1, 0.1 + 0.1 * ratio)
+    ) == pytest.approx(3.0 - 0.4 * (1.0 + ratio))
 
 
 @pytest.mark.parametrize("ratio", [0.01, 1.0, 5.0, 100.0])
@@ -38,7 +39,9 @@ def test_the_first_step_is_backward_euler():
 def test_an_error_of_the_last_step_is_not_enlarged_however_the_step_grows(ratio):
     before, error = np.ones(SHAPE), 1e-9 * np.random.default_rng(0).standard_normal(SHAPE)
     past, _ = euler_step(before + error, before, 0.1 * ratio, 0.1)
-    assert np.all(np.abs(past - before - error) < 0.81 * np.abs(error))  # zero-stable: beta stays at 4/5
+    assert np.all(
+        np.abs(past - before - error) < 0.81 * np.abs(error)
+    )  # zero-stable: beta stays at 4/5
 
 
 def test_no_cell_ever_owes_oil():
@@ -59,7 +62,9 @@ def random_ends(seed, last):
 
 
 def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
-    model = LubricationModel(Parameters(SHAPE, film_fraction_upper_edge=0.5, pressure_lower_edge=1e5))
+    model = LubricationModel(
+        Parameters(SHAPE, film_fraction_upper_edge=0.5, pressure_lower_edge=1e5)
+    )
     start, _ = model.start(*motored_film(SHAPE, 0.0))
     state, last, inflows, lengths, shares = start, 0.0, [], [], []
     for end in random_ends(0, 720):
@@ -77,7 +82,9 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     moved = np.abs(weights * inflows).sum()
     assert weights.sum() == pytest.approx(last, rel=1e-12)
     assert abs(grown - weights @ inflows) <= 1e-12 * moved  # round-off
-    assert abs(grown - np.diff([0.0, *random_ends(0, 720)]) @ inflows) > 1e-4 * moved  # those of backward Euler would not do
+    assert (
+        abs(grown - np.diff([0.0, *random_ends(0, 720)]) @ inflows) > 1e-4 * moved
+    )  # those of backward Euler would not do
 
 
 def test_an_opened_film_keeps_its_oil_in_steps_of_any_length():
@@ -92,7 +99,9 @@ def test_an_opened_film_keeps_its_oil_in_steps_of_any_length():
 
 
 def test_a_steady_film_stays_when_the_step_changes():
-    model, state, history = motored_until(Parameters(SHAPE, roughness_rms=1e-6), np.arange(1, 101) * DEGREE)
+    model, state, history = motored_until(
+        Parameters(SHAPE, roughness_rms=1e-6), np.arange(1, 101) * DEGREE
+    )
     film, velocity = motored_film(SHAPE, 100 * DEGREE)
     for _ in range(3000):
         state, outputs = model.advance(state, film, velocity, DEGREE)
@@ -100,16 +109,22 @@ def test_a_steady_film_stays_when_the_step_changes():
     assert outputs["film_fraction"].min() < 0.9  # a part of it is cavitated
     for factor in (100.0, 0.01, 1.0, 0.01, 100.0):
         state, outputs = model.advance(state, film, velocity, factor * DEGREE)
-        assert np.abs(outputs["nodal_pressure_force"] - steady).max() <= 1e-9 * steady.max()  # condition x round-off / 0.01
+        assert (
+            np.abs(outputs["nodal_pressure_force"] - steady).max() <= 1e-9 * steady.max()
+        )  # condition x round-off / 0.01
 
 
 def test_the_step_after_a_start_from_a_steady_film_is_steady():
-    model = LubricationModel(Parameters(SHAPE, pressure_lower_edge=2e5))  # parallel and at rest: pressure linear, as at the start
+    model = LubricationModel(
+        Parameters(SHAPE, pressure_lower_edge=2e5)
+    )  # parallel and at rest: pressure linear, as at the start
     film, still = np.full(SHAPE, 1e-5), np.zeros(SHAPE)
     state, first = model.start(film, still)
     for factor in (1.0, 10.0, 0.1):
         state, outputs = model.advance(state, film, still, factor * DEGREE)
-        assert outputs["nodal_pressure_force"] == pytest.approx(first["nodal_pressure_force"], rel=1e-9)
+        assert outputs["nodal_pressure_force"] == pytest.approx(
+            first["nodal_pressure_force"], rel=1e-9
+        )
 
 
 def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
@@ -118,8 +133,13 @@ def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
     state, _ = model.start(film, velocity)
     rng = np.random.default_rng(2)
     for k in range(200):
-        sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(SHAPE)  # down to 15 um of overlap
+        sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(
+            SHAPE
+        )  # down to 15 um of overlap
         step = DEGREE * 10.0 ** rng.uniform(-2.0, 2.0)
         state, outputs = model.advance(state, sinking, velocity * rng.choice([-1.0, 1.0]), step)
-        assert outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+        assert (
+            outputs["film_fraction"].min() >= -1e-15
+            and outputs["film_fraction"].max() <= 1.0 + 1e-12
+        )
         assert outputs["mass_imbalance"] <= 1e-12

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import fmpy
 import pytest
-
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
 
@@ -40,18 +39,31 @@ def host(tmp_path_factory):
     if not compiler():
         pytest.skip("no C compiler")
     program = tmp_path_factory.mktemp("host") / "host"
-    subprocess.run([compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"], check=True)
+    subprocess.run(
+        [compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"],
+        check=True,
+    )
     return program
 
 
 @pytest.fixture(scope="session")
 def outside():
-    """Runs code after a prelude in a bare Python away from the source, the FMU's path its argument; what it prints last is JSON."""
+    """Runs code after a prelude in a bare Python away from the source, the FMU's path its argument;
+    what it prints last is JSON.
+    """
+
     def run(prelude, fmu, body):
         code = prelude + textwrap.dedent(body)
-        done = subprocess.run([sys.executable, "-I", "-c", code, str(fmu)], capture_output=True, text=True, cwd="/", timeout=300)
+        done = subprocess.run(
+            [sys.executable, "-I", "-c", code, str(fmu)],
+            capture_output=True,
+            text=True,
+            cwd="/",
+            timeout=300,
+        )
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout.splitlines()[-1])
+
     return run
 
 
@@ -67,8 +79,15 @@ class Unpacked:
 
     def arguments(self, given, value, wanted, seed):
         """What the host wants to know of this FMU."""
-        return [self.folder, self.identifier, self.location, self.references[given], value, self.references[wanted],
-                self.references[seed]]
+        return [
+            self.folder,
+            self.identifier,
+            self.location,
+            self.references[given],
+            value,
+            self.references[wanted],
+            self.references[seed],
+        ]
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,5 @@
-"""A slave that does one bad thing, once: when its time reaches `at` and the file `marker` is not there yet, which it makes.
+"""A slave that does one bad thing, once: when its time reaches `at` and the file `marker` is not
+there yet, which it makes.
 
 Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;   output x, input u the other one's x
 """
@@ -11,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable
@@ -29,9 +29,14 @@ def refuse():
 
 
 calls = []
-FAULTS = {"discard": refuse, "exception": lambda: {}["bug"], "hang": lambda: clock.sleep(1e6),
-          "kill": lambda: os.kill(os.getpid(), signal.SIGKILL), "crash": lambda: ctypes.string_at(0),
-          "interrupt": lambda: os.killpg(0, signal.SIGINT)}      # as Ctrl-C does: every process of the run hears it
+FAULTS = {
+    "discard": refuse,
+    "exception": lambda: {}["bug"],
+    "hang": lambda: clock.sleep(1e6),
+    "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "crash": lambda: ctypes.string_at(0),
+    "interrupt": lambda: os.killpg(0, signal.SIGINT),
+}  # as Ctrl-C does: every process of the run hears it
 
 
 class Cell(FieldSlave):
@@ -41,17 +46,20 @@ class Cell(FieldSlave):
 
     @staticmethod
     def variables(options):
-        return [Variable("fault", "1", "parameter", "What goes wrong", ""), Variable("marker", "1", "parameter", "File", ""),
-                Variable("at", "s", "parameter", "When", 0.0),
-                Variable("u", "1", "input", "From the other", 0.0, nominal=1.0, shape=(CELLS,)),
-                Variable("x", "1", "output", "To the other", 0.0, nominal=1.0, shape=(CELLS,))]
+        return [
+            Variable("fault", "1", "parameter", "What goes wrong", ""),
+            Variable("marker", "1", "parameter", "File", ""),
+            Variable("at", "s", "parameter", "When", 0.0),
+            Variable("u", "1", "input", "From the other", 0.0, nominal=1.0, shape=(CELLS,)),
+            Variable("x", "1", "output", "To the other", 0.0, nominal=1.0, shape=(CELLS,)),
+        ]
 
     def start(self, values):
         return State(np.zeros(CELLS)), {"x": np.zeros(CELLS)}
 
     def advance(self, state, values, time, step):
         drive = np.sin(2 * np.pi * (time + step)) * np.sin(2 * np.pi * np.arange(CELLS) / CELLS)
-        x = (state.x + step * (values["u"] / 2 + drive)) / (1 + step)       # Eq. (X1)
+        x = (state.x + step * (values["u"] / 2 + drive)) / (1 + step)  # Eq. (X1)
         if values["fault"] and time + step >= values["at"] and not Path(values["marker"]).exists():
             Path(values["marker"]).touch()
             x = x * np.nan if values["fault"] == "nan" else FAULTS[values["fault"]]() or x

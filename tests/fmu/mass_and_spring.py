@@ -20,14 +20,16 @@ class Mass(FieldSlave):
 
     @staticmethod
     def variables(options):
-        return [Variable("force", "N", "input", "Force", 0.0, nominal=1.0),
-                Variable("displacement", "m", "output", "Displacement", 0.0, nominal=1.0)]
+        return [
+            Variable("force", "N", "input", "Force", 0.0, nominal=1.0),
+            Variable("displacement", "m", "output", "Displacement", 0.0, nominal=1.0),
+        ]
 
     def start(self, values):
         return State(0.1, 0.0), {"displacement": 0.1}
 
     def advance(self, state, values, time, step):
-        velocity = state.velocity + step * values["force"]                  # Eq. (X2)
+        velocity = state.velocity + step * values["force"]  # Eq. (X2)
         after = State(state.displacement + step * velocity, velocity)
         return after, {"displacement": after.displacement}
 
@@ -37,11 +39,13 @@ class Spring(FieldSlave):
 
     @staticmethod
     def variables(options):
-        return [Variable("displacement", "m", "input", "Displacement", 0.1, nominal=1.0),
-                Variable("force", "N", "output", "Force", 0.0, nominal=1.0)]
+        return [
+            Variable("displacement", "m", "input", "Displacement", 0.1, nominal=1.0),
+            Variable("force", "N", "output", "Force", 0.0, nominal=1.0),
+        ]
 
     def start(self, values):
         return State(0.0, 0.0), {"force": -100 * values["displacement"]}
 
     def advance(self, state, values, time, step):
-        return state, {"force": -100 * values["displacement"]}              # Eq. (X2)
+        return state, {"force": -100 * values["displacement"]}  # Eq. (X2)

@@ -1,6 +1,8 @@
-"""A lubrication FMU as pythonfmu's own manual makes one: no units, no nominals, no derivatives, state by its variables.
+"""A lubrication FMU as pythonfmu's own manual makes one: no units, no nominals, no derivatives,
+state by its variables.
 
-A local film law (squeeze alone): p = -12 mu hdot w^2 / h^3 / 10, cut off at 0; w: half the skirt's length.
+A local film law (squeeze alone): p = -12 mu hdot w^2 / h^3 / 10, cut off at 0; w: half the skirt's
+length.
 """
 
 import math
@@ -20,17 +22,34 @@ class StockFilm(Fmi2Slave):
         self.values = dict(constants)
         for name in constants:
             self._register(Integer, name, Fmi2Causality.parameter, Fmi2Variability.fixed)
-        for name, causality, start in (("film_thickness", "input", 3e-5), ("sliding_velocity", "input", 0.0),
-                                       ("before", "local", 3e-5), ("nodal_pressure_force", "output", 0.0),
-                                       ("nodal_friction_force", "output", 0.0)):
+        for name, causality, start in (
+            ("film_thickness", "input", 3e-5),
+            ("sliding_velocity", "input", 0.0),
+            ("before", "local", 3e-5),
+            ("nodal_pressure_force", "output", 0.0),
+            ("nodal_friction_force", "output", 0.0),
+        ):
             for i in range(CELLS[0]):
                 for j in range(CELLS[1]):
                     self.values[f"{name}[{i + 1},{j + 1}]"] = start
-                    self._register(Real, f"{name}[{i + 1},{j + 1}]", Fmi2Causality[causality], Fmi2Variability.continuous)
+                    self._register(
+                        Real,
+                        f"{name}[{i + 1},{j + 1}]",
+                        Fmi2Causality[causality],
+                        Fmi2Variability.continuous,
+                    )
 
     def _register(self, kind, name, causality, variability):
-        self.register_variable(kind(name, causality=causality, variability=variability, getter=lambda: self.values[name],
-                                    setter=lambda value: self.values.__setitem__(name, value)), nested=False)
+        self.register_variable(
+            kind(
+                name,
+                causality=causality,
+                variability=variability,
+                getter=lambda: self.values[name],
+                setter=lambda value: self.values.__setitem__(name, value),
+            ),
+            nested=False,
+        )
 
     def exit_initialization_mode(self):
         self._compute(1.0)
@@ -46,6 +65,10 @@ class StockFilm(Fmi2Slave):
                 cell = f"[{i + 1},{j + 1}]"
                 film = max(v["film_thickness" + cell], 1e-6)
                 squeeze = (v["film_thickness" + cell] - v["before" + cell]) / step
-                v["nodal_pressure_force" + cell] = max(-1.2 * 0.012 * squeeze * 13.5e-3**2 / film**3, 0.0) * AREA
-                v["nodal_friction_force" + cell] = -0.012 * v["sliding_velocity" + cell] / film * AREA
+                v["nodal_pressure_force" + cell] = (
+                    max(-1.2 * 0.012 * squeeze * 13.5e-3**2 / film**3, 0.0) * AREA
+                )
+                v["nodal_friction_force" + cell] = (
+                    -0.012 * v["sliding_velocity" + cell] / film * AREA
+                )
                 v["before" + cell] = v["film_thickness" + cell]

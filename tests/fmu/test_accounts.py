@@ -1,4 +1,6 @@
-"""What a run says of itself afterwards: logs, where the time went, the work that crossed the interface, tables."""
+"""What a run says of itself afterwards: logs, where the time went, the work that crossed the
+interface, tables.
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -6,15 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from fmpy.util import read_csv
-
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.commands.app import app
-from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.runs.logs import CouplingLog
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
-from piston_cosim.master.coupling.stepping import Counters
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.commands.app import app
+from piston_cosim.master.coupling.stepping import Counters
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.logs import CouplingLog
+from piston_cosim.master.runs.run import run
 
 PATH = find_case("two_mass_oscillator")
 
@@ -38,17 +39,30 @@ def test_logs_account_for_every_iteration(finished):
     assert [int(w["Window"]) for w in windows] == list(range(1, 11))
     assert int(windows[-1]["TotalIterations"]) == len(sweeps) == summary["residual_evaluations"]
     wires = list(sweeps[0])[2:]
-    assert wires == ["right.other_displacement", "left.other_displacement", "right.der(other_displacement)",
-                     "left.der(other_displacement)"]
+    assert wires == [
+        "right.other_displacement",
+        "left.other_displacement",
+        "right.der(other_displacement)",
+        "left.der(other_displacement)",
+    ]
     last = {s["Window"]: max(float(s[w]) for w in wires) for s in sweeps}
-    assert max(last.values()) <= 1.0                                       # the last sweep of each window has converged
-    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in sweeps) == len(windows)     # and no sweep before it
+    assert max(last.values()) <= 1.0  # the last sweep of each window has converged
+    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in sweeps) == len(
+        windows
+    )  # and no sweep before it
 
 
 def test_wall_time_is_split_without_a_rest(finished):
     _, summary = finished
-    parts = {key: value for key, value in summary.items() if key.startswith("wall_time_") and key != "wall_time_s"}
-    assert set(parts) == {f"wall_time_{name}_s" for name in ("left", "right", "transport", "recording", "acceleration")}
+    parts = {
+        key: value
+        for key, value in summary.items()
+        if key.startswith("wall_time_") and key != "wall_time_s"
+    }
+    assert set(parts) == {
+        f"wall_time_{name}_s"
+        for name in ("left", "right", "transport", "recording", "acceleration")
+    }
     assert all(value > 0 for value in parts.values())
     assert sum(parts.values()) == pytest.approx(summary["wall_time_s"], rel=1e-12)
 
@@ -58,7 +72,9 @@ def test_scalars_as_structured_array_and_csv(finished, tmp_path):
     results = Results(folder / "base.h5")
     found = results.structured()
     assert found.dtype.names[0] == "time" and found.size == 11
-    np.testing.assert_array_equal(found["left.displacement"], results.series("left.displacement")[0])
+    np.testing.assert_array_equal(
+        found["left.displacement"], results.series("left.displacement")[0]
+    )
     with pytest.raises(SystemExit) as done:
         app(["scalars", str(folder / "base.h5"), "--output", str(tmp_path / "run.csv")])
     assert not done.value.code
@@ -101,14 +117,21 @@ def test_work_balance_is_as_good_as_the_tolerance(tolerance, tmp_path):
     case = check_case(tree, path)
     summary = run(open_system(case, tmp_path, print), case, tree, tmp_path / "base.h5")
     results = Results(tmp_path / "base.h5")
-    displacement, force = (results.series(port)[0] for port in ("mass.displacement", "spring.force"))
-    # the right-hand sum of what was recorded; its parts agree to the tolerance of force (nominal 1 N) and displacement
-    assert summary["interface_work_j"] == pytest.approx(np.sum(force[1:] * np.diff(displacement)), abs=100 * tolerance)
+    displacement, force = (
+        results.series(port)[0] for port in ("mass.displacement", "spring.force")
+    )
+    # the right-hand sum of what was recorded; its parts agree to the tolerance of force (nominal 1
+    # N) and displacement
+    assert summary["interface_work_j"] == pytest.approx(
+        np.sum(force[1:] * np.diff(displacement)), abs=100 * tolerance
+    )
     assert 0 < abs(summary["interface_work_imbalance"]) <= tolerance
 
 
 def test_a_conjugate_that_is_none_is_named():
-    tree = read_tree(PATH, [("wires.0.conjugate", "left.velocity"), ("wires.1.conjugate", "left.displacement")])
+    tree = read_tree(
+        PATH, [("wires.0.conjugate", "left.velocity"), ("wires.1.conjugate", "left.displacement")]
+    )
     with pytest.raises(BadInput) as refusal:
         open_system(check_case(tree, PATH), PATH.parent, print)
     assert "no field of this shape is wired from there to left" in refusal.value.faults[0]
@@ -130,5 +153,7 @@ def test_a_log_goes_on_after_its_checkpoint(tmp_path):
     log.close()
     rows = table(tmp_path / "a-iterations.log")
     assert [row["Window"] for row in rows] == [str(k) for k in range(1, 11)] + ["11", "11"]
-    assert [row["Converged"] for row in rows[-2:]] == ["0", "1"] and rows[-1]["TotalIterations"] == "22"
+    assert [row["Converged"] for row in rows[-2:]] == ["0", "1"] and rows[-1][
+        "TotalIterations"
+    ] == "22"
     assert len(table(tmp_path / "a-convergence.log")) == 22

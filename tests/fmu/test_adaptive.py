@@ -1,4 +1,6 @@
-"""A run with steps by local error: where its steps lie, what refining them does, and that it goes on with the same bits."""
+"""A run with steps by local error: where its steps lie, what refining them does, and that it goes
+on with the same bits.
+"""
 
 import json
 import os
@@ -11,28 +13,54 @@ import h5py
 import numpy as np
 import pytest
 
-STEP, SMALLEST = 10.0, 10.0 / 64                                # deg
+STEP, SMALLEST = 10.0, 10.0 / 64  # deg
 
 
 def command(folder, *more):
-    settings = ("time.stop=180 deg", f"time.step={STEP} deg", "participants.bodies.build.grid=[20,16]",
-                "participants.ehd.build.grid=[20,16]", *more)
-    return [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--only", "rigid", "--no-plots", "--output", str(folder),
-            *(word for setting in settings for word in ("--set", setting))]
+    settings = (
+        "time.stop=180 deg",
+        f"time.step={STEP} deg",
+        "participants.bodies.build.grid=[20,16]",
+        "participants.ehd.build.grid=[20,16]",
+        *more,
+    )
+    return [
+        sys.executable,
+        "-m",
+        "piston_cosim",
+        "run",
+        "numerical_example",
+        "--only",
+        "rigid",
+        "--no-plots",
+        "--output",
+        str(folder),
+        *(word for setting in settings for word in ("--set", setting)),
+    ]
 
 
 def outcome(file):
     """Times, lateral displacements and summary of a run."""
     with h5py.File(file) as results:
-        return results["time"][:], results["bodies/lateral_displacement"][:], json.loads(results.attrs["summary"])
+        return (
+            results["time"][:],
+            results["bodies/lateral_displacement"][:],
+            json.loads(results.attrs["summary"]),
+        )
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """Runs with a local error of 10 nm and of 1 nm, and one in steps of 0.25 deg."""
     folder = tmp_path_factory.mktemp("adaptive")
-    for name, setting in (("10", "wires.0.local_error=10 nm"), ("1", "wires.0.local_error=1 nm"), ("fine", "time.step=0.25 deg")):
-        subprocess.run(command(folder / name, setting), check=True, capture_output=True, timeout=300)
+    for name, setting in (
+        ("10", "wires.0.local_error=10 nm"),
+        ("1", "wires.0.local_error=1 nm"),
+        ("fine", "time.step=0.25 deg"),
+    ):
+        subprocess.run(
+            command(folder / name, setting), check=True, capture_output=True, timeout=300
+        )
     return [outcome(folder / name / "rigid.h5") for name in ("10", "1", "fine")]
 
 
@@ -41,7 +69,9 @@ def test_steps_come_by_where_they_must_and_keep_their_bounds(runs):
         degrees = times / times[-1] * 180
         lengths = np.diff(degrees)
         assert np.all(np.abs(degrees[:, None] - np.arange(0, 181, STEP)).min(axis=0) < 1e-9)
-        assert lengths.max() < STEP + 1e-9 and lengths.min() > SMALLEST / 2      # cut at most into two at an end
+        assert (
+            lengths.max() < STEP + 1e-9 and lengths.min() > SMALLEST / 2
+        )  # cut at most into two at an end
         assert lengths[0] < 1.1 * SMALLEST and summary["steps"] == len(lengths)
         assert summary["inaccurate_smallest_steps"] == 0
 
@@ -49,9 +79,11 @@ def test_steps_come_by_where_they_must_and_keep_their_bounds(runs):
 def test_a_smaller_local_error_takes_more_steps_and_errs_less(runs):
     coarse, fine, reference = runs
     errors = [np.max(np.abs(x - np.interp(t, *reference[:2]))) for t, x, _ in (coarse, fine)]
-    # of second order: ten times less error a step means 10^(1/3) times the steps and 10^(2/3) times less error in all;
-    # steps that must end where they must are shorter than the error asks for, more so the longer ones
-    assert 1.5 < fine[2]["steps"] / coarse[2]["steps"] < 10**(1 / 3)
+    # of second order: ten times less error a step means 10^(1/3) times the steps and 10^(2/3) times
+    # less error in all;
+    # steps that must end where they must are shorter than the error asks for, more so the longer
+    # ones
+    assert 1.5 < fine[2]["steps"] / coarse[2]["steps"] < 10 ** (1 / 3)
     assert 2.5 < errors[0] / errors[1] < 10.0
 
 
@@ -59,13 +91,22 @@ def test_interrupted_and_resumed_equals_uninterrupted(tmp_path):
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     more = ("wires.0.local_error=1 nm", "record.checkpoint_every=2")
     subprocess.run(command(whole, *more), check=True, capture_output=True, timeout=300)
-    process = subprocess.Popen(command(broken, *more), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        command(broken, *more), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
     checkpoint, deadline = broken / "rigid.h5.checkpoint", time.monotonic() + 120
     while not checkpoint.exists() and time.monotonic() < deadline:
         time.sleep(0.002)
     os.kill(process.pid, signal.SIGKILL)
     assert process.wait(60) == -signal.SIGKILL
-    subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], check=True, capture_output=True, timeout=300)
-    (times, lateral, summary), (times_resumed, lateral_resumed, resumed) = (outcome(f / "rigid.h5") for f in (whole, broken))
+    subprocess.run(
+        [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)],
+        check=True,
+        capture_output=True,
+        timeout=300,
+    )
+    (times, lateral, summary), (times_resumed, lateral_resumed, resumed) = (
+        outcome(f / "rigid.h5") for f in (whole, broken)
+    )
     assert np.array_equal(times, times_resumed) and np.array_equal(lateral, lateral_resumed)
     assert summary["rejected_steps"] == resumed["rejected_steps"]

@@ -1,4 +1,6 @@
-"""The coupled system as one FMU gives what a run gives, at any communication step, and its state is whole."""
+"""The coupled system as one FMU gives what a run gives, at any communication step, and its state is
+whole.
+"""
 
 import subprocess
 import sys
@@ -7,19 +9,23 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.system import open_system
 
 STEPS = 12
 WATCHED = ("lateral_displacement", "minimum_film_thickness", "side_force", "friction_power")
-SMALL = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]), ("time.stop", f"{STEPS} deg"),
-         ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", f"{STEPS} deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
 PATH = find_case("numerical_example")
 
 
@@ -30,12 +36,17 @@ def tree():
 
 @pytest.fixture(scope="module")
 def reference(tree, tmp_path_factory):
-    """Watched outputs after every macro step of a run, shape (STEPS + 1, 4), and the macro step [s]."""
+    """Watched outputs after every macro step of a run, shape (STEPS + 1, 4), and the macro step
+    [s].
+    """
     case, output = check_case(tree, PATH), tmp_path_factory.mktemp("run") / "run.h5"
     system = open_system(case, PATH.parent, print)
     run(system, case, tree, output)
     results = Results(output)
-    owner = {name: next(o for o, p in system.participants.items() if name in p.fields) for name in WATCHED}
+    owner = {
+        name: next(o for o, p in system.participants.items() if name in p.fields)
+        for name in WATCHED
+    }
     return np.array([results.series(f"{owner[name]}.{name}")[0] for name in WATCHED]).T, system.step
 
 
@@ -56,7 +67,11 @@ def watched(participant):
 
 def test_model_description_is_valid(coupled):
     assert validate_fmu(str(coupled)) == []
-    inputs = {v.name for v in fmpy.read_model_description(str(coupled)).modelVariables if v.causality == "input"}
+    inputs = {
+        v.name
+        for v in fmpy.read_model_description(str(coupled)).modelVariables
+        if v.causality == "input"
+    }
     assert inputs == {"crank_speed", "gas_pressure"}
 
 
@@ -67,7 +82,8 @@ def test_same_results_as_run_at_the_macro_step(coupled, reference):
     for k in range(STEPS):
         participant.step(k * step, step)
         found.append(watched(participant))
-    # the same steps from the same code: what differs is round-off in the time points, times the amplification of a step
+    # the same steps from the same code: what differs is round-off in the time points, times the
+    # amplification of a step
     np.testing.assert_allclose(found, values, rtol=1e-6, atol=1e-12)
 
 
@@ -80,7 +96,9 @@ def test_longer_communication_steps_are_cut_into_macro_steps(coupled, reference)
 
 
 def test_state_is_whole(coupled, reference):
-    """A step repeated from a saved, or a serialised, state gives the same bytes, in this instance and in another."""
+    """A step repeated from a saved, or a serialised, state gives the same bytes, in this instance
+    and in another.
+    """
     _, step = reference
     one, two = started(coupled), started(coupled)
     for k in range(3):
@@ -99,9 +117,11 @@ def test_state_is_whole(coupled, reference):
 
 
 def test_a_bare_python_simulates_it(coupled):
-    script = ("import sys, fmpy\n"
-              "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, output=['side_force'], "
-              "start_values={'crank_speed': 300.0})\nprint(len(r), r['side_force'][-1])")
+    script = (
+        "import sys, fmpy\n"
+        "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, output=['side_force'], "
+        "start_values={'crank_speed': 300.0})\nprint(len(r), r['side_force'][-1])"
+    )
     command = [sys.executable, "-I", "-c", script, str(coupled)]
     done = subprocess.run(command, capture_output=True, text=True, cwd="/", timeout=300)
     assert done.returncode == 0, done.stderr
@@ -114,6 +134,8 @@ def test_refusals_name_the_participant(coupled):
 
 
 def test_an_fmu_cannot_be_taken_inside(tree, coupled):
-    case = check_case(tree | {"participants": tree["participants"] | {"ehd": {"fmu": str(coupled)}}}, PATH)
+    case = check_case(
+        tree | {"participants": tree["participants"] | {"ehd": {"fmu": str(coupled)}}}, PATH
+    )
     with pytest.raises(BadInput, match="participants.ehd"):
         export_fmu(case, PATH.parent, print)

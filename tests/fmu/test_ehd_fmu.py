@@ -44,7 +44,10 @@ def test_model_description_is_valid(fmu):
 
 
 def test_restored_step_repeats_every_byte(fmu, outside):
-    same_forces, same_state, moved = outside(PRELUDE, fmu, """
+    same_forces, same_state, moved = outside(
+        PRELUDE,
+        fmu,
+        """
         assert not any(name.split(".")[0] == "piston_cosim" for name in sys.modules)
         one = slave()
         saved = one.getFMUstate()
@@ -56,13 +59,17 @@ def test_restored_step_repeats_every_byte(fmu, outside):
         second = step(one, film)
         again = one.serializeFMUstate(one.getFMUstate())
         print(json.dumps([bool((first == second).all()), bytes(after) == bytes(again), float(abs(first).max())]))
-        """)
+        """,
+    )
     assert same_forces and same_state
     assert moved > 0
 
 
 def test_serialised_state_continues_in_a_new_instance(fmu, outside):
-    difference = outside(PRELUDE, fmu, """
+    difference = outside(
+        PRELUDE,
+        fmu,
+        """
         one = slave(viscosity=0.02)
         step(one, film)
         data = one.serializeFMUstate(one.getFMUstate())
@@ -70,12 +77,16 @@ def test_serialised_state_continues_in_a_new_instance(fmu, outside):
         two = slave("two")
         two.setFMUstate(two.deSerializeFMUstate(data))
         print(json.dumps(float(abs(step(two, 0.9 * film, 5e-5) - expected).max())))
-        """)
+        """,
+    )
     assert difference == 0.0
 
 
 def test_refused_steps_leave_the_state_and_the_host_alone(fmu, outside):
-    refusals, survived = outside(PRELUDE, fmu, """
+    refusals, survived = outside(
+        PRELUDE,
+        fmu,
+        """
         import gc
         one = slave()
         saved = bytes(one.serializeFMUstate(one.getFMUstate()))
@@ -90,25 +101,34 @@ def test_refused_steps_leave_the_state_and_the_host_alone(fmu, outside):
         gc.collect()
         good = slave("two")
         print(json.dumps([refusals, bool(np.array_equal(step(one, film), step(good, film)))]))
-        """)
+        """,
+    )
     assert refusals == 4
     assert survived
 
 
 def test_instances_do_not_share_state(fmu, outside):
-    same = outside(PRELUDE, fmu, """
+    same = outside(
+        PRELUDE,
+        fmu,
+        """
         one, two = slave("one"), slave("two", viscosity=0.05)
         a = step(one, film)
         step(two, 0.5 * film)
         three = slave("three")
         print(json.dumps(bool((step(three, film) == a).all())))
-        """)
+        """,
+    )
     assert same
 
 
 def test_fmpy_simulates_it_alone(fmu, outside):
-    count = outside(PRELUDE, fmu, """
+    count = outside(
+        PRELUDE,
+        fmu,
+        """
         result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=["minimum_film_thickness"])
         print(json.dumps(len(result)))
-        """)
+        """,
+    )
     assert count == 11

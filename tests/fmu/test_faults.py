@@ -1,5 +1,6 @@
-"""Faults injected into a run of 200 steps: it recovers and ends converged, or stops with exit code 1, a sentence, and a
-checkpoint that goes on to the same bits as a run without the fault."""
+"""Faults injected into a run of 200 steps: it recovers and ends converged, or stops with exit code
+1, a sentence, and a checkpoint that goes on to the same bits as a run without the fault.
+"""
 
 import resource
 import subprocess
@@ -47,12 +48,20 @@ MASTER = [sys.executable, "-m", "piston_cosim"]
 
 
 def call(*arguments, **settings):
-    return subprocess.run([*MASTER, *map(str, arguments)], capture_output=True, text=True, timeout=120, start_new_session=True,
-                          **settings)
+    return subprocess.run(
+        [*MASTER, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        start_new_session=True,
+        **settings,
+    )
 
 
 def write_case(folder, fault, isolated=False):
-    text = CASE.format(home=Path(__file__).parent, folder=folder, fault=fault, isolated=str(isolated).lower())
+    text = CASE.format(
+        home=Path(__file__).parent, folder=folder, fault=fault, isolated=str(isolated).lower()
+    )
     (folder / "case.toml").write_text(text)
 
 
@@ -65,12 +74,18 @@ def run(folder, fault, isolated=False, changes=(), **settings):
 def datasets(file):
     found = {}
     with h5py.File(file) as content:
-        content.visititems(lambda name, item: found.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None)
+        content.visititems(
+            lambda name, item: (
+                found.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found
 
 
 def logs(folder):
-    return {kind: (folder / f"base-{kind}.log").read_text() for kind in ("iterations", "convergence")}
+    return {
+        kind: (folder / f"base-{kind}.log").read_text() for kind in ("iterations", "convergence")
+    }
 
 
 @pytest.fixture(scope="module")
@@ -82,24 +97,36 @@ def whole(tmp_path_factory):
     return datasets(folder / "base.h5") | logs(folder)
 
 
-@pytest.mark.parametrize("fault, isolated", [("discard", False), ("nan", False), ("discard", True), ("nan", True)])
+@pytest.mark.parametrize(
+    "fault, isolated", [("discard", False), ("nan", False), ("discard", True), ("nan", True)]
+)
 def test_recovers(whole, tmp_path, fault, isolated):
     done = run(tmp_path, fault, isolated)
     assert done.returncode == 0, done.stderr
     results = datasets(tmp_path / "base.h5")
-    assert results["time"].size == whole["time"].size + 1      # one step was taken as two halves
-    # backward Euler with one step of 200 halved: its error there, H^2 |x''|/4 < 1e-4 * 40 / 4, is all that differs
+    assert results["time"].size == whole["time"].size + 1  # one step was taken as two halves
+    # backward Euler with one step of 200 halved: its error there, H^2 |x''|/4 < 1e-4 * 40 / 4, is
+    # all that differs
     np.testing.assert_allclose(results["fields/bad/x"][-1], whole["fields/bad/x"][-1], atol=1e-3)
     assert results["coupling/residual"].max() <= 1
-    failed = [line for line in logs(tmp_path)["iterations"].splitlines()[1:] if line.split()[5] == "0"]
+    failed = [
+        line for line in logs(tmp_path)["iterations"].splitlines()[1:] if line.split()[5] == "0"
+    ]
     assert len(failed) == 1 and ("refused on purpose" in failed[0] or "not finite" in failed[0])
 
 
-@pytest.mark.parametrize("fault, isolated, words", [
-    ("exception", False, "KeyError: 'bug'"), ("exception", True, "KeyError: 'bug'"),
-    ("hang", True, "no answer to step within 3 s"), ("kill", True, "its process has ended (by SIGKILL)"),
-    ("crash", True, "its process has ended (by SIGSEGV)"), ("interrupt", False, "interrupted at t = 1.24 s"),
-    ("interrupt", True, "interrupted at t = 1.24 s")])
+@pytest.mark.parametrize(
+    "fault, isolated, words",
+    [
+        ("exception", False, "KeyError: 'bug'"),
+        ("exception", True, "KeyError: 'bug'"),
+        ("hang", True, "no answer to step within 3 s"),
+        ("kill", True, "its process has ended (by SIGKILL)"),
+        ("crash", True, "its process has ended (by SIGSEGV)"),
+        ("interrupt", False, "interrupted at t = 1.24 s"),
+        ("interrupt", True, "interrupted at t = 1.24 s"),
+    ],
+)
 def test_stops_and_goes_on_with_the_same_bits(whole, tmp_path, fault, isolated, words):
     done = run(tmp_path, fault, isolated)
     assert done.returncode == 1, done.stderr
@@ -118,14 +145,19 @@ def goes_on_as_if_nothing_had_happened(done, folder, whole):
 
 
 def test_full_disk(whole, tmp_path):
-    """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit fails as on a full disk."""
+    """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit
+    fails as on a full disk.
+    """
+
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (1_200_000, resource.RLIM_INFINITY))
 
     done = run(tmp_path, "", preexec_fn=limit)
     assert done.returncode == 1, done.stderr
     assert "cannot be written" in done.stderr and "base.h5" in done.stderr
-    again = call("resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit)      # the disk is still full: nothing is lost
+    again = call(
+        "resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit
+    )  # the disk is still full: nothing is lost
     assert again.returncode == 1 and "cannot be written" in again.stderr
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
 
@@ -134,7 +166,11 @@ def test_full_disk(whole, tmp_path):
 def test_faults_of_all_participants_are_heard_at_once(tmp_path, isolated):
     """One cannot be repeated, the other refuses a parameter; nothing runs."""
     (tmp_path / "marker").touch()
-    done = run(tmp_path, "forgetful", changes=["participants.good.parameters.u=inf", f"participants.good.isolated={isolated}"])
+    done = run(
+        tmp_path,
+        "forgetful",
+        changes=["participants.good.parameters.u=inf", f"participants.good.isolated={isolated}"],
+    )
     assert done.returncode == 2
     assert "bad: a step taken again from its saved state gives another x" in done.stderr
     assert "good: u = inf" in done.stderr
@@ -151,7 +187,9 @@ def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
     assert done.returncode == 1
-    assert "there is no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+    assert (
+        "there is no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+    )
 
 
 def children(pid):
@@ -168,12 +206,30 @@ def wait_for(condition, seconds=30):
 def test_a_killed_master_leaves_no_process_behind(tmp_path):
     """Its FMU hangs at that moment."""
     write_case(tmp_path, "hang", isolated=True)
-    process = subprocess.Popen([*MASTER, "run", str(tmp_path / "case.toml"), "--output", str(tmp_path), "--no-plots",
-                                "--set", "participants.bad.timeout=100 s"], stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        [
+            *MASTER,
+            "run",
+            str(tmp_path / "case.toml"),
+            "--output",
+            str(tmp_path),
+            "--no-plots",
+            "--set",
+            "participants.bad.timeout=100 s",
+        ],
+        stdout=subprocess.DEVNULL,
+    )
     assert wait_for((tmp_path / "marker").exists)
     left = children(process.pid)
     assert left
     process.kill()
     process.wait()
-    assert wait_for(lambda: not any(Path(f"/proc/{pid}/stat").exists() and ") Z" not in Path(f"/proc/{pid}/stat").read_text()
-                                    for pid in left))
+    assert wait_for(
+        lambda: (
+            not any(
+                Path(f"/proc/{pid}/stat").exists()
+                and ") Z" not in Path(f"/proc/{pid}/stat").read_text()
+                for pid in left
+            )
+        )
+    )

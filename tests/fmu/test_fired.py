@@ -1,4 +1,6 @@
-"""The fired single: its gas pressure, and its first fired strokes with rigid bodies on a coarse grid."""
+"""The fired single: its gas pressure, and its first fired strokes with rigid bodies on a coarse
+grid.
+"""
 
 import json
 import subprocess
@@ -6,7 +8,6 @@ import sys
 
 import numpy as np
 import pytest
-
 from piston_cosim.models import MODELS
 
 FOLDER = MODELS / "fired_motorcycle"
@@ -16,10 +17,13 @@ def test_gas_pressure_peaks_ten_degrees_after_top_dead_centre():
     angle, pressure = np.loadtxt(FOLDER / "gas_pressure.csv", delimiter=",", skiprows=1).T
     assert angle[pressure.argmax()] == 10.0
     assert (angle[0], angle[-1]) == (0.0, 720.0) and pressure[0] == pressure[-1]
-    # compression from inlet closing to 680 deg, before any burning: p V^1.32 is constant (file has 1 Pa digits)
+    # compression from inlet closing to 680 deg, before any burning: p V^1.32 is constant (file has
+    # 1 Pa digits)
     r, rod, ratio = 29.75, 108.0, 9.2
     phi = np.radians(angle)
-    volume = 2 * r / (ratio - 1) + r * (1 - np.cos(phi)) + rod - np.sqrt(rod**2 - (r * np.sin(phi)) ** 2)
+    volume = (
+        2 * r / (ratio - 1) + r * (1 - np.cos(phi)) + rod - np.sqrt(rod**2 - (r * np.sin(phi)) ** 2)
+    )
     compressed = (angle >= 600) & (angle <= 680)
     constant = (pressure + 0.1013)[compressed] * volume[compressed] ** 1.32
     assert np.ptp(constant) < 1e-4 * constant.mean()
@@ -29,26 +33,53 @@ def test_gas_pressure_peaks_ten_degrees_after_top_dead_centre():
 def fired(tmp_path_factory):
     """Compression and expansion of the first cycle: rigid, 20 x 16 cells, 2 deg."""
     folder = tmp_path_factory.mktemp("fired")
-    settings = ("participants.bodies.build.grid=[20,16]", "participants.ehd.build.grid=[20,16]", "time.stop=450 deg",
-                "time.step=2 deg")
-    done = subprocess.run([sys.executable, "-m", "piston_cosim", "run", "fired_motorcycle", "--only", "rigid", "--output", ".",
-                           "--no-plots", "--summary-json", "s.json", *(w for s in settings for w in ("--set", s))],
-                          cwd=folder, capture_output=True, text=True, timeout=600)
+    settings = (
+        "participants.bodies.build.grid=[20,16]",
+        "participants.ehd.build.grid=[20,16]",
+        "time.stop=450 deg",
+        "time.step=2 deg",
+    )
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "piston_cosim",
+            "run",
+            "fired_motorcycle",
+            "--only",
+            "rigid",
+            "--output",
+            ".",
+            "--no-plots",
+            "--summary-json",
+            "s.json",
+            *(w for s in settings for w in ("--set", s)),
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return json.loads((folder / "s.json").read_text()), folder / "rigid.h5"
 
 
 def test_side_force_follows_the_gas(fired):
-    """Statics of the slider-crank where gas rules: N = (gas force - inertia) tan(rod angle), on the thrust side after firing."""
+    """Statics of the slider-crank where gas rules: N = (gas force - inertia) tan(rod angle), on the
+    thrust side after firing.
+    """
     from piston_cosim.master.results.file import Results
 
     results = Results(fired[1])
-    angle, side, acting = (results.series(f"bodies.{name}")[0] for name in ("crank_angle", "side_force", "pin_force_y"))
+    angle, side, acting = (
+        results.series(f"bodies.{name}")[0] for name in ("crank_angle", "side_force", "pin_force_y")
+    )
     results.close()
     k = int(np.argmax(side))
     assert 10 < np.degrees(angle[k]) < 45
     rod = np.arcsin(29.75 / 108.0 * np.sin(angle[k]))
-    # the pin's force on the piston holds gas and piston inertia; the rod's own mass adds the rest (0.2 kg beside 18 kN of gas)
+    # the pin's force on the piston holds gas and piston inertia; the rod's own mass adds the rest
+    # (0.2 kg beside 18 kN of gas)
     assert side[k] == pytest.approx(acting[k] * np.tan(rod), rel=0.1)
 
 

@@ -1,4 +1,6 @@
-"""The FMI 3.0 twin: true arrays, the same results to the bit as FMI 2.0, wrong counts refused aloud."""
+"""The FMI 3.0 twin: true arrays, the same results to the bit as FMI 2.0, wrong counts refused
+aloud.
+"""
 
 import zipfile
 from xml.etree import ElementTree
@@ -8,16 +10,15 @@ import numpy as np
 import pytest
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
-
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.contract import swap
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.system import open_system
 
 CELLS = (12, 10)
 
@@ -38,11 +39,21 @@ def references(twin):
 def slave(twin, references, tmp_path):
     description = fmpy.read_model_description(str(twin))
     folder = fmpy.extract(str(twin), unzipdir=str(tmp_path))
-    one = fmi3.FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier,
-                         instanceName="one")
+    one = fmi3.FMU3Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="one",
+    )
     one.said = []
-    one.instantiate(loggingOn=False, logMessage=fmi3.fmi3LogMessageCallback(
-        lambda environment, status, category, message: one.said.append((status, message.decode()))))
+    one.instantiate(
+        loggingOn=False,
+        logMessage=fmi3.fmi3LogMessageCallback(
+            lambda environment, status, category, message: one.said.append(
+                (status, message.decode())
+            )
+        ),
+    )
     one.enterInitializationMode(startTime=0.0)
     one.setFloat64([references["film_thickness"]], np.full(CELLS, 3e-5).ravel())
     one.exitInitializationMode()
@@ -63,7 +74,12 @@ def test_description_is_valid_with_arrays_and_terminals(twin):
     with zipfile.ZipFile(twin) as archive:
         root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
     members = {m.get("variableName") for m in root.iter("TerminalMemberVariable")}
-    assert members == {"film_thickness", "sliding_velocity", "nodal_pressure_force", "nodal_friction_force"}
+    assert members == {
+        "film_thickness",
+        "sliding_velocity",
+        "nodal_pressure_force",
+        "nodal_friction_force",
+    }
 
 
 def test_same_bits_as_fmi_2(fmu, slave, references):
@@ -72,17 +88,25 @@ def test_same_bits_as_fmi_2(fmu, slave, references):
     for k in range(4):
         two.set("film_thickness", film(k))
         two.set("sliding_velocity", np.full(CELLS, 4.0))
-        slave.setFloat64([references["film_thickness"], references["sliding_velocity"]],
-                         [*film(k).ravel(), *np.full(CELLS, 4.0).ravel()])
+        slave.setFloat64(
+            [references["film_thickness"], references["sliding_velocity"]],
+            [*film(k).ravel(), *np.full(CELLS, 4.0).ravel()],
+        )
         two.step(k * 5e-5, 5e-5)
         slave.doStep(k * 5e-5, 5e-5)
     forces = slave.getFloat64([references["nodal_pressure_force"]], CELLS[0] * CELLS[1])
     assert np.array_equal(np.reshape(forces, CELLS), two.get("nodal_pressure_force"))
     assert max(forces) > 0
     seed = np.random.default_rng(9).random(CELLS)
-    product = slave.getDirectionalDerivative([references["nodal_pressure_force"]], [references["film_thickness"]],
-                                             list(seed.ravel()), CELLS[0] * CELLS[1])
-    expected = two.derivative({"film_thickness": seed}, ["nodal_pressure_force"])["nodal_pressure_force"]
+    product = slave.getDirectionalDerivative(
+        [references["nodal_pressure_force"]],
+        [references["film_thickness"]],
+        list(seed.ravel()),
+        CELLS[0] * CELLS[1],
+    )
+    expected = two.derivative({"film_thickness": seed}, ["nodal_pressure_force"])[
+        "nodal_pressure_force"
+    ]
     assert np.array_equal(np.reshape(product, CELLS), expected)
     two.close()
 
@@ -124,8 +148,12 @@ def test_without_compiler_there_is_no_twin(monkeypatch):
 
 def test_master_runs_fmi_3_to_the_same_bits(twin, fmu, tmp_path):
     path = find_case("numerical_example")
-    small = [("participants.bodies.build.grid", list(CELLS)), ("time.stop", "5 deg"),
-             ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+    small = [
+        ("participants.bodies.build.grid", list(CELLS)),
+        ("time.stop", "5 deg"),
+        ("participants.bodies.build.piston.modes", 0),
+        ("participants.bodies.build.block.modes", 0),
+    ]
     found = []
     for file in (fmu, twin):
         tree, left_out = swap(read_tree(path, small), "ehd", file)

@@ -1,4 +1,5 @@
-"""FMUs that nobody here wrote, in the manner of the Reference-FMUs: C without Python, FMI 2.0 and 3.0, wired into a loop.
+"""FMUs that nobody here wrote, in the manner of the Reference-FMUs: C without Python, FMI 2.0 and
+3.0, wired into a loop.
 
 Eq. (X3):  dx/dt = -k x + g x, backward Euler through the loop:  x_n = x_0 / (1 + H (k - g))^n
 """
@@ -10,26 +11,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-
 from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.system import open_system
 
 MODELS = Path(__file__).parent / "c_models"
 STATES = (1.0, 2.0, -3.0)
-
 
 
 def real(name, reference, causality, start):
     return f"""<ScalarVariable name="{name}" valueReference="{reference}" {causality}><Real start="{start}"/></ScalarVariable>"""
 
 
-REALS = [real("k", 0, 'causality="parameter" variability="fixed"', 1),
-         *(real(f"u[{i}]", i, 'causality="input"', 0) for i in (1, 2, 3)),
-         *(real(f"x[{i}]", i + 3, 'causality="output" initial="exact"', x) for i, x in enumerate(STATES, 1))]
+REALS = [
+    real("k", 0, 'causality="parameter" variability="fixed"', 1),
+    *(real(f"u[{i}]", i, 'causality="input"', 0) for i in (1, 2, 3)),
+    *(
+        real(f"x[{i}]", i + 3, 'causality="output" initial="exact"', x)
+        for i, x in enumerate(STATES, 1)
+    ),
+]
 DAHLQUIST = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Dahlquist" guid="{{1}}">
   <CoSimulation modelIdentifier="dahlquist" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"/>
@@ -108,10 +112,26 @@ def folder(tmp_path_factory):
     if not compiler():
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("foreign")
-    for name, text, place in (("dahlquist", DAHLQUIST, "linux64"), ("feedthrough", FEEDTHROUGH, "x86_64-linux")):
+    for name, text, place in (
+        ("dahlquist", DAHLQUIST, "linux64"),
+        ("feedthrough", FEEDTHROUGH, "x86_64-linux"),
+    ):
         library = folder / f"{name}.so"
-        subprocess.run([compiler(), "-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", str(MODELS / f"{name}.c"), "-o",
-                        str(library)], check=True)
+        subprocess.run(
+            [
+                compiler(),
+                "-O1",
+                "-Wall",
+                "-Wextra",
+                "-Werror",
+                "-shared",
+                "-fPIC",
+                str(MODELS / f"{name}.c"),
+                "-o",
+                str(library),
+            ],
+            check=True,
+        )
         with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
             target.writestr("modelDescription.xml", text)
             target.write(library, f"binaries/{place}/{name}.so")
@@ -151,7 +171,9 @@ def test_a_step_is_rolled_back_to_the_bit(folder):
         found = []
         for _ in range(2):
             participant.restore(saved)
-            participant.set("u" if name == "dahlquist" else "array_input", np.array([0.1, 0.2, 0.3]))
+            participant.set(
+                "u" if name == "dahlquist" else "array_input", np.array([0.1, 0.2, 0.3])
+            )
             participant.step(0.0, 0.1)
             found.append(participant.get(field).tobytes())
         assert found[0] == found[1]

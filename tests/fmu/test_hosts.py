@@ -15,25 +15,42 @@ CELL = ("nodal_pressure_force[3,4]", "film_thickness[3,4]")
 def ask(host, *fmus, **environment):
     """Exit code, lines of numbers and error text of the host."""
     arguments = [str(a) for fmu in fmus for a in fmu]
-    run = subprocess.run([str(host), repr(STEP), str(STEPS), *arguments], capture_output=True, text=True, cwd="/", timeout=300,
-                         env={k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))} | environment)
-    return run.returncode, [list(map(float, line.split())) for line in run.stdout.splitlines()], run.stderr
+    run = subprocess.run(
+        [str(host), repr(STEP), str(STEPS), *arguments],
+        capture_output=True,
+        text=True,
+        cwd="/",
+        timeout=300,
+        env={k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
+        | environment,
+    )
+    return (
+        run.returncode,
+        [list(map(float, line.split())) for line in run.stdout.splitlines()],
+        run.stderr,
+    )
 
 
 @pytest.fixture(scope="module")
 def film(fmu, unpack, tmp_path_factory):
-    return unpack(fmu, tmp_path_factory.mktemp("film")).arguments("film_thickness[3,4]", 2e-5, *CELL)
+    return unpack(fmu, tmp_path_factory.mktemp("film")).arguments(
+        "film_thickness[3,4]", 2e-5, *CELL
+    )
 
 
 @pytest.fixture(scope="module")
 def bodies(bodies_fmu, unpack, tmp_path_factory):
-    return unpack(bodies_fmu, tmp_path_factory.mktemp("bodies")).arguments("crank_speed", 300.0, *reversed(CELL))
+    return unpack(bodies_fmu, tmp_path_factory.mktemp("bodies")).arguments(
+        "crank_speed", 300.0, *reversed(CELL)
+    )
 
 
 def in_python(arguments):
     """The same drive as host.c's, by FMPy in this process."""
     folder, identifier, _, given, value, wanted, seed = arguments
-    one = fmi2.FMU2Slave(guid="", unzipDirectory=str(folder), modelIdentifier=identifier, instanceName="python")
+    one = fmi2.FMU2Slave(
+        guid="", unzipDirectory=str(folder), modelIdentifier=identifier, instanceName="python"
+    )
     one.instantiate()
     one.setupExperiment(startTime=0.0)
     one.enterInitializationMode()
@@ -53,7 +70,9 @@ def test_both_fmus_in_one_host_without_python(host, film, bodies):
     assert code == 0, errors
     for line, arguments in zip(lines, (film, bodies)):
         output, product, size, repeated = line
-        assert (output, product) == in_python(arguments)     # to the bit: the same code on the same numbers
+        assert (output, product) == in_python(
+            arguments
+        )  # to the bit: the same code on the same numbers
         assert product != 0 and size > 1000 and repeated == 1
 
 
@@ -68,7 +87,9 @@ def test_host_finds_the_interpreter_it_is_told(host, film, tmp_path):
 
 
 def test_missing_packages_are_a_clean_refusal_with_the_pip_line(host, film, tmp_path):
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "bare")], check=True)
+    subprocess.run(
+        [sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "bare")], check=True
+    )
     bare = tmp_path / "bare" / "bin" / "python"
     recorded = film[0] / "resources" / "python.txt"
     text = recorded.read_text()

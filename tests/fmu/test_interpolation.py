@@ -1,4 +1,6 @@
-"""Inputs that move inside a macro step: exact polynomials, the standard's call, and clear words where it is not to be had."""
+"""Inputs that move inside a macro step: exact polynomials, the standard's call, and clear words
+where it is not to be had.
+"""
 
 import sys
 from dataclasses import replace
@@ -8,17 +10,16 @@ import pytest
 from fmpy import fmi2
 from fmpy.validation import validate_fmu
 from numpy.polynomial import Polynomial
-
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.runs.checkpoint import Checkpoint
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import FmuParticipant, unpack
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant, hermite, linear
 from piston_cosim.master.participants.local import LocalParticipant
-from piston_cosim.master.participants.fmi2 import FmuParticipant, unpack
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import Checkpoint
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.system import open_system
 
 PATH = find_case("two_mass_oscillator")
 
@@ -32,8 +33,12 @@ def test_courses_are_exact_for_their_polynomials():
     cubic, step = Polynomial([1.0, -2.0, 3.0, 5.0]), 0.3
     slope = cubic.deriv()
     found = hermite(cubic(0.0), cubic(step), slope(0.0), slope(step), step)
-    np.testing.assert_allclose(found, [cubic.deriv(k)(0.0) for k in range(4)], rtol=1e-13)      # round-off / step^2
-    np.testing.assert_allclose(linear(np.float64(2.0), np.float64(5.0), step), [2.0, 10.0], rtol=1e-15)
+    np.testing.assert_allclose(
+        found, [cubic.deriv(k)(0.0) for k in range(4)], rtol=1e-13
+    )  # round-off / step^2
+    np.testing.assert_allclose(
+        linear(np.float64(2.0), np.float64(5.0), step), [2.0, 10.0], rtol=1e-15
+    )
 
 
 def test_description_declares_what_it_can(oscillator):
@@ -51,15 +56,19 @@ def motion(participant, course, step):
 
 
 def test_a_step_follows_the_course_and_forgets_it(oscillator):
-    """A cubic whose exact motion is a cubic too: k_m v = m u'' + (k_o + k_m) u for u = s^3; with held inputs it is another."""
+    """A cubic whose exact motion is a cubic too: k_m v = m u'' + (k_o + k_m) u for u = s^3; with
+    held inputs it is another.
+    """
     participant, step = FmuParticipant("one", oscillator), 0.02
     participant.start({}, 0.0, 1.0)
     saved = participant.save()
     # v = (6 s + 20 pi^2 s^3) / (16 pi^2): v' = 6/(16 pi^2), v''' = 6 * 20/16
-    assert motion(participant, [0.0, 6 / (16 * np.pi**2), 0.0, 7.5], step) == pytest.approx(step**3, rel=1e-12)
+    assert motion(participant, [0.0, 6 / (16 * np.pi**2), 0.0, 7.5], step) == pytest.approx(
+        step**3, rel=1e-12
+    )
     participant.restore(saved)
     participant.step(0.0, step)
-    assert participant.get("displacement") == 0.0       # nothing was said of this step's input
+    assert participant.get("displacement") == 0.0  # nothing was said of this step's input
     participant.close()
 
 
@@ -121,10 +130,17 @@ def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):
     case = check_case(tree, PATH)
     system = open_system(case, PATH.parent, print)
     resources = str(unpack(oscillator) / "resources")
-    direct = {name: InterpolatedParticipant(LocalParticipant(name, Oscillator(instance_name=name, resources=resources)),
-                                            {"other_displacement": "hermite"}) for name in system.participants}
+    direct = {
+        name: InterpolatedParticipant(
+            LocalParticipant(name, Oscillator(instance_name=name, resources=resources)),
+            {"other_displacement": "hermite"},
+        )
+        for name in system.participants
+    }
     run(replace(system, participants=direct), case, tree, tmp_path / "direct.h5")
-    np.testing.assert_array_equal(Results(tmp_path / "direct.h5").series("left.displacement")[0], here)
+    np.testing.assert_array_equal(
+        Results(tmp_path / "direct.h5").series("left.displacement")[0], here
+    )
 
 
 def test_what_cannot_interpolate_is_named_before_the_run():

@@ -1,4 +1,6 @@
-"""The main job as a user runs it: `piston-cosim run numerical_example` in a process of its own, both runs whole."""
+"""The main job as a user runs it: `piston-cosim run numerical_example` in a process of its own,
+both runs whole.
+"""
 
 import json
 import subprocess
@@ -12,7 +14,13 @@ DEGREES = 720
 
 
 def piston_cosim(*words, folder):
-    return subprocess.run([sys.executable, "-m", "piston_cosim", *words], cwd=folder, capture_output=True, text=True, timeout=900)
+    return subprocess.run(
+        [sys.executable, "-m", "piston_cosim", *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +43,13 @@ def test_every_step_converged(job, flexible):
         assert run["steps"] >= DEGREES
         assert run["unconverged_steps"] == 0
         assert run["mass_imbalance_max"] <= 1e-12  # round-off of a direct solve
-        assert run["interface_work_error_max"] <= 1e-10  # round-off of two summations of the same work
+        assert (
+            run["interface_work_error_max"] <= 1e-10
+        )  # round-off of two summations of the same work
         assert run["residual_evaluations"] >= run["jacobian_evaluations"] > 0
-    assert flexible["coupling/residual"][1:].max() <= 1.0  # 1e-9 m on the film, 1e-6 m/s on the velocity; forces are handed over
+    assert (
+        flexible["coupling/residual"][1:].max() <= 1.0
+    )  # 1e-9 m on the film, 1e-6 m/s on the velocity; forces are handed over
 
 
 def test_flexible_and_rigid_need_similar_iterations(job):
@@ -58,7 +70,9 @@ def test_results_carry_units_and_the_case(flexible):
 def test_fields_are_symmetric_about_the_thrust_plane(flexible):
     for name in ("ehd/pressure", "bodies/film_thickness"):
         field = flexible[f"fields/{name}"][-1]
-        mirrored = np.roll(field[::-1], field.shape[0] // 2, axis=0)  # z -> -z is theta -> 180 deg - theta
+        mirrored = np.roll(
+            field[::-1], field.shape[0] // 2, axis=0
+        )  # z -> -z is theta -> 180 deg - theta
         # meshes are mirror images to the last bit; the coupling tolerance remains
         assert np.abs(field - mirrored).max() <= 1e-4 * np.abs(field).max()
 
@@ -84,31 +98,52 @@ def test_pictures_are_drawn(job):
 
 
 def test_plot_again_from_the_files(job):
-    run = piston_cosim("plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job)
+    run = piston_cosim(
+        "plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job
+    )
     assert run.returncode == 0, run.stderr
     assert {path.stem for path in (job / "again").glob("*.png")} == set(PICTURES)
 
 
 def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
-    run = piston_cosim("run", "numerical_example", "--set", "participants.bodies.parameters.radial_clearance=-5 um",
-                       "--set", "participants.ehd.parameters.viscosity=12 mm", "--set", "participants.ehd.parameters.viscosty=1 Pa s",
-                       "--set", "participants.ehd.build.grid=[20, 40]", folder=tmp_path)
+    run = piston_cosim(
+        "run",
+        "numerical_example",
+        "--set",
+        "participants.bodies.parameters.radial_clearance=-5 um",
+        "--set",
+        "participants.ehd.parameters.viscosity=12 mm",
+        "--set",
+        "participants.ehd.parameters.viscosty=1 Pa s",
+        "--set",
+        "participants.ehd.build.grid=[20, 40]",
+        folder=tmp_path,
+    )
     assert run.returncode == 2
-    for words in ("radial_clearance: -5 um is -5e-06 m, allowed is 1e-06 to 0.001 m", "12 mm", "did you mean viscosity",
-                  "shapes differ, (40, 40) and (20, 40)"):
+    for words in (
+        "radial_clearance: -5 um is -5e-06 m, allowed is 1e-06 to 0.001 m",
+        "12 mm",
+        "did you mean viscosity",
+        "shapes differ, (40, 40) and (20, 40)",
+    ):
         assert words in run.stderr
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("change, words", [
-    ("participants.bodies.build.piston.mesh=none.msh", "no such file"),
-    ("participants.bodies.build.piston.densty=1 kg", "piston.densty: unknown key"),
-    ("coupling.methd=newton", "coupling.methd: unknown key"),
-    ("time.stop=3 bar", "time.stop: '3 bar'"),
-    ("participants.ehd.parameters.pressure_upper_edge=-1 bar", "pressure_upper_edge"),
-])
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        ("participants.bodies.build.piston.mesh=none.msh", "no such file"),
+        ("participants.bodies.build.piston.densty=1 kg", "piston.densty: unknown key"),
+        ("coupling.methd=newton", "coupling.methd: unknown key"),
+        ("time.stop=3 bar", "time.stop: '3 bar'"),
+        ("participants.ehd.parameters.pressure_upper_edge=-1 bar", "pressure_upper_edge"),
+    ],
+)
 def test_bad_input_is_named(tmp_path, change, words):
-    run = piston_cosim("run", "numerical_example", "--only", "rigid", "--set", change, folder=tmp_path)
+    run = piston_cosim(
+        "run", "numerical_example", "--only", "rigid", "--set", change, folder=tmp_path
+    )
     assert run.returncode == 2, run.stdout + run.stderr
     assert words in run.stderr
     assert not list(tmp_path.iterdir())
@@ -122,8 +157,19 @@ def test_unknown_case_and_missing_files(tmp_path):
 
 
 def test_relaxation_stops_honestly_and_keeps_what_was_accepted(tmp_path):
-    run = piston_cosim("run", "numerical_example", "--only", "flexible", "--set", "coupling.method=constant",
-                       "--set", "time.stop=4 deg", "--output", "out", folder=tmp_path)
+    run = piston_cosim(
+        "run",
+        "numerical_example",
+        "--only",
+        "flexible",
+        "--set",
+        "coupling.method=constant",
+        "--set",
+        "time.stop=4 deg",
+        "--output",
+        "out",
+        folder=tmp_path,
+    )
     assert run.returncode == 1
     assert "did not converge" in run.stderr and "residual/tolerance per iteration" in run.stderr
     with h5py.File(tmp_path / "out/flexible.h5.partial") as file:

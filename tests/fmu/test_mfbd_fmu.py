@@ -1,9 +1,9 @@
-"""The built body FMU of the shipped case (60 + 60 modes), driven in a process that has never imported the source."""
-
+"""The built body FMU of the shipped case (60 + 60 modes), driven in a process that has never
+imported the source.
+"""
 
 import pytest
 from fmpy.validation import validate_fmu
-
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.fmi.builder import build_fmu
 
@@ -52,7 +52,10 @@ def test_model_description_is_valid(fmu):
 
 
 def test_restored_step_repeats_every_byte(fmu, outside):
-    same_outputs, same_state = outside(PRELUDE, fmu, """
+    same_outputs, same_state = outside(
+        PRELUDE,
+        fmu,
+        """
         assert not any(name.split(".")[0] == "piston_cosim" for name in sys.modules)
         one = slave()
         step(one, forces)
@@ -65,12 +68,16 @@ def test_restored_step_repeats_every_byte(fmu, outside):
         second = step(one, 0.8 * forces, 5e-5)
         again = bytes(one.serializeFMUstate(one.getFMUstate()))
         print(json.dumps([bool((first == second).all()), after == again]))
-        """)
+        """,
+    )
     assert same_outputs and same_state
 
 
 def test_serialised_state_continues_in_a_new_instance(fmu, outside):
-    difference = outside(PRELUDE, fmu, """
+    difference = outside(
+        PRELUDE,
+        fmu,
+        """
         one = slave()
         step(one, forces)
         data = one.serializeFMUstate(one.getFMUstate())
@@ -78,12 +85,16 @@ def test_serialised_state_continues_in_a_new_instance(fmu, outside):
         two = slave("two")
         two.setFMUstate(two.deSerializeFMUstate(data))
         print(json.dumps(float(abs(step(two, 0.9 * forces, 5e-5) - expected).max())))
-        """)
+        """,
+    )
     assert difference == 0.0
 
 
 def test_directional_derivative_matches_differences(fmu, outside):
-    error = outside(PRELUDE, fmu, """
+    error = outside(
+        PRELUDE,
+        fmu,
+        """
         one = slave()
         step(one, forces)
         saved = one.getFMUstate()
@@ -98,13 +109,20 @@ def test_directional_derivative_matches_differences(fmu, outside):
         errors = [abs(np.array(product[part]) - difference[part]).max() / abs(difference[part]).max()
                   for part in (slice(0, n), slice(n, None))]
         print(json.dumps(max(errors)))
-        """)
-    assert error <= 1e-7  # central differences of a step map that is affine to 5e-5: third order in the direction
+        """,
+    )
+    assert (
+        error <= 1e-7
+    )  # central differences of a step map that is affine to 5e-5: third order in the direction
 
 
 def test_fmpy_simulates_it_alone(fmu, outside):
-    angle = outside(PRELUDE, fmu, """
+    angle = outside(
+        PRELUDE,
+        fmu,
+        """
         result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=["crank_angle", "lateral_displacement"])
         print(json.dumps(float(result["crank_angle"][-1])))
-        """)
+        """,
+    )
     assert angle == pytest.approx(1e-3 * 314.1592653589793, rel=1e-9)

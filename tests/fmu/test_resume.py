@@ -1,4 +1,6 @@
-"""Interrupted runs go on with the same bits: after SIGINT, and after kill -9 from the last checkpoint, in a new process."""
+"""Interrupted runs go on with the same bits: after SIGINT, and after kill -9 from the last
+checkpoint, in a new process.
+"""
 
 import os
 import signal
@@ -10,10 +12,25 @@ import h5py
 import numpy as np
 import pytest
 
-RUN = [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--only", "rigid", "--set", "time.stop=60 deg",
-       "--set", "record.checkpoint_every=7", "--no-plots", "--output"]
+RUN = [
+    sys.executable,
+    "-m",
+    "piston_cosim",
+    "run",
+    "numerical_example",
+    "--only",
+    "rigid",
+    "--set",
+    "time.stop=60 deg",
+    "--set",
+    "record.checkpoint_every=7",
+    "--no-plots",
+    "--output",
+]
 WORK_COUNTERS = ("residual_evaluations", "jacobian_evaluations")
-"""Outputs that count work done since the FMU was started; the only ones that a new process may change."""
+"""Outputs that count work done since the FMU was started; the only ones that a new process may
+change.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -27,16 +44,26 @@ def compare(first, second):
     """Names of datasets that differ."""
     different = []
     with h5py.File(first) as a, h5py.File(second) as b:
+
         def look(name, dataset):
-            if isinstance(dataset, h5py.Dataset) and not name.endswith(WORK_COUNTERS) and not np.array_equal(dataset[:], b[name][:]):
+            if (
+                isinstance(dataset, h5py.Dataset)
+                and not name.endswith(WORK_COUNTERS)
+                and not np.array_equal(dataset[:], b[name][:])
+            ):
                 different.append(name)
+
         a.visititems(look)
     return different
 
 
-@pytest.mark.parametrize("kind, code", [(signal.SIGINT, 1), (signal.SIGTERM, 1), (signal.SIGKILL, -signal.SIGKILL)])
+@pytest.mark.parametrize(
+    "kind, code", [(signal.SIGINT, 1), (signal.SIGTERM, 1), (signal.SIGKILL, -signal.SIGKILL)]
+)
 def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, code):
-    process = subprocess.Popen([*RUN, str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*RUN, str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     checkpoint = tmp_path / "rigid.h5.checkpoint"
     deadline = time.monotonic() + 120
     while not checkpoint.exists() and time.monotonic() < deadline:
@@ -44,7 +71,12 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
     os.kill(process.pid, kind)
     assert process.wait(60) == code, process.stderr.read()
     assert not (tmp_path / "rigid.h5").exists()
-    resumed = subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], capture_output=True, text=True, timeout=300)
+    resumed = subprocess.run(
+        [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert resumed.returncode == 0, resumed.stderr
     assert compare(whole, tmp_path / "rigid.h5") == []
     assert not checkpoint.exists()
@@ -53,5 +85,9 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
 def test_no_checkpoint_is_bad_input(tmp_path):
     (tmp_path / "x.h5.checkpoint").write_bytes(b"nonsense")
     for name in ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5"):
-        run = subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(tmp_path / name)], capture_output=True, text=True)
+        run = subprocess.run(
+            [sys.executable, "-m", "piston_cosim", "resume", str(tmp_path / name)],
+            capture_output=True,
+            text=True,
+        )
         assert run.returncode == 2, run.stderr

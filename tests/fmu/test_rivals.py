@@ -5,23 +5,41 @@ import sys
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.results.rivals import distance, rival_trees
 
-SMALL = [f"--set={change}" for change in (
-    "participants.bodies.build.grid=[12,10]", "participants.ehd.build.grid=[12,10]", "time.stop=10 deg",
-    "participants.bodies.build.piston.modes=0", "participants.bodies.build.block.modes=0")]
+SMALL = [
+    f"--set={change}"
+    for change in (
+        "participants.bodies.build.grid=[12,10]",
+        "participants.ehd.build.grid=[12,10]",
+        "time.stop=10 deg",
+        "participants.bodies.build.piston.modes=0",
+        "participants.bodies.build.block.modes=0",
+    )
+]
 
 
 def compare(folder, *words):
-    return subprocess.run([sys.executable, "-m", "piston_cosim", "compare", "numerical_example", *words], cwd=folder,
-                          capture_output=True, text=True, timeout=600)
+    return subprocess.run(
+        [sys.executable, "-m", "piston_cosim", "compare", "numerical_example", *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
 
 
 def test_cavitation_models_differ_and_a_model_not_from_itself(tmp_path, fmu):
     (tmp_path / "same.fmu").write_bytes(fmu.read_bytes())
-    done = compare(tmp_path, *SMALL, "--lubrication=jfo", "--lubrication=same.fmu", "--lubrication=gumbel", "--output=out")
+    done = compare(
+        tmp_path,
+        *SMALL,
+        "--lubrication=jfo",
+        "--lubrication=same.fmu",
+        "--lubrication=gumbel",
+        "--output=out",
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     lines = {line.split("  ")[0].strip(): line for line in done.stdout.splitlines()}
     apart = [float(word) for word in lines["film, rms distance [um]"].split("]")[1].split()]
@@ -38,13 +56,22 @@ def test_every_fault_is_listed(tmp_path):
 
 def test_only_common_instants_are_compared():
     whole = {"time": np.array([0.0, 1.0, 2.0]), "film": np.zeros((3, 1, 1))}
-    halved = {"time": np.array([0.0, 1.0, 1.5, 2.0]), "film": np.array([0.0, 0.0, 9.0, 2.0]).reshape(4, 1, 1)}
+    halved = {
+        "time": np.array([0.0, 1.0, 1.5, 2.0]),
+        "film": np.array([0.0, 0.0, 9.0, 2.0]).reshape(4, 1, 1),
+    }
     shared, apart = distance(halved, whole)
     assert shared.tolist() == [0.0, 1.0, 2.0] and apart.tolist() == pytest.approx([0.0, 0.0, 2.0])
 
 
 def test_trees_record_what_crosses_the_interface():
-    trees, common, left_out = rival_trees(read_tree(find_case("numerical_example"), []), ["jfo", "reynolds"])
+    trees, common, left_out = rival_trees(
+        read_tree(find_case("numerical_example"), []), ["jfo", "reynolds"]
+    )
     assert left_out == {} and common["pictures"]
-    assert [tree["participants"]["ehd"]["parameters"]["cavitation_model"] for tree in trees.values()] == ["jfo", "reynolds"]
-    assert {"bodies.film_thickness", "ehd.nodal_friction_force"} <= set(trees["jfo"]["record"]["fields"])
+    assert [
+        tree["participants"]["ehd"]["parameters"]["cavitation_model"] for tree in trees.values()
+    ] == ["jfo", "reynolds"]
+    assert {"bodies.film_thickness", "ehd.nodal_friction_force"} <= set(
+        trees["jfo"]["record"]["fields"]
+    )

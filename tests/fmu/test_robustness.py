@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from fmpy import fmi2
 from fmpy.validation import validate_fmu
-
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -42,9 +41,15 @@ def test_two_builds_of_one_fmu_do_not_mix_their_code(fmu, tmp_path):
             data = source.read(name)
             if name.endswith("fmu_ehd/slave.py"):
                 assert b"return state, self._shown(outputs)" in data
-                data = data.replace(b"def _shown(self, outputs):", b"def _shown(self, outputs):\n        outputs = {**outputs, "
-                                    b"'nodal_pressure_force': 10 * outputs['nodal_pressure_force']}")
-            target.writestr(name.replace(code, f"{code}_changed"), data.replace(code.encode(), f"{code}_changed".encode()))
+                data = data.replace(
+                    b"def _shown(self, outputs):",
+                    b"def _shown(self, outputs):\n        outputs = {**outputs, "
+                    b"'nodal_pressure_force': 10 * outputs['nodal_pressure_force']}",
+                )
+            target.writestr(
+                name.replace(code, f"{code}_changed"),
+                data.replace(code.encode(), f"{code}_changed".encode()),
+            )
     one, two = started(fmu), started(changed, "two")
     try:
         np.testing.assert_array_equal(forces(two), 10 * forces(one))
@@ -76,13 +81,17 @@ print(len(sys.path) - before, (sizes[-1] - sizes[9]) / 40)
 
 
 def test_fifty_instances_one_after_the_other(fmu):
-    """With the front; pythonfmu's own library corrupts the heap in this test (found at exit, after 10 to 50 instances)."""
+    """With the front; pythonfmu's own library corrupts the heap in this test (found at exit, after
+    10 to 50 instances).
+    """
     script = CYCLES.format(path=sys.path, fmu=str(fmu))
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=300
+    )
     assert run.returncode == 0, run.stderr
     paths, kilobytes = map(float, run.stdout.split())
     assert paths == 0
-    assert kilobytes < 40      # an instance holds more: nothing of it stays
+    assert kilobytes < 40  # an instance holds more: nothing of it stays
 
 
 @pytest.fixture(scope="session")
@@ -104,7 +113,10 @@ def test_without_compiler_it_says_python_hosts_only(stock_fmu):
 
 def test_reserved_references_and_standard_call_agree(fmu, stock_fmu):
     rng = np.random.default_rng(3)
-    seed, products = {"film_thickness": rng.random(CELLS)}, ["nodal_pressure_force", "nodal_friction_force"]
+    seed, products = (
+        {"film_thickness": rng.random(CELLS)},
+        ["nodal_pressure_force", "nodal_friction_force"],
+    )
     one, two = started(fmu), started(stock_fmu, "two")
     np.testing.assert_array_equal(forces(one), forces(two))
     standard, reserved = one.derivative(seed, products), two.derivative(seed, products)
@@ -121,8 +133,10 @@ def test_exceptions_inside_callbacks_do_not_harm_the_host(fmu, tmp_path):
         for name in source.namelist():
             data = source.read(name).replace(code.encode(), f"{code}_broken".encode())
             if name.endswith("fmu_ehd/slave.py"):
-                data = data.replace(b"def advance(self, state, values, time, step):",
-                                    b"def advance(self, state, values, time, step):\n        raise KeyError('bug')")
+                data = data.replace(
+                    b"def advance(self, state, values, time, step):",
+                    b"def advance(self, state, values, time, step):\n        raise KeyError('bug')",
+                )
             target.writestr(name.replace(code, f"{code}_broken"), data)
     participant = started(broken)
     for _ in range(3):

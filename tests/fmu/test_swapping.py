@@ -1,4 +1,6 @@
-"""Other lubrication FMUs in the place of the shipped one: the template, one in C, one without derivatives."""
+"""Other lubrication FMUs in the place of the shipped one: the template, one in C, one without
+derivatives.
+"""
 
 import re
 import subprocess
@@ -8,24 +10,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from pythonfmu.builder import FmuBuilder
-
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.contract import check_fmu, swap
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.system import open_system
+from pythonfmu.builder import FmuBuilder
 
 CELLS = (12, 10)
 HERE = Path(__file__).parent
 PATH = find_case("numerical_example")
 TEMPLATE = PATH.parents[1] / "lubrication_template" / "axial_film.py"
-SMALL = [("participants.bodies.build.grid", list(CELLS)), ("participants.ehd.build.grid", list(CELLS)), ("time.stop", "20 deg"),
-         ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+SMALL = [
+    ("participants.bodies.build.grid", list(CELLS)),
+    ("participants.ehd.build.grid", list(CELLS)),
+    ("time.stop", "20 deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
 
 
 @pytest.fixture(scope="module")
@@ -35,17 +41,36 @@ def template():
 
 @pytest.fixture(scope="module")
 def in_c(template, tmp_path_factory):
-    """The template's model in C: its model description with a library that has never heard of Python."""
+    """The template's model in C: its model description with a library that has never heard of
+    Python.
+    """
     if not compiler():
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("c")
     library, fmu = folder / "axial_c.so", folder / "axial_c.fmu"
-    subprocess.run([compiler(), "-O1", "-ffp-contract=off", "-shared", "-fPIC", f"-DN={CELLS[0]}", f"-DM={CELLS[1]}",
-                    str(HERE / "axial_film.c"), "-lm", "-o", str(library)], check=True)
+    subprocess.run(
+        [
+            compiler(),
+            "-O1",
+            "-ffp-contract=off",
+            "-shared",
+            "-fPIC",
+            f"-DN={CELLS[0]}",
+            f"-DM={CELLS[1]}",
+            str(HERE / "axial_film.c"),
+            "-lm",
+            "-o",
+            str(library),
+        ],
+        check=True,
+    )
     with zipfile.ZipFile(template) as source, zipfile.ZipFile(fmu, "w") as target:
         text = source.read("modelDescription.xml").decode()
         text = re.sub(r"<VendorAnnotations>.*</VendorAnnotations>", "", text, flags=re.S)
-        target.writestr("modelDescription.xml", text.replace('modelIdentifier="axial_film"', 'modelIdentifier="axial_c"'))
+        target.writestr(
+            "modelDescription.xml",
+            text.replace('modelIdentifier="axial_film"', 'modelIdentifier="axial_c"'),
+        )
         target.write(library, "binaries/linux64/axial_c.so")
     return fmu
 
@@ -68,11 +93,15 @@ def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
             participant.step(k * 1e-4, 1e-4)
         found.append(participant.get("nodal_pressure_force"))
         participant.close()
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-9)      # sums in another order
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-9)  # sums in another order
     assert found[0].max() > 1.0
 
 
-QUASI_NEWTON = [("coupling.method", "iqn_ageing"), ("coupling.probing", True), ("coupling.max_iterations", 60)]
+QUASI_NEWTON = [
+    ("coupling.method", "iqn_ageing"),
+    ("coupling.probing", True),
+    ("coupling.max_iterations", 60),
+]
 
 
 def run_with(fmu, folder, changes=()):
@@ -84,7 +113,9 @@ def run_with(fmu, folder, changes=()):
 
 
 def test_a_swapped_fmu_stays_isolated(template):
-    """`--lubrication X.fmu --set participants.ehd.isolated=true`: what a foreign FMU is best run with."""
+    """`--lubrication X.fmu --set participants.ehd.isolated=true`: what a foreign FMU is best run
+    with.
+    """
     changes = [("participants.ehd.isolated", True), ("participants.ehd.timeout", "5 s")]
     tree, _ = swap(read_tree(PATH, [*SMALL, *changes]), "ehd", template)
     table = check_case(tree, PATH).participants["ehd"]
@@ -92,23 +123,31 @@ def test_a_swapped_fmu_stays_isolated(template):
 
 
 def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_path):
-    """Without derivatives: the template by Newton on differences of two steps, the one in C by quasi-Newton."""
+    """Without derivatives: the template by Newton on differences of two steps, the one in C by
+    quasi-Newton.
+    """
     results = {}
     for name, fmu in (("template", template), ("c", in_c)):
         folder = tmp_path / name
         folder.mkdir()
-        summary, results[name], left_out = run_with(fmu, folder, QUASI_NEWTON if name == "c" else ())
+        summary, results[name], left_out = run_with(
+            fmu, folder, QUASI_NEWTON if name == "c" else ()
+        )
         assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
         assert "participants.ehd.parameters.roughness_rms" in left_out
     one, two = (r.series("bodies.lateral_displacement")[0] for r in results.values())
-    np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)     # a step is converged to 1 nm
+    np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)  # a step is converged to 1 nm
     assert abs(one[-1]) > 1e-7
 
 
 def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
     """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
-    fmu = FmuBuilder.build_FMU(HERE / "stock_film.py", dest=tmp_path / "stock.fmu", canGetAndSetFMUstate=True,
-                               canSerializeFMUstate=True)
+    fmu = FmuBuilder.build_FMU(
+        HERE / "stock_film.py",
+        dest=tmp_path / "stock.fmu",
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
+    )
     role, breaches, remarks = check_fmu(fmu)
     assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
     summary, results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
@@ -130,11 +169,15 @@ def test_check_lists_every_breach(fmu, tmp_path):
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(wrong, "w") as target:
         text = source.read("modelDescription.xml").decode()
         text = re.sub(r'canSerializeFMUstate="true"', 'canSerializeFMUstate="false"', text)
-        text = text.replace('name="sliding_velocity[', 'name="slide[').replace('name="contract_version"', 'name="version"')
+        text = text.replace('name="sliding_velocity[', 'name="slide[').replace(
+            'name="contract_version"', 'name="version"'
+        )
         target.writestr("modelDescription.xml", text)
     _, breaches, _ = check_fmu(wrong)
     assert len(breaches) == 3
-    assert any("canSerializeFMUstate" in b for b in breaches) and any(b.startswith("sliding_velocity") for b in breaches)
+    assert any("canSerializeFMUstate" in b for b in breaches) and any(
+        b.startswith("sliding_velocity") for b in breaches
+    )
 
 
 def test_an_fmu_of_no_role_is_bad_input(tmp_path, fmu):
@@ -159,13 +202,15 @@ def test_dry_contact_pushes_only_where_the_gap_is_closed():
     assert check_fmu(fmu)[:2] == ("lubrication", [])
     participant = FmuParticipant("dry", fmu)
     gap = np.full(CELLS, 2e-5)
-    gap[3, 4] = 0.0                                # 1 um of overlap
+    gap[3, 4] = 0.0  # 1 um of overlap
     participant.start({"film_thickness": gap}, 0.0, 1.0)
     participant.set("sliding_velocity", np.full(CELLS, 5.0))
-    participant.step(0.0, 1e-4)                    # nothing closes: the spring alone
+    participant.step(0.0, 1e-4)  # nothing closes: the spring alone
     area = 27e-3 / CELLS[1] * 2 * np.pi * 28.25e-3 / CELLS[0]
     force = participant.get("nodal_pressure_force")
     assert np.flatnonzero(force).tolist() == [3 * CELLS[1] + 4]
     assert force[3, 4] == pytest.approx(1e12 * 1e-6 * area, rel=1e-12)
-    assert participant.get("nodal_friction_force")[3, 4] == pytest.approx(-0.1 * force[3, 4], rel=1e-12)     # tanh(500) = 1
+    assert participant.get("nodal_friction_force")[3, 4] == pytest.approx(
+        -0.1 * force[3, 4], rel=1e-12
+    )  # tanh(500) = 1
     participant.close()

@@ -1,17 +1,20 @@
-"""A small stiff pair with closed-form steps: a mass on a squeeze film, in process, the master's protocol by hand."""
+"""A small stiff pair with closed-form steps: a mass on a squeeze film, in process, the master's
+protocol by hand.
+"""
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.case.system import Connection
+from piston_cosim.master.fmi.errors import Discard
 
 
 def variable(shape, nominal, causality):
-    return SimpleNamespace(shape=shape, nominal=nominal, unit="1", causality=causality, type="Real", description="")
+    return SimpleNamespace(
+        shape=shape, nominal=nominal, unit="1", causality=causality, type="Real", description=""
+    )
 
 
 @dataclass
@@ -65,7 +68,9 @@ class Film(Toy):
 
 
 class Mass(Toy):
-    """Masses under a steady load, backward Euler: m dv/dt = force - load, film grows with v. state = (h, v)."""
+    """Masses under a steady load, backward Euler: m dv/dt = force - load, film grows with v. state
+    = (h, v).
+    """
 
     mass, load = 1e-3, 0.1
 
@@ -86,11 +91,25 @@ PADS = 7
 def pair():
     """Participants and connections of PADS masses on films, started at h = 10 um."""
     h = 1e-5 * np.linspace(0.6, 1.4, PADS)
-    mass = Mass("mass", {"film": variable((PADS,), 1e-5, "output"), "force": variable((PADS,), 1.0, "input")},
-                np.array([h, 0 * h]), {"film": h.copy(), "force": 0 * h})
-    film = Film("film", {"film": variable((PADS,), 1e-5, "input"), "force": variable((PADS,), 1.0, "output")},
-                h.copy(), {"film": h.copy(), "force": 0 * h})
-    connections = (Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
-                   Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None))
-    return SimpleNamespace(participants={"film": film, "mass": mass}, order=("film", "mass"), connections=connections,
-                           parallel=False)
+    mass = Mass(
+        "mass",
+        {"film": variable((PADS,), 1e-5, "output"), "force": variable((PADS,), 1.0, "input")},
+        np.array([h, 0 * h]),
+        {"film": h.copy(), "force": 0 * h},
+    )
+    film = Film(
+        "film",
+        {"film": variable((PADS,), 1e-5, "input"), "force": variable((PADS,), 1.0, "output")},
+        h.copy(),
+        {"film": h.copy(), "force": 0 * h},
+    )
+    connections = (
+        Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
+        Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
+    )
+    return SimpleNamespace(
+        participants={"film": film, "mass": mass},
+        order=("film", "mass"),
+        connections=connections,
+        parallel=False,
+    )

@@ -16,8 +16,16 @@ OUTER = {"slave.py", "variables.py", "build.py", "options.py", "verification.py"
 
 
 def test_import_contracts_hold():
-    run = subprocess.run([sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
-                         cwd=ROOT, capture_output=True, text=True)
+    run = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "from importlinter.cli import lint_imports_command; lint_imports_command()",
+        ],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
     assert run.returncode == 0, run.stdout + run.stderr
 
 
@@ -28,15 +36,25 @@ def test_kernels_know_no_fmi(package):
         if path.name in OUTER:
             continue
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and "master" in (node.module or "").split(".") and node.module != COMPILED:
+            if (
+                isinstance(node, ast.ImportFrom)
+                and "master" in (node.module or "").split(".")
+                and node.module != COMPILED
+            ):
                 guilty.append(f"{path.name}: {node.module}")
     assert guilty == []
 
 
 def test_inside_the_project_every_import_is_relative():
     """An FMU carries the same tree under a name of its own."""
-    guilty = [f"{path}: {node.module}" for path in sources() for node in ast.walk(ast.parse(path.read_text()))
-              if isinstance(node, ast.ImportFrom) and not node.level and node.module.split(".")[0] in NAMES]
+    guilty = [
+        f"{path}: {node.module}"
+        for path in sources()
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom)
+        and not node.level
+        and node.module.split(".")[0] in NAMES
+    ]
     assert guilty == []
 
 

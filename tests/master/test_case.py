@@ -1,7 +1,6 @@
 """Case files: every fault at once, units at the edge, variants and changes by dotted key."""
 
 import pytest
-
 from piston_cosim.master.case.schema import check_case, read_tree, times
 from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
 from piston_cosim.master.fmi.errors import BadInput
@@ -35,6 +34,7 @@ def case_file(tmp_path):
         path = tmp_path / "case.toml"
         path.write_text(text)
         return path
+
     return write
 
 
@@ -45,7 +45,9 @@ def faults_of(path):
 
 
 def test_every_fault_is_listed_with_its_place(case_file):
-    text = GOOD.replace("title =", "tittle =").replace("[coupling]", "[coupling]\nmax_iteration = 3\nrelaxation = -1.0")
+    text = GOOD.replace("title =", "tittle =").replace(
+        "[coupling]", "[coupling]\nmax_iteration = 3\nrelaxation = -1.0"
+    )
     faults = "\n".join(faults_of(case_file(text)))
     assert "tittle: unknown key" in faults
     assert "title: Field required" in faults
@@ -77,7 +79,11 @@ def test_angles_become_times(case_file):
 
 
 def test_times_in_the_wrong_dimension_are_refused(case_file):
-    path = case_file(GOOD.replace('stop = "720 deg"', 'stop = "7 bar"').replace('step = "1 deg"', 'step = "-1 deg"'))
+    path = case_file(
+        GOOD.replace('stop = "720 deg"', 'stop = "7 bar"').replace(
+            'step = "1 deg"', 'step = "-1 deg"'
+        )
+    )
     case = check_case(read_tree(path), path)
     with pytest.raises(BadInput) as caught:
         times(case, 1.0)
@@ -93,15 +99,28 @@ def test_variants_are_changed_cases(case_file):
     assert trees["slow"]["time"]["step"] == "2 deg"
 
 
-@pytest.mark.parametrize("value, unit, si", [("25 um", "m", 25e-6), ("3000 rpm", "rad/s", 314.1592653589793),
-                                             ("1 deg", "rad", 0.017453292519943295), ("12 mPa s", "Pa.s", 0.012),
-                                             (0.3, "1", 0.3), ("50 degC", "K", 323.15), ("220 g mm^2", "kg.m2", 2.2e-7),
-                                             ("1 cm^3/s", "m3/s", 1e-6), ("2 m/s^2", "m/s2", 2.0)])
+@pytest.mark.parametrize(
+    "value, unit, si",
+    [
+        ("25 um", "m", 25e-6),
+        ("3000 rpm", "rad/s", 314.1592653589793),
+        ("1 deg", "rad", 0.017453292519943295),
+        ("12 mPa s", "Pa.s", 0.012),
+        (0.3, "1", 0.3),
+        ("50 degC", "K", 323.15),
+        ("220 g mm^2", "kg.m2", 2.2e-7),
+        ("1 cm^3/s", "m3/s", 1e-6),
+        ("2 m/s^2", "m/s2", 2.0),
+    ],
+)
 def test_quantities(value, unit, si):
     assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
 
 
-@pytest.mark.parametrize("value, unit", [("25", "m"), (25, "m"), ("25 Pa", "m"), ("many", "m"), ("3 um", "1"), (True, "1")])
+@pytest.mark.parametrize(
+    "value, unit",
+    [("25", "m"), (25, "m"), ("25 Pa", "m"), ("many", "m"), ("3 um", "1"), (True, "1")],
+)
 def test_quantities_refused(value, unit):
     with pytest.raises(ValueError, match="."):
         to_si(value, unit)
@@ -119,6 +138,8 @@ def test_command_line_values():
 
 
 def test_a_picture_lacks_what_its_kind_needs(case_file):
-    path = case_file(GOOD + '[[pictures]]\nfile = "a.png"\ntitle = "A"\nkind = "section"\nfields = ["a.h"]\n')
+    path = case_file(
+        GOOD + '[[pictures]]\nfile = "a.png"\ntitle = "A"\nkind = "section"\nfields = ["a.h"]\n'
+    )
     with pytest.raises(BadInput, match="kind 'section' needs time"):
         check_case(read_tree(path), path)

@@ -2,16 +2,17 @@
 
 import numpy as np
 import pytest
-
-from piston_cosim.master.results.compare import read_measured, score
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.compare import read_measured, score
 
 X = np.linspace(0.0, 4 * np.pi, 721)
 
 
 def test_a_later_and_larger_sine_is_scored_so():
     found = score(X, 1.5 * np.sin(X - 0.2), X[60:-60], np.sin(X[60:-60]))
-    assert found["amplitude"] == pytest.approx(1.5, rel=1e-4)  # the grid misses the crests by half a degree at most
+    assert found["amplitude"] == pytest.approx(
+        1.5, rel=1e-4
+    )  # the grid misses the crests by half a degree at most
     assert found["phase"] == pytest.approx(0.2, abs=2e-3)  # a tenth of the search step
     rms = np.sqrt(np.mean((1.5 * np.sin(X[60:-60] - 0.2) - np.sin(X[60:-60])) ** 2)) / 2
     assert found["rms"] == pytest.approx(rms, rel=1e-3)

@@ -7,7 +7,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-
+from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import (
     chosen,
     read_block,
@@ -15,7 +15,6 @@ from piston_cosim.master.results.fields_export import (
     write_hdf5,
     write_vtu,
 )
-from piston_cosim.master.fmi.errors import BadInput
 
 TIMES = np.array([0.0, 0.1, 0.2])
 PRESSURE = np.arange(60.0).reshape(3, 5, 4)
@@ -25,8 +24,11 @@ PRESSURE = np.arange(60.0).reshape(3, 5, 4)
 def results(tmp_path):
     with h5py.File(tmp_path / "run.h5", "w") as file:
         file["fields/time"] = TIMES
-        for name, values, unit in (("ehd/pressure", PRESSURE, "Pa"), ("ehd/asperity_pressure", 2 * PRESSURE, "Pa"),
-                                   ("bodies/sliding_velocity", -PRESSURE, "m/s")):
+        for name, values, unit in (
+            ("ehd/pressure", PRESSURE, "Pa"),
+            ("ehd/asperity_pressure", 2 * PRESSURE, "Pa"),
+            ("bodies/sliding_velocity", -PRESSURE, "m/s"),
+        ):
             file[f"fields/{name}"] = values
             file[f"fields/{name}"].attrs["unit"] = unit
         yield SimpleNamespace(file=file)
@@ -39,7 +41,10 @@ def test_sum_and_product(results):
     assert np.array_equal(power.values, -(PRESSURE**2)) and power.unit == "Pa.m/s"
 
 
-@pytest.mark.parametrize("text, message", [("ehd.film", "recorded are"), ("ehd.pressure+bodies.sliding_velocity", "units are")])
+@pytest.mark.parametrize(
+    "text, message",
+    [("ehd.film", "recorded are"), ("ehd.pressure+bodies.sliding_velocity", "units are")],
+)
 def test_what_cannot_be_added_says_so(results, text, message):
     with pytest.raises(BadInput, match=message):
         read_block(results, text)
@@ -49,7 +54,9 @@ def test_csv_of_a_line_at_an_instant(results, tmp_path):
     write_csv([chosen(read_block(results, "ehd.pressure"), time=0.12, i=2)], tmp_path / "p.csv")
     with open(tmp_path / "p.csv") as file:
         rows = list(csv.DictReader(file))
-    assert [(row["time [s]"], row["i"], row["j"]) for row in rows] == [("0.1", "2", str(j)) for j in range(1, 5)]
+    assert [(row["time [s]"], row["i"], row["j"]) for row in rows] == [
+        ("0.1", "2", str(j)) for j in range(1, 5)
+    ]
     assert [float(row["ehd.pressure [Pa]"]) for row in rows] == PRESSURE[1, 1].tolist()
 
 
@@ -63,15 +70,22 @@ def test_hdf5_of_one_grid_point(results, tmp_path):
     write_hdf5([chosen(read_block(results, "ehd.pressure"), i=5, j=4)], tmp_path / "p.h5")
     with h5py.File(tmp_path / "p.h5") as file:
         assert file["ehd.pressure"][:, 0, 0].tolist() == PRESSURE[:, 4, 3].tolist()
-        assert file["ehd.pressure"].attrs["unit"] == "Pa" and file["time"][:].tolist() == TIMES.tolist()
+        assert (
+            file["ehd.pressure"].attrs["unit"] == "Pa"
+            and file["time"][:].tolist() == TIMES.tolist()
+        )
 
 
 def test_vtu_puts_each_cell_in_its_place(results, tmp_path):
-    *files, collection = write_vtu([read_block(results, "ehd.pressure")], tmp_path / "p.vtu", 2.0, 8.0)
+    *files, collection = write_vtu(
+        [read_block(results, "ehd.pressure")], tmp_path / "p.vtu", 2.0, 8.0
+    )
     assert len(files) == 3 and collection.read_text().count("<DataSet") == 3
     mesh = meshio.read(files[1])
     assert mesh.cell_data["ehd.pressure [Pa]"][0].tolist() == PRESSURE[1].ravel().tolist()
     centre = mesh.points[mesh.cells_dict["quad"]].mean(axis=1).reshape(5, 4, 3)
     assert centre[0, :, 1] == pytest.approx([1.0, 3.0, 5.0, 7.0])  # j along y
     angle = np.arctan2(centre[:, 0, 0], centre[:, 0, 2]) % (2 * np.pi)
-    assert angle == pytest.approx((np.arange(5) + 0.5) * 2 * np.pi / 5)  # i from +z towards +x, cell centres
+    assert angle == pytest.approx(
+        (np.arange(5) + 0.5) * 2 * np.pi / 5
+    )  # i from +z towards +x, cell centres

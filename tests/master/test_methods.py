@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-
 from piston_cosim.master.coupling.interface import Interface
 from piston_cosim.master.coupling.methods import (
     Ageing,
@@ -20,15 +18,16 @@ from piston_cosim.master.coupling.methods import (
     step_length,
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
-from piston_cosim.master.coupling.stepping import Predictor, Stepper, StepFailed
+from piston_cosim.master.coupling.stepping import Predictor, StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import Connection
+from scipy.optimize import brentq
 
 STEP, PADS = 1e-4, 7
 
 
 def closed_form(h0, step):
     """Film after one backward-Euler step of one mass on its film, by bracketing."""
-    from_force = lambda h: h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)  # noqa: E731
+    from_force = lambda h: h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)
     return brentq(from_force, h0 * 1e-3, h0, xtol=1e-18, rtol=1e-14)
 
 
@@ -42,7 +41,8 @@ def test_newton_reaches_the_fixed_point(pair):
     start = pair.participants["film"].state.copy()
     solution = solve(pair, Newton())
     reference = [closed_form(h, STEP) for h in start]
-    # the wires agree to 1e-9 m and 1e-6 N; the film's error is smaller still, by the film's stiffness
+    # the wires agree to 1e-9 m and 1e-6 N; the film's error is smaller still, by the film's
+    # stiffness
     assert np.allclose(solution.x[:PADS], reference, atol=1e-9, rtol=0)
     assert solution.iterations <= 4
     assert solution.history[-1] <= 1.0
@@ -52,7 +52,11 @@ def test_linear_sweep_matches_differences(pair):
     interface = Interface(pair.participants, pair.connections)
     saved = {name: p.save() for name, p in pair.participants.items()}
     x = interface.read()
-    direction = np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0) * 1e-4 * interface.nominal
+    direction = (
+        np.where(interface.feedback, np.linspace(-1, 1, interface.size), 0.0)
+        * 1e-4
+        * interface.nominal
+    )
     _, high, _ = interface.sweep(x + direction, 0, STEP, saved)
     _, low, _ = interface.sweep(x - direction, 0, STEP, saved)
     interface.sweep(x, 0, STEP, saved)
@@ -66,34 +70,53 @@ def test_constant_relaxation_fails_and_says_where(pair):
         solve(pair, Relaxation(0.5, False, 30))
 
 
-@pytest.mark.parametrize("method", [
-    Relaxation(0.001, False, 20000), Relaxation(0.001, True, 5000), QuasiNewton(LeastSquares(), 0.001, 0.001),
-    QuasiNewton(LeastSquares(rule="QR1", limit=1e-6), 0.001, 0.001), QuasiNewton(MultiVector(), 0.001, 0.001),
-    QuasiNewton(Ageing(), 0.001, 0.001), QuasiNewton(Ageing(), probing=True), QuasiNewton(LeastSquares(), probing=True)])
+@pytest.mark.parametrize(
+    "method",
+    [
+        Relaxation(0.001, False, 20000),
+        Relaxation(0.001, True, 5000),
+        QuasiNewton(LeastSquares(), 0.001, 0.001),
+        QuasiNewton(LeastSquares(rule="QR1", limit=1e-6), 0.001, 0.001),
+        QuasiNewton(MultiVector(), 0.001, 0.001),
+        QuasiNewton(Ageing(), 0.001, 0.001),
+        QuasiNewton(Ageing(), probing=True),
+        QuasiNewton(LeastSquares(), probing=True),
+    ],
+)
 def test_fixed_point_methods_agree_with_newton(pair, method):
     saved = {name: p.save() for name, p in pair.participants.items()}
     newton = solve(pair, Newton()).x
     for name, p in pair.participants.items():
         p.restore(saved[name])
     relaxed = solve(pair, method).x
-    assert np.allclose(relaxed[:PADS], newton[:PADS], atol=2e-9, rtol=0)  # each is within 1e-9 m of the fixed point
-    assert np.allclose(relaxed[PADS:], newton[PADS:], atol=1e-3, rtol=0)  # 1e-9 m times the film's stiffness
+    assert np.allclose(
+        relaxed[:PADS], newton[:PADS], atol=2e-9, rtol=0
+    )  # each is within 1e-9 m of the fixed point
+    assert np.allclose(
+        relaxed[PADS:], newton[PADS:], atol=1e-3, rtol=0
+    )  # 1e-9 m times the film's stiffness
 
 
-@pytest.mark.parametrize("method", [Newton(), Newton(differences=True), QuasiNewton(Ageing(), probing=True)])
+@pytest.mark.parametrize(
+    "method", [Newton(), Newton(differences=True), QuasiNewton(Ageing(), probing=True)]
+)
 def test_jacobi_order_has_the_same_fixed_point(pair, method):
     saved = {name: p.save() for name, p in pair.participants.items()}
     sequential = solve(pair, Newton()).x
     for name, p in pair.participants.items():
         p.restore(saved[name])
     parallel = solve(pair, method, True).x
-    assert np.allclose(parallel[:PADS], sequential[:PADS], atol=2e-9, rtol=0)  # each is within 1e-9 m of the fixed point
+    assert np.allclose(
+        parallel[:PADS], sequential[:PADS], atol=2e-9, rtol=0
+    )  # each is within 1e-9 m of the fixed point
 
 
 def test_in_jacobi_order_nobody_reads_what_was_just_computed(pair):
     interface = Interface(pair.participants, pair.connections, True)
     x = interface.read()
-    used, _, _ = interface.sweep(x, 0.0, STEP, {name: p.save() for name, p in pair.participants.items()})
+    used, _, _ = interface.sweep(
+        x, 0.0, STEP, {name: p.save() for name, p in pair.participants.items()}
+    )
     assert interface.feedback.all() and np.array_equal(used, x)
 
 
@@ -116,31 +139,58 @@ def test_step_length_limits_the_thinnest_film(pair):
 
 
 def criteria(**given):
-    return Connection(("a", "y"), ("b", "x"), (3,), "m", 1.0, **{"tolerance": 0.0, "largest_decrease": None} | given)
+    return Connection(
+        ("a", "y"),
+        ("b", "x"),
+        (3,),
+        "m",
+        1.0,
+        **{"tolerance": 0.0, "largest_decrease": None} | given,
+    )
 
 
 def test_criteria_of_a_wire():
-    residual, values = np.array([3e-3, -4e-3, 0.0]), np.array([1.0, -2.0, 2.0])  # rms 5e-3 / sqrt 3 and 3 / sqrt 3
+    residual, values = (
+        np.array([3e-3, -4e-3, 0.0]),
+        np.array([1.0, -2.0, 2.0]),
+    )  # rms 5e-3 / sqrt 3 and 3 / sqrt 3
     first = 0.5 / np.sqrt(3)
     assert criteria(tolerance=2e-3).measure(residual, values, first) == pytest.approx(2.0)
-    assert criteria(relative_tolerance=1e-3).measure(residual, values, first) == pytest.approx(5 / 3)
-    assert criteria(residual_relative_tolerance=1e-2).measure(residual, values, first) == pytest.approx(1.0)
-    both = criteria(tolerance=1e-6, relative_tolerance=1e-2)   # one that is met is enough
+    assert criteria(relative_tolerance=1e-3).measure(residual, values, first) == pytest.approx(
+        5 / 3
+    )
+    assert criteria(residual_relative_tolerance=1e-2).measure(
+        residual, values, first
+    ) == pytest.approx(1.0)
+    both = criteria(tolerance=1e-6, relative_tolerance=1e-2)  # one that is met is enough
     assert both.measure(residual, values, first) == pytest.approx(1 / 6)
     assert criteria(tolerance=np.inf).measure(residual, values, first) == 0.0
     assert criteria(relative_tolerance=1e-3).measure(0 * residual, 0 * values, 0.0) == 0.0
 
 
-@pytest.mark.parametrize("given", [{"tolerance": np.inf}, {"tolerance": 1e-3}, {"relative_tolerance": 1e-3},
-                                   {"residual_relative_tolerance": 1e-3}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"tolerance": np.inf},
+        {"tolerance": 1e-3},
+        {"relative_tolerance": 1e-3},
+        {"residual_relative_tolerance": 1e-3},
+    ],
+)
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_what_is_not_finite_never_converges(given, bad):
-    assert not criteria(**given).measure(np.array([0.0, bad, 0.0]), np.array([1.0, bad, 1.0]), 1.0) <= 1.0
+    assert (
+        not criteria(**given).measure(np.array([0.0, bad, 0.0]), np.array([1.0, bad, 1.0]), 1.0)
+        <= 1.0
+    )
 
 
 def test_residual_relative_convergence_leaves_that_share_of_the_first_residual(pair):
     wire, along = pair.connections
-    pair.connections = (replace(wire, tolerance=0.0, residual_relative_tolerance=1e-4), replace(along, tolerance=np.inf))
+    pair.connections = (
+        replace(wire, tolerance=0.0, residual_relative_tolerance=1e-4),
+        replace(along, tolerance=np.inf),
+    )
     interface = Interface(pair.participants, pair.connections)
     saved = {name: p.save() for name, p in pair.participants.items()}
     step, guess = MacroStep(interface, 0.0, STEP, saved), interface.read()
@@ -193,7 +243,9 @@ def test_quasi_newton_reuses_secants(pair):
     assert len(stepper.memory.secants.past) == 3
     assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
     # every sweep after a step's first is a pair, the one that converged too
-    assert [len(window) for window in stepper.memory.secants.past] == [n - 1 for n in stepper.counters.iterations[:1:-1]]
+    assert [len(window) for window in stepper.memory.secants.past] == [
+        n - 1 for n in stepper.counters.iterations[:1:-1]
+    ]
 
 
 def test_filter_drops_what_adds_nothing():

@@ -10,21 +10,35 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-
 from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.results.report import write_report
-from piston_cosim.master.results.judgement import extremes, loop_work, windows
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.judgement import extremes, loop_work, windows
+from piston_cosim.master.results.report import write_report
 
 TREE = {
-    "title": "Two </script> signals", "time": {"stop": "1 s", "step": "10 ms"},
-    "participants": {"a": {"fmu": "a.fmu"}}, "wires": [], "coupling": {"order": ["a"]},
-    "record": {"fields": ["a.map"]}, "summary": {"lowest": "min a.x"}, "monitor": {"y": "last a.y"},
+    "title": "Two </script> signals",
+    "time": {"stop": "1 s", "step": "10 ms"},
+    "participants": {"a": {"fmu": "a.fmu"}},
+    "wires": [],
+    "coupling": {"order": ["a"]},
+    "record": {"fields": ["a.map"]},
+    "summary": {"lowest": "min a.x"},
+    "monitor": {"y": "last a.y"},
     "window": {"min a.x": ["-2 mm", "0 mm"], "max a.y": ["3 N", "4 N"]},
-    "report": {"loops": {"work": {"x": "a.x", "y": ["a.y", "a.z"], "period": "1 s", "unit": "mJ"}},
-               "motion": {"across": "a.x", "along": "a.z", "rotation": "a.y", 
-                          "outline": [["0 m", "0 m"], ["1 m", "0 m"], ["0 m", "1 m"]], "lines": [[["0 m", "0 m"], ["0 m", "1 m"]]]}},
-    "pictures": [{"file": "lines.png", "title": "Lines", "kind": "lines", "x": "a.x", "y": [["a.y"]]}]}
+    "report": {
+        "loops": {"work": {"x": "a.x", "y": ["a.y", "a.z"], "period": "1 s", "unit": "mJ"}},
+        "motion": {
+            "across": "a.x",
+            "along": "a.z",
+            "rotation": "a.y",
+            "outline": [["0 m", "0 m"], ["1 m", "0 m"], ["0 m", "1 m"]],
+            "lines": [[["0 m", "0 m"], ["0 m", "1 m"]]],
+        },
+    },
+    "pictures": [
+        {"file": "lines.png", "title": "Lines", "kind": "lines", "x": "a.x", "y": [["a.y"]]}
+    ],
+}
 STEPS = 400
 
 
@@ -35,13 +49,21 @@ def case():
 
 @pytest.fixture
 def results(tmp_path):
-    """x = -1 mm sin, y = 1 N cos, z = 1 N cos over one turn in one second; a 4 x 3 field that moves."""
+    """x = -1 mm sin, y = 1 N cos, z = 1 N cos over one turn in one second; a 4 x 3 field that
+    moves.
+    """
     path, time = tmp_path / "run.h5", np.linspace(0.0, 1.0, STEPS + 1)
     turn = 2 * np.pi * time
     signals = {"x": (-1e-3 * np.sin(turn), "m"), "y": (np.cos(turn), "N"), "z": (np.cos(turn), "N")}
     with h5py.File(path, "w") as file:
-        file.attrs.update({"title": "t", "case": json.dumps(TREE), "versions": json.dumps({"piston-cosim": "0"}),
-                           "summary": json.dumps({"steps": STEPS, "halved_steps": 0})})
+        file.attrs.update(
+            {
+                "title": "t",
+                "case": json.dumps(TREE),
+                "versions": json.dumps({"piston-cosim": "0"}),
+                "summary": json.dumps({"steps": STEPS, "halved_steps": 0}),
+            }
+        )
         file["time"] = time
         for name, (values, unit) in signals.items():
             file[f"a/{name}"] = values
@@ -75,11 +97,15 @@ def test_windows_judge(case, results):
 
 def test_page_holds_the_fields(case, results, tmp_path):
     page = write_report(case, {"run": results}, tmp_path / "report").read_text()
-    data = json.loads(re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)[1])
+    data = json.loads(
+        re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)[1]
+    )
     (field,) = data["fields"]
     frames = np.frombuffer(base64.b64decode(field["frames"][0]), "<u2").reshape(-1, *field["shape"])
     read = field["low"] + (field["high"] - field["low"]) * frames / 65535
-    assert read[0] == pytest.approx(np.arange(12.0).reshape(4, 3), abs=1e-3)  # 111 Pa in 65535 levels
+    assert read[0] == pytest.approx(
+        np.arange(12.0).reshape(4, 3), abs=1e-3
+    )  # 111 Pa in 65535 levels
     assert len(data["words"]) == len(frames) == len(data["motion"]["tracks"][0]["along"])
     assert "http" not in re.sub(r"base64,[^\"]*", "", page), "the page must need nothing else"
     assert {p.suffix for p in (tmp_path / "report").iterdir()} == {".png", ".svg", ".html"}
@@ -90,9 +116,21 @@ def test_page_lives_in_a_browser(case, results, tmp_path):
     if not browser:
         pytest.skip("no browser")
     page = write_report(case, {"run": results}, tmp_path / "report")
-    seen = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
-                           "--virtual-time-budget=3000", "--dump-dom", page.as_uri()], capture_output=True, text=True,
-                          timeout=120).stdout
+    seen = subprocess.run(
+        [
+            browser,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            f"--user-data-dir={tmp_path / 'profile'}",
+            "--virtual-time-budget=3000",
+            "--dump-dom",
+            page.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    ).stdout
     shown = html.unescape(re.search(r'<span id="words">(.*?)</span>', seen)[1])
     assert shown.startswith("t = ") and "y " in shown  # the script ran through to its last line
     assert seen.count("<canvas") == 3  # body, colour scale, map
@@ -103,4 +141,8 @@ def test_study_tables_are_shown(case, results, tmp_path):
     table.parent.mkdir()
     table.write_text("run,rms bodies.lateral_displacement\n20 x 20,0.012345678\n")
     page = write_report(case, {"run": results}, tmp_path / "report", studies=[table]).read_text()
-    assert "Convergence and cost: study_x_grid" in page and "<td>0.01235</td>" in page and "<th>lateral displacement</th>" in page
+    assert (
+        "Convergence and cost: study_x_grid" in page
+        and "<td>0.01235</td>" in page
+        and "<th>lateral displacement</th>" in page
+    )

@@ -1,8 +1,9 @@
-"""What secants know: everything of a linear map after as many pairs as it has dimensions; the youngest of a drifting one."""
+"""What secants know: everything of a linear map after as many pairs as it has dimensions; the
+youngest of a drifting one.
+"""
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.coupling.methods import Ageing, LeastSquares, MultiVector
 
 N = 8
@@ -24,8 +25,15 @@ def matrix():
 
 
 # Ageing's noise of 1e-6 a pair leaves that share, times the condition of the pairs, unexplained
-@pytest.mark.parametrize("way, tolerance", [(LeastSquares(limit=1e-9), 1e-9), (LeastSquares(limit=1e-9, rule="QR1"), 1e-9),
-                                            (MultiVector(limit=1e-9), 1e-9), (Ageing(noise=1e-12), 1e-6)])
+@pytest.mark.parametrize(
+    "way, tolerance",
+    [
+        (LeastSquares(limit=1e-9), 1e-9),
+        (LeastSquares(limit=1e-9, rule="QR1"), 1e-9),
+        (MultiVector(limit=1e-9), 1e-9),
+        (Ageing(noise=1e-12), 1e-6),
+    ],
+)
 def test_as_many_pairs_as_dimensions_give_the_newton_update(way, tolerance, matrix):
     r = np.arange(1.0, N + 1)
     change, rest = taught(way, matrix, N).update(r, [slice(0, N)])
@@ -39,7 +47,9 @@ def test_what_no_pair_knows_is_left(way, matrix):
     memory.begin()
     change = np.eye(N)[0]
     memory.learn(change, -matrix @ change)
-    unknown = np.linalg.svd(np.array([matrix @ change]))[2][-1]  # a residual at right angles to the only pair
+    unknown = np.linalg.svd(np.array([matrix @ change]))[2][
+        -1
+    ]  # a residual at right angles to the only pair
     answer, rest = memory.update(unknown, [slice(0, N)])
     assert np.allclose(answer, 0.0, atol=1e-12)
     assert np.allclose(rest, unknown, atol=1e-12)
@@ -55,7 +65,9 @@ def test_nothing_learnt_answers_nothing(way):
 
 
 def drifting(way, pairs_a_step, steps=40, seed=3):
-    """Mean error of the answer, while the map drifts by 1 % a step and each step teaches a few pairs."""
+    """Mean error of the answer, while the map drifts by 1 % a step and each step teaches a few
+    pairs.
+    """
     random, memory, errors = np.random.default_rng(seed), way.memory(), []
     matrix = np.eye(N) + 0.5 * random.standard_normal((N, N))
     for _ in range(steps):

@@ -5,7 +5,6 @@ import json
 import h5py
 import numpy as np
 import pytest
-
 from piston_cosim.master.commands.snapshot import command
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -15,7 +14,9 @@ def results(tmp_path):
     """A run of four steps whose fields were kept at every second."""
     path = tmp_path / "run.h5"
     with h5py.File(path, "w") as file:
-        file.attrs.update({"title": "run", "case": json.dumps({"participants": {"bodies": {}, "ehd": {}}})})
+        file.attrs.update(
+            {"title": "run", "case": json.dumps({"participants": {"bodies": {}, "ehd": {}}})}
+        )
         file["time"] = np.arange(4) * 1e-3
         file["bodies/crank_angle"] = np.arange(4) * 0.3
         file["fields/time"] = np.array([0.0, 2e-3])
@@ -23,15 +24,22 @@ def results(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("time, angle, modal", [(None, 0.6, [3.0, 4.0]), ("0.4 ms", 0.0, [1.0, 2.0])])
+@pytest.mark.parametrize(
+    "time, angle, modal", [(None, 0.6, [3.0, 4.0]), ("0.4 ms", 0.0, [1.0, 2.0])]
+)
 def test_scalars_and_fields_of_the_same_instant(results, tmp_path, time, angle, modal):
     output = tmp_path / "start.json"
     command(results, participant="bodies", output=output, time=time)
     assert json.loads(output.read_text()) == {"crank_angle": angle, "modal_coordinate": modal}
 
 
-@pytest.mark.parametrize("given, message", [({"participant": "engine"}, "engine: .*run.h5 has bodies"),
-                                            ({"participant": "bodies", "time": "2 m"}, "2 m")])
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"participant": "engine"}, "engine: .*run.h5 has bodies"),
+        ({"participant": "bodies", "time": "2 m"}, "2 m"),
+    ],
+)
 def test_what_is_wrong_is_named(results, tmp_path, given, message):
     with pytest.raises(BadInput, match=message):
         command(results, output=tmp_path / "start.json", **given)

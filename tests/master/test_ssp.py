@@ -5,19 +5,23 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.ssp import SPACE, export_ssp
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.export import built
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from piston_cosim.master.case.ssp import SPACE, export_ssp
-from piston_cosim.master.case.system import open_system
 
 PATH = find_case("numerical_example")
-SMALL = [("participants.bodies.build.grid", [12, 10]), ("participants.ehd.build.grid", [12, 10]), ("time.stop", "6 deg"),
-         ("participants.bodies.build.piston.modes", 0), ("participants.bodies.build.block.modes", 0)]
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", "6 deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
 
 
 @pytest.fixture(scope="module")
@@ -81,12 +85,17 @@ def arrays(tmp_path_factory):
         pytest.skip("no C compiler")
     path = tmp_path_factory.mktemp("ssp3") / "case.ssp"
     case = check_case(read_tree(PATH, SMALL), PATH)
-    export_ssp(read_tree(PATH, SMALL), open_system(built(case, PATH.parent), PATH.parent, print), path)
+    export_ssp(
+        read_tree(PATH, SMALL), open_system(built(case, PATH.parent), PATH.parent, print), path
+    )
     return path
 
 
 def test_arrays_read_back_run_to_the_same_values(arrays, tmp_path):
-    one, three = results(PATH, SMALL, tmp_path / "one.h5"), results(arrays, (), tmp_path / "three.h5")
+    one, three = (
+        results(PATH, SMALL, tmp_path / "one.h5"),
+        results(arrays, (), tmp_path / "three.h5"),
+    )
     for port in ("bodies.lateral_displacement", "ehd.minimum_film_thickness", "ehd.friction_power"):
         np.testing.assert_array_equal(one.series(port)[0], three.series(port)[0])
 
@@ -96,12 +105,18 @@ def test_array_connectors_have_dimensions(arrays):
         root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
         values = ElementTree.fromstring(archive.read("resources/ehd.ssv"))
     assert root.get("version") == values.get("version") == "2.0"
-    connector = next(c for c in root.iter(f"{{{SPACE['ssd']}}}Connector") if c.get("name") == "film_thickness")
+    connector = next(
+        c for c in root.iter(f"{{{SPACE['ssd']}}}Connector") if c.get("name") == "film_thickness"
+    )
     kind, *sizes = connector
     assert (kind.tag, kind.get("unit")) == (f"{{{SPACE['ssc']}}}Float64", "m")
     assert [size.get("size") for size in sizes] == ["12", "10"]
     assert len(list(root.iter(f"{{{SPACE['ssd']}}}Connection"))) == 4
-    assert {node[0].tag.split("}")[1] for node in values.iter(f"{{{SPACE['ssv']}}}Parameter")} <= {"Float64", "Int32", "String"}
+    assert {node[0].tag.split("}")[1] for node in values.iter(f"{{{SPACE['ssv']}}}Parameter")} <= {
+        "Float64",
+        "Int32",
+        "String",
+    }
 
 
 def test_arrays_and_scalars_are_not_mixed(tmp_path):
@@ -111,5 +126,7 @@ def test_arrays_and_scalars_are_not_mixed(tmp_path):
     both = built(case, PATH.parent).participants
     mixed = case.model_copy(update={"participants": case.participants | {"ehd": both["ehd"]}})
     with pytest.raises(BadInput, match="one side alone") as refusal:
-        export_ssp(read_tree(PATH, SMALL), open_system(mixed, PATH.parent, print), tmp_path / "mixed.ssp")
+        export_ssp(
+            read_tree(PATH, SMALL), open_system(mixed, PATH.parent, print), tmp_path / "mixed.ssp"
+        )
     assert len(refusal.value.faults) == 4

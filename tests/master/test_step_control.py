@@ -1,4 +1,6 @@
-"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and resuming."""
+"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and
+resuming.
+"""
 
 import pickle
 from io import BytesIO
@@ -6,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.coupling.freezing import ArrayPickler, freeze, thaw
 from piston_cosim.master.coupling.methods import Newton
 from piston_cosim.master.coupling.step_control import (
@@ -34,8 +35,12 @@ def vector(value):
 
 def offer(chosen, function, last, step, iterations=2):
     """Whether a step that follows the function exactly is accepted."""
-    return chosen.accepts((last, vector(function(last))), last, step, SimpleNamespace(x=vector(function(last + step)),
-                                                                                        iterations=iterations))
+    return chosen.accepts(
+        (last, vector(function(last))),
+        last,
+        step,
+        SimpleNamespace(x=vector(function(last + step)), iterations=iterations),
+    )
 
 
 def estimate(function, times):
@@ -47,10 +52,14 @@ def estimate(function, times):
 
 
 def bdf2_error(function, slope, times):
-    """What a BDF2 step from exact values is off by: the parabola through them and the end that has the slope there."""
+    """What a BDF2 step from exact values is off by: the parabola through them and the end that has
+    the slope there.
+    """
     (t2, t1, t), (x2, x1) = times, (function(times[0]), function(times[1]))
     line = x1 + (t - t1) * (x1 - x2) / (t1 - t2)
-    bend = (slope(t) - (x1 - x2) / (t1 - t2)) / (2 * t - t1 - t2)       # x'(t) = secant + bend (2 t - t_1 - t_2)
+    bend = (slope(t) - (x1 - x2) / (t1 - t2)) / (
+        2 * t - t1 - t2
+    )  # x'(t) = secant + bend (2 t - t_1 - t_2)
     return abs(line + bend * (t - t1) * (t - t2) - function(t))
 
 
@@ -58,7 +67,9 @@ def bdf2_error(function, slope, times):
 def test_estimate_is_the_local_error_of_bdf2(steps):
     times = 0.7 + np.concatenate([[0.0], np.cumsum(steps)])
     exact = bdf2_error(lambda t: t**3, lambda t: 3 * t**2, times[1:])
-    assert estimate(lambda t: t**3, times) == pytest.approx(exact, rel=1e-10)        # a cubic: exact but for round-off
+    assert estimate(lambda t: t**3, times) == pytest.approx(
+        exact, rel=1e-10
+    )  # a cubic: exact but for round-off
     if len(set(steps)) == 1:
         assert exact == pytest.approx(2 / 9 * 6, rel=1e-10)
 
@@ -67,7 +78,9 @@ def test_estimate_is_of_third_order_and_nothing_for_a_parabola():
     errors = [estimate(np.exp, h * np.arange(4.0)) for h in (0.02, 0.01, 0.005)]
     # the third derivative changes by three steps of a relative 0.005 to 0.02 in between
     assert np.diff(np.log2(errors)) == pytest.approx([-3, -3], abs=0.05)
-    assert errors[-1] == pytest.approx(bdf2_error(np.exp, np.exp, 0.005 * np.arange(1.0, 4.0)), rel=0.02)
+    assert errors[-1] == pytest.approx(
+        bdf2_error(np.exp, np.exp, 0.005 * np.arange(1.0, 4.0)), rel=0.02
+    )
     assert estimate(lambda t: 1 + 2 * t + 3 * t**2, [0.0, 0.3, 0.5, 0.6]) < 1e-12
 
 
@@ -122,10 +135,13 @@ def test_remaining_time_is_cut_into_equal_steps():
 def test_each_wire_has_its_own_allowed_error(pair):
     assert step_control(pair.connections, 1e-6) is None
     film, force = pair.connections
-    both = [film.__class__(**vars(film) | {"local_error": 1e-8}), force.__class__(**vars(force) | {"local_error": 0.1})]
+    both = [
+        film.__class__(**vars(film) | {"local_error": 1e-8}),
+        force.__class__(**vars(force) | {"local_error": 0.1}),
+    ]
     chosen = step_control(both, 1e-6)
     assert chosen.watched == [(slice(0, 7), 1e-8), (slice(7, 14), 0.1)]
-    x = lambda t: np.repeat([1e-6 * t**3, 5 * t**3], 7)  # noqa: E731
+    x = lambda t: np.repeat([1e-6 * t**3, 5 * t**3], 7)
     for last in (0.0, 1.0, 2.0):
         chosen.accepts((last, x(last)), last, 1.0, SimpleNamespace(x=x(last + 1), iterations=2))
     assert chosen.error == pytest.approx(2 / 9 * 6 * max(1e-6 / 1e-8, 5 / 0.1))
@@ -144,7 +160,9 @@ def adaptive(pair, order):
 
 
 @pytest.mark.parametrize("order", [0, 2])
-def test_stepping_keeps_the_error_whatever_the_predictor_and_resumes_with_the_same_bits(pair, monkeypatch, order):
+def test_stepping_keeps_the_error_whatever_the_predictor_and_resumes_with_the_same_bits(
+    pair, monkeypatch, order
+):
     toy = type(pair.participants["mass"]).__mro__[1]
     monkeypatch.setattr(toy, "serialise", lambda self, saved: frozen(saved), raising=False)
     monkeypatch.setattr(toy, "deserialise", lambda self, data: pickle.loads(data), raising=False)
@@ -152,7 +170,7 @@ def test_stepping_keeps_the_error_whatever_the_predictor_and_resumes_with_the_sa
     stepper.advance(0.0, 1e-3)
     middle = freeze(stepper)
     stepper.advance(1e-3, 1e-3)
-    assert 10 < stepper.counters.steps < 2000                   # neither two long steps nor all of the smallest
+    assert 10 < stepper.counters.steps < 2000  # neither two long steps nor all of the smallest
     end = freeze(stepper)
     again = adaptive(pair, order)
     thaw(again, middle)

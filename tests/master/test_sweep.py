@@ -1,11 +1,12 @@
-"""Sweeps: axes, resuming, failures as rows; and the trends published for clearance, ovality and speed."""
+"""Sweeps: axes, resuming, failures as rows; and the trends published for clearance, ovality and
+speed.
+"""
 
 import csv
 from concurrent.futures import Executor, Future
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
@@ -23,7 +24,9 @@ TREE = read_tree(PATH)
 
 
 class Answering(Executor):
-    """Answers in place of processes: counts what is asked, fails for one value, dies for another."""
+    """Answers in place of processes: counts what is asked, fails for one value, dies for
+    another.
+    """
 
     def __init__(self):
         self.asked = 0
@@ -34,7 +37,10 @@ class Answering(Executor):
         if speed == "2000 rpm":
             future.set_exception(RuntimeError("process died"))
         else:
-            done, failed = {"status": "done", "message": "", "x": 1.0}, {"status": "failed", "message": "no step"}
+            done, failed = (
+                {"status": "done", "message": "", "x": 1.0},
+                {"status": "failed", "message": "no step"},
+            )
             future.set_result(failed if speed == "3000 rpm" else done)
         return future
 
@@ -43,13 +49,22 @@ def test_axis_of_a_range_and_of_a_list():
     axis = parse_axis("radial_clearance=10um..0.03mm:3", TREE)
     assert axis.keys == ("participants.bodies.parameters.radial_clearance",)
     assert axis.values == ("10 um", "20 um", "30 um")
-    grids = parse_axis("participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", TREE)
+    grids = parse_axis(
+        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", TREE
+    )
     assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
 
 
-@pytest.mark.parametrize("text, message", [("grid=1..2:2", "participants.bodies.build.grid, participants.ehd.build.grid"),
-                                           ("no_such=1..2:2", "nowhere"), ("crank_speed=1rpm..2:2", "units of one kind"),
-                                           ("crank_speed", "KEY=LOW..HIGH:COUNT"), ("crank_speed=1rpm..2rpm:1", "at least 2")])
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("grid=1..2:2", "participants.bodies.build.grid, participants.ehd.build.grid"),
+        ("no_such=1..2:2", "nowhere"),
+        ("crank_speed=1rpm..2:2", "units of one kind"),
+        ("crank_speed", "KEY=LOW..HIGH:COUNT"),
+        ("crank_speed=1rpm..2rpm:1", "at least 2"),
+    ],
+)
 def test_bad_axes_say_what_is_wrong(text, message):
     with pytest.raises(BadInput, match=message):
         parse_axis(text, TREE)
@@ -74,13 +89,27 @@ def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
 
 @pytest.fixture(scope="module")
 def trends(tmp_path_factory):
-    """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing top dead centre."""
+    """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing
+    top dead centre.
+    """
     folder = tmp_path_factory.mktemp("sweep")
-    changes = [("participants.bodies.build.grid", [16, 12]), ("participants.ehd.build.grid", [16, 12]), ("time.stop", "180 deg"),
-               ("time.step", "2 deg"), ("participants.bodies.parameters.start_crank_angle", "-30 deg"), ("record.fields", []),
-               *TREE["variants"]["rigid"].items()]
-    axes = {name: parse_axis(text, TREE) for name, text in (("clearance", "radial_clearance=15um;30um;45um"),
-            ("ovality", "ovality=100um;200um;400um"), ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"))}
+    changes = [
+        ("participants.bodies.build.grid", [16, 12]),
+        ("participants.ehd.build.grid", [16, 12]),
+        ("time.stop", "180 deg"),
+        ("time.step", "2 deg"),
+        ("participants.bodies.parameters.start_crank_angle", "-30 deg"),
+        ("record.fields", []),
+        *TREE["variants"]["rigid"].items(),
+    ]
+    axes = {
+        name: parse_axis(text, TREE)
+        for name, text in (
+            ("clearance", "radial_clearance=15um;30um;45um"),
+            ("ovality", "ovality=100um;200um;400um"),
+            ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"),
+        )
+    }
     found = {name: points(PATH, changes, [axis]) for name, axis in axes.items()}
     build_all(found["speed"], PATH.parent, lambda text: None)
     with local_executor(2) as executor:
@@ -99,7 +128,9 @@ def travel(path):
 
 
 def test_larger_clearance_moves_more(trends):
-    assert np.all(np.diff(trends["clearance"]) > 1e-6)  # a micrometre: a thousand times the coupling tolerance
+    assert np.all(
+        np.diff(trends["clearance"]) > 1e-6
+    )  # a micrometre: a thousand times the coupling tolerance
 
 
 def test_larger_ovality_moves_more(trends):

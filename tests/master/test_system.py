@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from piston_cosim.master.case.schema import Wire
 from piston_cosim.master.case.system import _connection, _parameters
 
@@ -12,36 +11,66 @@ SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
 
 
 def field(name, causality, unit="m", shape=(4, 4), **more):
-    return SimpleNamespace(**{"name": name, "causality": causality, "unit": unit, "shape": shape, "nominal": 1e-5, "type": "Real",
-                              "minimum": None, "maximum": None} | more)
+    return SimpleNamespace(
+        **{
+            "name": name,
+            "causality": causality,
+            "unit": unit,
+            "shape": shape,
+            "nominal": 1e-5,
+            "type": "Real",
+            "minimum": None,
+            "maximum": None,
+        }
+        | more
+    )
 
 
 @pytest.fixture
 def participants():
     def participant(name, *fields):
         return SimpleNamespace(name=name, fields={f.name: f for f in fields}, declares_units=True)
-    return {"body": participant("body", field("film_thickness", "output"), field("speed", "parameter", "rad/s", (), maximum=100.0)),
-            "film": participant("film", field("film_thickness", "input"), field("coarse", "input", shape=(2, 4)),
-                                field("other", "input", "Pa"))}
+
+    return {
+        "body": participant(
+            "body",
+            field("film_thickness", "output"),
+            field("speed", "parameter", "rad/s", (), maximum=100.0),
+        ),
+        "film": participant(
+            "film",
+            field("film_thickness", "input"),
+            field("coarse", "input", shape=(2, 4)),
+            field("other", "input", "Pa"),
+        ),
+    }
 
 
-@pytest.mark.parametrize("target, words", [
-    ("film.coarse", "shapes differ, (4, 4) and (2, 4)"),
-    ("film.other", "units differ, m and Pa"),
-    ("film.film_thicknes", "did you mean film_thickness?"),
-    ("body.film_thickness", "is no input"),
-])
+@pytest.mark.parametrize(
+    "target, words",
+    [
+        ("film.coarse", "shapes differ, (4, 4) and (2, 4)"),
+        ("film.other", "units differ, m and Pa"),
+        ("film.film_thicknes", "did you mean film_thickness?"),
+        ("body.film_thickness", "is no input"),
+    ],
+)
 def test_wiring_faults(participants, target, words):
     faults = []
-    _connection(Wire(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults)
+    _connection(
+        Wire(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults
+    )
     assert len(faults) == 1
     assert words in faults[0]
 
 
 def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
     def tolerance(value):
-        wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value})
+        wire = Wire(
+            **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value}
+        )
         return _connection(wire, participants, SEQUENTIAL, []).tolerance
+
     assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
     assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
     faults = []
@@ -50,21 +79,39 @@ def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
     assert "tolerance" in faults[0]
 
 
-@pytest.mark.parametrize("coupling, tolerance", [
-    (SimpleNamespace(order=["film", "body"], parallel=False), 1e-11),       # against the order: 1e-6 nominals of 1e-5 m
-    (SimpleNamespace(order=["body", "film"], parallel=False), np.inf),      # along it: handed over as it is, not measured
-    (SimpleNamespace(order=["body", "film"], parallel=True), 1e-11)])
+@pytest.mark.parametrize(
+    "coupling, tolerance",
+    [
+        (
+            SimpleNamespace(order=["film", "body"], parallel=False),
+            1e-11,
+        ),  # against the order: 1e-6 nominals of 1e-5 m
+        (
+            SimpleNamespace(order=["body", "film"], parallel=False),
+            np.inf,
+        ),  # along it: handed over as it is, not measured
+        (SimpleNamespace(order=["body", "film"], parallel=True), 1e-11),
+    ],
+)
 def test_wires_along_the_order_are_measured_only_if_asked(participants, coupling, tolerance):
     ends = {"from": "body.film_thickness", "to": "film.film_thickness"}
-    assert _connection(Wire(**ends), participants, coupling, []).tolerance == pytest.approx(tolerance, rel=1e-14)
-    assert _connection(Wire(**ends, tolerance="2 nm"), participants, coupling, []).tolerance == pytest.approx(2e-9, rel=1e-14)
+    assert _connection(Wire(**ends), participants, coupling, []).tolerance == pytest.approx(
+        tolerance, rel=1e-14
+    )
+    assert _connection(
+        Wire(**ends, tolerance="2 nm"), participants, coupling, []
+    ).tolerance == pytest.approx(2e-9, rel=1e-14)
     asked = _connection(Wire(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
     assert (asked.tolerance, asked.residual_relative_tolerance) == (0.0, 1e-3)
 
 
 def test_parameter_faults_name_value_unit_and_range(participants):
     faults = []
-    values = _parameters(participants["body"], {"speed": "6000 rpm", "sped": "1 rad/s", "film_thickness": "1 m"}, faults)
+    values = _parameters(
+        participants["body"],
+        {"speed": "6000 rpm", "sped": "1 rad/s", "film_thickness": "1 m"},
+        faults,
+    )
     assert values == {}
     assert len(faults) == 3
     assert "6000 rpm is 628.319 rad/s, allowed is -inf to 100 rad/s" in faults[0]
@@ -74,6 +121,8 @@ def test_parameter_faults_name_value_unit_and_range(participants):
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
 def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     faults = []
-    wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance})
+    wire = Wire(
+        **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}
+    )
     _connection(wire, participants, SEQUENTIAL, faults)
     assert "must be positive" in faults[0]

@@ -1,9 +1,10 @@
-"""Small bodies for the unit tests: a tube with a crown that stands for a piston, and a tube that stands for a block."""
+"""Small bodies for the unit tests: a tube with a crown that stands for a piston, and a tube that
+stands for a block.
+"""
 
 import meshio
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
@@ -11,15 +12,21 @@ INNER, OUTER = 24e-3, 28e-3
 
 
 def tube(cells, low, high, inner, outer):
-    """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the cylinders."""
+    """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the
+    cylinders.
+    """
     points, tets = box_mesh(cells, (1.0, 1.0, 1.0))
     # wrap: nodes at the end of the first direction are those at its start
     wrapped = points.copy()
     wrapped[np.isclose(wrapped[:, 0], 1.0), 0] = 0.0
-    _, first, place = np.unique(np.round(wrapped, 9), axis=0, return_index=True, return_inverse=True)
+    _, first, place = np.unique(
+        np.round(wrapped, 9), axis=0, return_index=True, return_inverse=True
+    )
     angle, radius = -2 * np.pi * wrapped[first, 0], inner + (outer - inner) * wrapped[first, 1]
     height = low + (high - low) * wrapped[first, 2]
-    return np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], axis=1), place.ravel()[tets]
+    return np.stack(
+        [radius * np.sin(angle), height, radius * np.cos(angle)], axis=1
+    ), place.ravel()[tets]
 
 
 def write(path, points, tets, surfaces):
@@ -28,28 +35,51 @@ def write(path, points, tets, surfaces):
     groups = [(name, faces[mask[faces].all(axis=1)]) for name, mask in surfaces.items()]
     cells = [("tetra10", tets)] + [("triangle6", group) for _, group in groups]
     tags = [np.full(len(c[1]), k + 1) for k, c in enumerate(cells)]
-    meshio.write(path, meshio.Mesh(points, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-                                   field_data={name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)}),
-                 file_format="gmsh22", binary=True)
+    meshio.write(
+        path,
+        meshio.Mesh(
+            points,
+            cells,
+            cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+            field_data={name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)},
+        ),
+        file_format="gmsh22",
+        binary=True,
+    )
     return path
 
 
 def write_bodies(folder, around, across, along):
-    """A small piston (tube, held at two inner patches along z) and a small block (tube, held at its lower end), with their build
-    table."""
+    """A small piston (tube, held at two inner patches along z) and a small block (tube, held at its
+    lower end), with their build table.
+    """
     points, tets = tube((around, across, along[0]), -16e-3, 20e-3, INNER, OUTER)
     x, y, z = points.T
     radius = np.hypot(x, z)
-    write(folder / "piston.msh", points, tets, {
-        "skirt": np.isclose(radius, OUTER) & (y < 10.1e-3), "crown": np.isclose(y, 20e-3),
-        "pin_bore": np.isclose(radius, INNER) & (np.abs(x) < 10e-3) & (np.abs(y) < 9e-3)})
+    write(
+        folder / "piston.msh",
+        points,
+        tets,
+        {
+            "skirt": np.isclose(radius, OUTER) & (y < 10.1e-3),
+            "crown": np.isclose(y, 20e-3),
+            "pin_bore": np.isclose(radius, INNER) & (np.abs(x) < 10e-3) & (np.abs(y) < 9e-3),
+        },
+    )
     points, tets = tube((around, across, along[1]), 50e-3, 155e-3, OUTER + 25e-6, 36e-3)
     radius = np.hypot(points[:, 0], points[:, 2])
-    write(folder / "block.msh", points, tets,
-          {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)})
+    write(
+        folder / "block.msh",
+        points,
+        tets,
+        {"bore": np.isclose(radius, OUTER + 25e-6), "bolts": np.isclose(points[:, 1], 50e-3)},
+    )
     material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.33}
-    return folder, {"grid": [16, 12], "piston": {"mesh": "piston.msh", "modes": 12, **material},
-                    "block": {"mesh": "block.msh", "modes": 10, "stations": 24, **material}}
+    return folder, {
+        "grid": [16, 12],
+        "piston": {"mesh": "piston.msh", "modes": 12, **material},
+        "block": {"mesh": "block.msh", "modes": 10, "stations": 24, **material},
+    }
 
 
 @pytest.fixture(scope="session")
@@ -77,7 +107,9 @@ def reduced(bodies, tmp_path_factory):
 
 @pytest.fixture
 def model(reduced):
-    """The small bodies as a running model with the parameters' start values, but a skewed mechanism."""
+    """The small bodies as a running model with the parameters' start values, but a skewed
+    mechanism.
+    """
     from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
     from piston_cosim.fmu_mfbd.variables import parameters
 

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 import scipy.linalg as la
-
+from piston_cosim.fmu_mfbd.finite_elements.element import (
+    consistent_mass,
+    each_direction,
+    rigid_motions,
+    stiffness,
+)
+from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     MeanElastic,
@@ -12,9 +19,6 @@ from piston_cosim.fmu_mfbd.reduction.bases import (
     mean_conditions,
     orthonormal_modes,
 )
-from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
-from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions, consistent_mass, each_direction, stiffness
-from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
@@ -24,7 +28,12 @@ def plate():
     points, tets = box_mesh((3, 4, 2), (0.03, 0.05, 0.02))
     faces = outer_faces(tets)
     faces = faces[(points[faces][:, :, 1] == 0.0).all(axis=1)]
-    return points, stiffness(points, tets, 7e10, 0.3), consistent_mass(points, tets, 2700.0), surface_matrix(points, faces)
+    return (
+        points,
+        stiffness(points, tets, 7e10, 0.3),
+        consistent_mass(points, tets, 2700.0),
+        surface_matrix(points, faces),
+    )
 
 
 def test_surface_matrix_holds_area_and_moments(plate):
@@ -39,7 +48,11 @@ def test_mean_held_body_is_the_constrained_problem(plate, surfaces):
     """Against the dense saddle-point system."""
     points, K, M, area = plate
     share = np.asarray(area.sum(axis=1)).ravel()
-    weights = [share] if surfaces == 1 else [share * (points[:, 0] > 0.016), share * (points[:, 0] < 0.014)]
+    weights = (
+        [share]
+        if surfaces == 1
+        else [share * (points[:, 0] > 0.016), share * (points[:, 0] < 0.014)]
+    )
     C = mean_conditions(points, weights)
     body = MeanElastic(K, M, C, rigid_motions(points))
     load = np.random.default_rng(0).standard_normal((len(points) * 3, 2))
@@ -52,7 +65,9 @@ def test_mean_held_body_is_the_constrained_problem(plate, surfaces):
     # lowest modes of the constrained body
     _, omega = orthonormal_modes(body, craig_bampton(body, 4))
     null = la.null_space(C)
-    exact = la.eigh(null.T @ (K @ null), null.T @ (M @ null), eigvals_only=True, subset_by_index=(0, 3))
+    exact = la.eigh(
+        null.T @ (K @ null), null.T @ (M @ null), eigvals_only=True, subset_by_index=(0, 3)
+    )
     np.testing.assert_allclose(omega**2, exact, rtol=1e-7)
 
 
@@ -68,8 +83,11 @@ def test_mean_tie_is_softer_than_the_rigid_one(plate):
 
 def test_stiff_springs_approach_the_clamp_and_soft_ones_do_not(plate):
     points, K, M, area = plate
-    clamp = orthonormal_modes(*(lambda body: (body, craig_bampton(body, 2)))(Elastic(K, M,
-                                                                                     np.flatnonzero(points[:, 1] == 0.0))))[1]
+    clamp = orthonormal_modes(
+        *(lambda body: (body, craig_bampton(body, 2)))(
+            Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
+        )
+    )[1]
     lowest = []
     for total in (1e14, 1e7):
         body = Elastic(K + each_direction(area * (total / area.sum())), M, np.empty(0, int))
@@ -90,7 +108,9 @@ def test_characteristic_constraint_modes_are_guyan_modes(plate):
     psi = np.zeros((len(dense), chosen.sum()))
     psi[chosen] = np.eye(chosen.sum())
     psi[~chosen] = -np.linalg.solve(dense[np.ix_(~chosen, ~chosen)], dense[np.ix_(~chosen, chosen)])
-    exact = la.eigh(psi.T @ dense @ psi, psi.T @ mass @ psi, eigvals_only=True, subset_by_index=(0, 4))
+    exact = la.eigh(
+        psi.T @ dense @ psi, psi.T @ mass @ psi, eigvals_only=True, subset_by_index=(0, 4)
+    )
     np.testing.assert_allclose(orthonormal_modes(body, shapes)[1] ** 2, exact, rtol=1e-7)
 
 

@@ -4,26 +4,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
-from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows, window_at
-from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows, window_at
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
 from piston_cosim.fmu_mfbd.reduction.interpolation import interpolation
-from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.master.fmi.errors import BadInput
 
 
 def test_all_faults_of_the_table_at_once(bodies):
     folder, options = bodies
-    wrong = {"grid": [16, 2], "piston": options["piston"] | {"mesh": "none.msh", "yung": "3 GPa", "density": "-2700 kg/m^3"},
-             "block": options["block"] | {"young": "75 mm", "basis": "guyan"}}
+    wrong = {
+        "grid": [16, 2],
+        "piston": options["piston"]
+        | {"mesh": "none.msh", "yung": "3 GPa", "density": "-2700 kg/m^3"},
+        "block": options["block"] | {"young": "75 mm", "basis": "guyan"},
+    }
     with pytest.raises(BadInput) as caught:
         prepare(wrong, folder, print)
     text = "\n".join(caught.value.faults)
-    for piece in ("grid.1 = 2", "piston.yung: unknown key", "piston.density = '-2700 kg/m^3'", "block.young = '75 mm' is in mm",
-                  "block.basis"):
+    for piece in (
+        "grid.1 = 2",
+        "piston.yung: unknown key",
+        "piston.density = '-2700 kg/m^3'",
+        "block.young = '75 mm' is in mm",
+        "block.basis",
+    ):
         assert piece.split(" = ")[0] in text, text
     assert len(caught.value.faults) == 5
 
@@ -39,7 +47,10 @@ def test_missing_file_and_surface(bodies):
 def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
     folder, options = bodies
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
-    small = options | {"piston": options["piston"] | {"modes": 4}, "block": options["block"] | {"modes": 3}}
+    small = options | {
+        "piston": options["piston"] | {"modes": 4},
+        "block": options["block"] | {"modes": 3},
+    }
     said = []
     first = prepare(small, folder, said.append)[1]
     assert said
@@ -57,7 +68,8 @@ def test_interpolation_reproduces_smooth_fields(bodies):
     turn = np.arctan2(mesh.points[:, 0], mesh.points[:, 2])
     field = np.cos(3 * turn) * (1 + 40 * mesh.points[:, 1])
     wanted = np.cos(3 * angle)[:, None] * (1 + 40 * height)
-    # quadratic interpolation over elements of 15 degrees: (3 pi/12)^3/ (9 sqrt 3 * 8) of the amplitude 1.4
+    # quadratic interpolation over elements of 15 degrees: (3 pi/12)^3/ (9 sqrt 3 * 8) of the
+    # amplitude 1.4
     np.testing.assert_allclose((N @ field).reshape(40, 30), wanted, atol=6e-3)
 
 
@@ -72,7 +84,9 @@ def test_spline_passes_through_its_values_and_has_the_right_slope():
         knots = read(bore.radial, window.first, window.knots, np.ones(1))
         return on_rows(window, window.slope if slope else window.value, knots)[:, 1]
 
-    np.testing.assert_allclose(on_grid(at), 2 * np.sin(40 * at), atol=2e-5)     # fourth order: (40 * 3.4 mm)^4 / 384 * 8
+    np.testing.assert_allclose(
+        on_grid(at), 2 * np.sin(40 * at), atol=2e-5
+    )  # fourth order: (40 * 3.4 mm)^4 / 384 * 8
     np.testing.assert_allclose(on_grid(at, True), 80 * np.cos(40 * at), atol=5e-2)
     difference = (on_grid(at + 1e-7) - on_grid(at - 1e-7)) / 2e-7
     np.testing.assert_allclose(on_grid(at, True), difference, rtol=1e-6, atol=1e-6)
@@ -85,7 +99,9 @@ def test_spreading_is_the_transpose_of_reading():
     window = window_at(0.0, 1.0, 0.0, np.array([1.2, 1.9, 2.6]))
     q, force = rng.standard_normal(5), rng.standard_normal((3, 8))
     seen = on_rows(window, window.value, read(field, window.first, window.knots, q))
-    assert np.vdot(seen, force) == pytest.approx(q @ spread(field, window.first, on_knots(window, force)), rel=1e-13)
+    assert np.vdot(seen, force) == pytest.approx(
+        q @ spread(field, window.first, on_knots(window, force)), rel=1e-13
+    )
 
 
 def test_folding_by_symmetry_changes_nothing():
@@ -102,9 +118,11 @@ def test_folding_by_symmetry_changes_nothing():
 
 
 def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
-    """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose elements do not, has none."""
-    from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
+    """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose
+    elements do not, has none.
+    """
     from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+    from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
     from piston_cosim.fmu_mfbd.reduction.symmetry import class_parts, symmetric_modes
     from piston_cosim.fmu_mfbd.verification import box_mesh
 
@@ -113,7 +131,9 @@ def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
         image = points.copy()
         image[:, axis] *= -1
         tets = np.vstack([tets, len(points) + tets[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]])
-        points, place = np.unique(np.round(np.vstack([points, image]), 12) + 0.0, axis=0, return_inverse=True)
+        points, place = np.unique(
+            np.round(np.vstack([points, image]), 12) + 0.0, axis=0, return_inverse=True
+        )
         tets = place.ravel()[tets]
     M = consistent_mass(points, tets, 2700.0)
     body = Elastic(stiffness(points, tets, 7e10, 0.3), M, np.flatnonzero(points[:, 1] == 0.0))
@@ -129,9 +149,14 @@ def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
 
 
 def test_shipped_meshes_are_mirror_symmetric():
-    """Every node and element of the case's meshes has its image about x = 0 and z = 0, to the last bit."""
+    """Every node and element of the case's meshes has its image about x = 0 and z = 0, to the last
+    bit.
+    """
     folder = Path(__file__).parents[2] / "models" / "numerical_example"
-    for name, surfaces in (("piston", ("skirt", "crown", "pin_bore")), ("block", ("bore", "bolts"))):
+    for name, surfaces in (
+        ("piston", ("skirt", "crown", "pin_bore")),
+        ("block", ("bore", "bolts")),
+    ):
         mesh = read_mesh(folder / f"{name}.msh.gz", dict.fromkeys(surfaces))
         assert len(mesh.points) >= 15000
         place = {tuple(p): k for k, p in enumerate(mesh.points.tolist())}
@@ -146,11 +171,17 @@ def test_shipped_meshes_are_mirror_symmetric():
 def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
     folder, options = bodies
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
-    files = prepare(options | {name: options[name] | {"modes": 0} for name in ("piston", "block")}, folder, print)[1]
+    files = prepare(
+        options | {name: options[name] | {"modes": 0} for name in ("piston", "block")},
+        folder,
+        print,
+    )[1]
     piston, block = (np.load(path) for path in files)
     assert piston["radial"].shape == (16 * 12, 0) and block["radial"].shape == (16, 24, 0)
     tube = np.pi * (28e-3**2 - 24e-3**2) * 36e-3 * 2700
-    assert piston["mass"] == pytest.approx(tube, rel=1e-3)      # edges of 15 degrees, curved: (pi/24)^4 / 6
+    assert piston["mass"] == pytest.approx(
+        tube, rel=1e-3
+    )  # edges of 15 degrees, curved: (pi/24)^4 / 6
     assert block["radius"] == pytest.approx(28.025e-3, rel=1e-9)
 
 
@@ -158,24 +189,47 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
     """One file holds all: the FMU built of it is that of its mesh, reports need nothing else."""
     folder, options = bodies
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
-    small = options | {"piston": options["piston"] | {"modes": 4}, "block": options["block"] | {"modes": 3}}
+    small = options | {
+        "piston": options["piston"] | {"modes": 4},
+        "block": options["block"] | {"modes": 3},
+    }
     made = reduced_bodies(small, folder, lambda text: None)["piston"]
     (tmp_path / "own.npz").write_bytes(made.read_bytes())
-    own = small | {"piston": {"reduced": "own.npz"}} | {"block": small["block"] | {"mesh": str(folder / "block.msh")}}
+    own = (
+        small
+        | {"piston": {"reduced": "own.npz"}}
+        | {"block": small["block"] | {"mesh": str(folder / "block.msh")}}
+    )
     resolved, files = prepare(own, tmp_path, lambda text: None)
-    assert files == prepare(small, folder, lambda text: None)[1] and resolved["piston"]["modes"] == 4
+    assert (
+        files == prepare(small, folder, lambda text: None)[1] and resolved["piston"]["modes"] == 4
+    )
     assert "shapes" in np.load(reduced_bodies(own, tmp_path, lambda text: None)["piston"])
     assert "shapes" not in np.load(files[0])
     with pytest.raises(BadInput, match="own.npz was reduced for another film grid"):
-        prepare({"grid": [12, 12], "piston": {"reduced": str(tmp_path / "own.npz")}, "block": small["block"]}, folder,
-                lambda text: None)
+        prepare(
+            {
+                "grid": [12, 12],
+                "piston": {"reduced": str(tmp_path / "own.npz")},
+                "block": small["block"],
+            },
+            folder,
+            lambda text: None,
+        )
     np.savez(tmp_path / "poor.npz", mass=1.0)
     with pytest.raises(BadInput, match="poor.npz lacks S, I0"):
-        prepare(small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None)
+        prepare(
+            small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None
+        )
     with np.load(files[0]) as slim:
         np.savez(tmp_path / "slim.npz", **slim)
     with pytest.raises(BadInput, match="slim.npz lacks points, tets, skin, shapes"):
-        reduce(small | {"piston": {"reduced": str(tmp_path / "slim.npz")}}, folder, tmp_path, lambda text: None)
+        reduce(
+            small | {"piston": {"reduced": str(tmp_path / "slim.npz")}},
+            folder,
+            tmp_path,
+            lambda text: None,
+        )
     with pytest.raises(BadInput, match="either mesh or reduced"):
         prepare(small | {"piston": {"modes": 3}}, folder, print)
 
@@ -186,4 +240,7 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
     import sys
 
     code = "import sys, piston_cosim.fmu_mfbd.slave; print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "set()"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
+        == "set()"
+    )

@@ -5,18 +5,21 @@ import math
 
 import numpy as np
 import pytest
-
+from piston_cosim.fmu_mfbd.finite_elements.element import (
+    consistent_mass,
+    quadrature,
+    rigid_motions,
+    stiffness,
+)
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, quadrature, stiffness
 from piston_cosim.fmu_mfbd.finite_elements.mesh import (
+    Mesh,
     MeshFault,
     mesh_faults,
-    Mesh,
     outer_faces,
     read_mesh,
 )
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
-from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
@@ -33,8 +36,15 @@ def test_quadrature_is_exact_up_to_its_degree(n):
     for i in range(2 * n):
         for j in range(2 * n - i):
             k = 2 * n - 1 - i - j
-            exact = math.factorial(i) * math.factorial(j) * math.factorial(k) / math.factorial(i + j + k + 3)
-            assert weight @ np.prod(position ** [i, j, k], axis=1) == pytest.approx(exact, rel=1e-12)
+            exact = (
+                math.factorial(i)
+                * math.factorial(j)
+                * math.factorial(k)
+                / math.factorial(i + j + k + 3)
+            )
+            assert weight @ np.prod(position ** [i, j, k], axis=1) == pytest.approx(
+                exact, rel=1e-12
+            )
 
 
 def test_six_rigid_body_motions_and_no_more(warped):
@@ -89,9 +99,15 @@ def test_inverted_and_loose_elements_are_named(warped):
 def test_missing_surface_and_linear_elements(bodies, tmp_path):
     import meshio
 
-    with pytest.raises(MeshFault, match="surface 'belt' is missing or empty .the file names crown, pin_bore, skirt"):
+    with pytest.raises(
+        MeshFault, match="surface 'belt' is missing or empty .the file names crown, pin_bore, skirt"
+    ):
         read_mesh(bodies[0] / "piston.msh", {"skirt": None, "belt": None})
-    meshio.write(tmp_path / "shell.msh", meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]), file_format="gmsh22")
+    meshio.write(
+        tmp_path / "shell.msh",
+        meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]),
+        file_format="gmsh22",
+    )
     with pytest.raises(MeshFault, match="no tetrahedra .found triangle"):
         read_mesh(tmp_path / "shell.msh", {})
     with pytest.raises(MeshFault, match="the body is 36 m long; mesh_unit"):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
+    FlexibleBody,
     frame_arrow,
     frame_force,
     mode_coupling,
@@ -13,16 +13,17 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance, solve_coupled, tangent
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
-from piston_cosim.fmu_mfbd.verification import beam_in_frame, bar, box_mesh
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
+from piston_cosim.fmu_mfbd.verification import bar, beam_in_frame, box_mesh
 
 
 @pytest.fixture(scope="module")
 def lump():
-    """A compact body with all coupling terms alive: nodes, M, modes (n, 3, k) and its FlexibleBody."""
+    """A compact body with all coupling terms alive: nodes, M, modes (n, 3, k) and its
+    FlexibleBody.
+    """
     points, tets = box_mesh((2, 2, 2), (0.04, 0.05, 0.03))
     points = points - [0.011, 0.017, 0.006]
     points = points + 0.04 * points[:, [1, 2, 0]]
@@ -30,22 +31,41 @@ def lump():
     body = Elastic(K, M, np.flatnonzero(points[:, 1] < points[:, 1].min() + 5e-3))
     modes, omega = orthonormal_modes(body, craig_bampton(body, 5))
     modes = body.full(modes).reshape(len(points), 3, -1)
-    integrals = {k: np.ascontiguousarray(v) if np.ndim(v) else v for k, v in floating_frame_integrals(M, points, modes).items()}
-    return points, M, modes, FlexibleBody(**integrals, stiffness=omega**2, damping=np.zeros_like(omega))
+    integrals = {
+        k: np.ascontiguousarray(v) if np.ndim(v) else v
+        for k, v in floating_frame_integrals(M, points, modes).items()
+    }
+    return (
+        points,
+        M,
+        modes,
+        FlexibleBody(**integrals, stiffness=omega**2, damping=np.zeros_like(omega)),
+    )
 
 
 def kinetic_energy(points, M, modes, coordinates, rates):
-    """From nodal velocities of the rotated, deformed body and the full mass matrix: no floating-frame term in sight."""
+    """From nodal velocities of the rotated, deformed body and the full mass matrix: no
+    floating-frame term in sight.
+    """
     angle, q = coordinates[2], coordinates[3:]
     c, s = np.cos(angle), np.sin(angle)
-    turn, spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]])
+    turn, spin = (
+        np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]),
+        np.array([[-s, -c, 0], [c, -s, 0], [0, 0, 0]]),
+    )
     local = points + modes @ q
-    velocity = np.array([rates[0], rates[1], 0]) + local @ (rates[2] * spin).T + (modes @ rates[3:]) @ turn.T
+    velocity = (
+        np.array([rates[0], rates[1], 0])
+        + local @ (rates[2] * spin).T
+        + (modes @ rates[3:]) @ turn.T
+    )
     return 0.5 * velocity.ravel() @ (M @ velocity.ravel())
 
 
 def lagrange(energy, coordinates, rates, accelerations):
-    """d/dt dT/drate - dT/dcoordinate by central differences; T is quadratic in the rates, so those differences are exact."""
+    """d/dt dT/drate - dT/dcoordinate by central differences; T is quadratic in the rates, so those
+    differences are exact.
+    """
     n, eps = len(coordinates), 1e-6
     unit = np.eye(n)
     scale = np.where(np.arange(n) < 3, 1.0, 1e-3)
@@ -53,9 +73,16 @@ def lagrange(energy, coordinates, rates, accelerations):
     def momentum(z, r):
         return np.array([(energy(z, r + unit[k]) - energy(z, r - unit[k])) / 2 for k in range(n)])
 
-    slope = np.array([(energy(coordinates + eps * s * u, rates) - energy(coordinates - eps * s * u, rates)) / (2 * eps * s)
-                      for u, s in zip(unit, scale)])
-    along = (momentum(coordinates + eps * rates, rates) - momentum(coordinates - eps * rates, rates)) / (2 * eps)
+    slope = np.array(
+        [
+            (energy(coordinates + eps * s * u, rates) - energy(coordinates - eps * s * u, rates))
+            / (2 * eps * s)
+            for u, s in zip(unit, scale)
+        ]
+    )
+    along = (
+        momentum(coordinates + eps * rates, rates) - momentum(coordinates - eps * rates, rates)
+    ) / (2 * eps)
     return along + momentum(coordinates, accelerations) - slope
 
 
@@ -68,7 +95,9 @@ def test_frame_force_is_the_differentiated_lagrangian(lump):
     r, a = r * 10, a * 100
     reference = lagrange(lambda z, r: kinetic_energy(points, M, modes, z, r), z, r, a)
     c, s = np.cos(z[2]), np.sin(z[2])
-    force = frame_force(body, c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:])
+    force = frame_force(
+        body, c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:]
+    )
     force[3:] -= body.stiffness * z[3:]
     force[:2] = c * force[0] - s * force[1], s * force[0] + c * force[1]
     # central differences over 1e-6: error about 1e-9 of the largest term
@@ -87,21 +116,30 @@ def test_frame_tangent_is_the_derivative(lump):
         d = np.zeros(3 + k)
         d[column] = step
         a = base + d
-        return frame_force(body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
+        return frame_force(
+            body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:]
+        )
 
-    matrix = whole(frame_arrow(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2),
-                   mode_coupling(body, base[2], w, c1, c2))
+    matrix = whole(
+        frame_arrow(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2),
+        mode_coupling(body, base[2], w, c1, c2),
+    )
     for column in range(3 + k):
         difference = (force(1.0, column) - force(-1.0, column)) / 2
-        # the force is a polynomial of low degree: unit steps are good to the size of its cubic terms, c1 c1 c2
-        np.testing.assert_allclose(matrix[:, column], difference, atol=1e-7 * np.abs(difference).max())
+        # the force is a polynomial of low degree: unit steps are good to the size of its cubic
+        # terms, c1 c1 c2
+        np.testing.assert_allclose(
+            matrix[:, column], difference, atol=1e-7 * np.abs(difference).max()
+        )
 
 
 SKEW = Mechanism(0.0288, 0.110, 0.0011, 0.35, 6e-4, 30 / 110, 0.06)
 
 
 def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
-    """Kinetic energy of rod, pin and rigid piston, from positions alone (velocities by complex steps, extended precision)."""
+    """Kinetic energy of rod, pin and rigid piston, from positions alone (velocities by complex
+    steps, extended precision).
+    """
     step = np.longdouble(1e-30)
     t = np.clongdouble(1j) * step
     place, tilt, turn = x + t * xdot, angle + t * spin, phi + t * w
@@ -109,7 +147,12 @@ def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
     A = np.array([mechanism.offset + place, 0])
     A = np.array([A[0], P[1] + np.sqrt(mechanism.rod_length**2 - (A[0] - P[0]) ** 2)])
     centre = body.S / body.mass
-    C = A + np.array([np.cos(tilt) * centre[0] - np.sin(tilt) * centre[1], np.sin(tilt) * centre[0] + np.cos(tilt) * centre[1]])
+    C = A + np.array(
+        [
+            np.cos(tilt) * centre[0] - np.sin(tilt) * centre[1],
+            np.sin(tilt) * centre[0] + np.cos(tilt) * centre[1],
+        ]
+    )
     G = P + mechanism.rod_centre * (A - P)
     rod = np.arcsin((A[0] - P[0]) / mechanism.rod_length)
 
@@ -117,29 +160,44 @@ def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
         return np.imag(q) / step
 
     inertia = body.I0 - body.S @ body.S / body.mass
-    return 0.5 * (body.mass * v(C) @ v(C) + inertia * spin**2 + mechanism.pin_mass * v(A) @ v(A)
-                  + mechanism.rod_mass * v(G) @ v(G) + mechanism.rod_inertia * v(rod) ** 2)
+    return 0.5 * (
+        body.mass * v(C) @ v(C)
+        + inertia * spin**2
+        + mechanism.pin_mass * v(A) @ v(A)
+        + mechanism.rod_mass * v(G) @ v(G)
+        + mechanism.rod_inertia * v(rod) ** 2
+    )
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 60, 90, 200, 333])
 def test_skewed_slider_crank_against_its_energy(degrees):
-    """All offsets, rod inertia, moving and turning piston: residual and torque are Lagrange's equations (1e-9)."""
+    """All offsets, rod inertia, moving and turning piston: residual and torque are Lagrange's
+    equations (1e-9).
+    """
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
-    residual, _, _, _, torque = imbalance(body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3)
+    residual, _, _, _, torque = imbalance(
+        body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3
+    )
 
     def energy(place, rate):
         return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
 
     place, rate, acceleration = np.array([*z, phi]), np.array([*r, w]), np.array([*a, 5e3])
     reference = richardson(energy, place, rate, acceleration)
-    np.testing.assert_allclose([*residual, torque], reference.astype(float), rtol=1e-9, atol=1e-9 * np.abs(reference).max())
+    np.testing.assert_allclose(
+        [*residual, torque], reference.astype(float), rtol=1e-9, atol=1e-9 * np.abs(reference).max()
+    )
 
 
 def richardson(energy, place, rate, acceleration):
-    """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion, minus dT/dplace."""
-    place, rate, acceleration = (np.asarray(v, dtype=np.longdouble) for v in (place, rate, acceleration))
+    """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion,
+    minus dT/dplace.
+    """
+    place, rate, acceleration = (
+        np.asarray(v, dtype=np.longdouble) for v in (place, rate, acceleration)
+    )
     unit = np.eye(len(place))
     weights = ((1, 8 / 12), (2, -1 / 12))
     scale = np.array([1e-4, 1e-3, 1e-3])
@@ -150,8 +208,16 @@ def richardson(energy, place, rate, acceleration):
 
     dt = 1e-5
     along = sum(w * (momentum(k * dt) - momentum(-k * dt)) for k, w in weights) / dt
-    slope = np.array([sum(w * (energy(place + k * s * u, rate) - energy(place - k * s * u, rate)) for k, w in weights) / s
-                      for u, s in zip(unit, scale)])
+    slope = np.array(
+        [
+            sum(
+                w * (energy(place + k * s * u, rate) - energy(place - k * s * u, rate))
+                for k, w in weights
+            )
+            / s
+            for u, s in zip(unit, scale)
+        ]
+    )
     return along - slope
 
 
@@ -163,7 +229,11 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     body = lump[3]
     rng = np.random.default_rng(5)
     n = 2 + len(body.stiffness)
-    place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
+    place, rate, a = (
+        1e-4 * rng.standard_normal(n),
+        rng.standard_normal(n),
+        100 * rng.standard_normal(n),
+    )
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
     c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
     arrow = tangent(body, mechanism, load, place, rate, a, phi, w, 2e3, c1, c2)
@@ -173,19 +243,29 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)
 
     def residual(change):
-        return imbalance(body, mechanism, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3)[0]
+        return imbalance(
+            body, mechanism, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3
+        )[0]
 
     for k in range(n):
         change = 10.0 * np.eye(n)[k]
         difference = (residual(change) - residual(-change)) / 20.0
-        np.testing.assert_allclose(matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max())
+        np.testing.assert_allclose(
+            matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max()
+        )
 
 
 def test_pin_friction_works_between_piston_and_rod(lump):
-    """The same moment acts on the piston and back on the rod: its share of all three equations is minus its virtual work."""
+    """The same moment acts on the piston and back on the rod: its share of all three equations is
+    minus its virtual work.
+    """
     body, rng = lump[3], np.random.default_rng(6)
     n = 2 + len(body.stiffness)
-    place, rate, a = 1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
+    place, rate, a = (
+        1e-4 * rng.standard_normal(n),
+        rng.standard_normal(n),
+        100 * rng.standard_normal(n),
+    )
     load, phi, w = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2)), 0.8, 314.0
 
     def rod_angle(x, turn):
@@ -195,10 +275,15 @@ def test_pin_friction_works_between_piston_and_rod(lump):
     by_x = (rod_angle(place[0] + eps, phi) - rod_angle(place[0] - eps, phi)) / (2 * eps)
     by_phi = (rod_angle(place[0], phi + eps) - rod_angle(place[0], phi - eps)) / (2 * eps)
     slip = rate[1] - by_x * rate[0] - by_phi * w
-    with_it, without = (imbalance(body, m, load, place, rate, a, phi, w, 2e3) for m in (RUBBING, SKEW))
+    with_it, without = (
+        imbalance(body, m, load, place, rate, a, phi, w, 2e3) for m in (RUBBING, SKEW)
+    )
     moment = with_it[3]
     size = np.hypot(with_it[1], with_it[2])
-    assert moment == pytest.approx(-2e-3 * size * np.tanh(slip / 30.0) - 4e-3 * slip, rel=1e-8) and moment * slip < 0.0
+    assert (
+        moment == pytest.approx(-2e-3 * size * np.tanh(slip / 30.0) - 4e-3 * slip, rel=1e-8)
+        and moment * slip < 0.0
+    )
     # differences of the angle over 1e-7: round-off 1e-9
     np.testing.assert_allclose(with_it[0][:2] - without[0][:2], [moment * by_x, -moment], rtol=1e-7)
     assert with_it[4] - without[4] == pytest.approx(moment * by_phi, rel=1e-7)
@@ -208,9 +293,14 @@ def test_height_slopes():
     for phi in (0.3, 2.0, 5.0):
         Y, across, along = height(SKEW, 2e-4, phi)
         eps = 1e-6
-        assert across == pytest.approx((height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps),
-                                       abs=1e-9)
-        assert along == pytest.approx((height(SKEW, 2e-4, phi + eps)[0] - height(SKEW, 2e-4, phi - eps)[0]) / (2 * eps), abs=1e-9)
+        assert across == pytest.approx(
+            (height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps),
+            abs=1e-9,
+        )
+        assert along == pytest.approx(
+            (height(SKEW, 2e-4, phi + eps)[0] - height(SKEW, 2e-4, phi - eps)[0]) / (2 * eps),
+            abs=1e-9,
+        )
 
 
 def test_bar_and_frame_agree_on_rigid_inertia():

@@ -1,15 +1,20 @@
-"""Meshes from other programs: Abaqus and Nastran files, other units and axes, surfaces by set or by geometry, linear elements."""
+"""Meshes from other programs: Abaqus and Nastran files, other units and axes, surfaces by set or by
+geometry, linear elements.
+"""
 
 import meshio
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
-
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
+from scipy.spatial import cKDTree
 
-SKIRT, HELD, CROWN = ("cylinder", 28e-3, -16e-3, 8e-3), ("cylinder", 24e-3, -9e-3, 9e-3), ("plane", 20e-3)
+SKIRT, HELD, CROWN = (
+    ("cylinder", 28e-3, -16e-3, 8e-3),
+    ("cylinder", 24e-3, -9e-3, 9e-3),
+    ("plane", 20e-3),
+)
 
 
 @pytest.fixture(scope="module")
@@ -20,15 +25,26 @@ def original(bodies):
 def same_faces(a, b):
     """Faces of two meshes at the same places, whatever their numbers."""
     ours, theirs = (mesh.points[faces].mean(axis=1) for mesh, faces in (a, b))
-    return len(ours) == len(theirs) and cKDTree(ours).query(theirs)[0].max() < 1e-7      # files hold about nine digits
+    return (
+        len(ours) == len(theirs) and cKDTree(ours).query(theirs)[0].max() < 1e-7
+    )  # files hold about nine digits
 
 
 def test_abaqus_in_millimetres_with_node_sets_and_other_axes(original, tmp_path):
     """File axes: thrust along -z, pin along x."""
-    points = np.stack([original.points[:, 2], original.points[:, 1], -original.points[:, 0]], axis=1) * 1e3 + [0.0, 5.0, 0.0]
+    points = np.stack(
+        [original.points[:, 2], original.points[:, 1], -original.points[:, 0]], axis=1
+    ) * 1e3 + [0.0, 5.0, 0.0]
     path = tmp_path / "piston.inp"
-    meshio.write(path, meshio.Mesh(points, [("tetra10", original.tets)], point_sets={"skirt": original.nodes("skirt")}))
-    mesh = read_mesh(path, {"skirt": None, "crown": CROWN}, 1e-3, ("-z", "y", "x"), (0.0, 5e-3, 0.0))
+    meshio.write(
+        path,
+        meshio.Mesh(
+            points, [("tetra10", original.tets)], point_sets={"skirt": original.nodes("skirt")}
+        ),
+    )
+    mesh = read_mesh(
+        path, {"skirt": None, "crown": CROWN}, 1e-3, ("-z", "y", "x"), (0.0, 5e-3, 0.0)
+    )
     np.testing.assert_allclose(mesh.points, original.points, atol=1e-12)
     for name in ("skirt", "crown"):
         assert same_faces((mesh, mesh.faces[name]), (original, original.faces[name]))
@@ -36,9 +52,14 @@ def test_abaqus_in_millimetres_with_node_sets_and_other_axes(original, tmp_path)
 
 def test_nastran_with_surfaces_by_geometry(original, tmp_path):
     path = tmp_path / "piston.bdf"
-    lines = ["BEGIN BULK"] + [f"GRID,{k},,{x:.9g},{y:.9g},{z:.9g}" for k, (x, y, z) in enumerate(original.points, 1)]
+    lines = ["BEGIN BULK"] + [
+        f"GRID,{k},,{x:.9g},{y:.9g},{z:.9g}" for k, (x, y, z) in enumerate(original.points, 1)
+    ]
     for k, nodes in enumerate(original.tets + 1, 1):
-        lines += [f"CTETRA,{k},1," + ",".join(map(str, nodes[:6])) + ",+", "+," + ",".join(map(str, nodes[6:]))]
+        lines += [
+            f"CTETRA,{k},1," + ",".join(map(str, nodes[:6])) + ",+",
+            "+," + ",".join(map(str, nodes[6:])),
+        ]
     path.write_text("\n".join([*lines, "ENDDATA", ""]))
     mesh = read_mesh(path, {"skirt": SKIRT, "crown": CROWN})
     assert same_faces((mesh, mesh.faces["skirt"]), (original, original.faces["skirt"]))
@@ -60,14 +81,23 @@ def test_left_handed_axes_are_refused(bodies):
 
 
 FAULTS = {
-    "modes of the grid": ({"modes": 191}, "modes = 191: pressure_modes of this body on this grid gives at most 190"),
-    "edges": ({"skirt_upper": "60 mm"}, "skirt_lower, skirt_upper = -0.016, 0.06 m: surface 'skirt' reaches from -0.016 to 0.008"),
+    "modes of the grid": (
+        {"modes": 191},
+        "modes = 191: pressure_modes of this body on this grid gives at most 190",
+    ),
+    "edges": (
+        {"skirt_upper": "60 mm"},
+        "skirt_lower, skirt_upper = -0.016, 0.06 m: surface 'skirt' reaches from -0.016 to 0.008",
+    ),
     "units": ({"mesh_unit": "1 mm"}, "the body is 5.6e-05 m long; mesh_unit should say"),
     "density": ({"density": "2.7 kg/m^3"}, "greater than or equal to 500 in SI units"),
     "no mesh": ({"mesh": "words.msh"}, "words.msh: no mesh that can be read"),
     "not reduced": ({"mesh": None, "reduced": "words.msh"}, "words.msh is no .npz file"),
     "shell": ({"mesh": "shell.inp"}, "no tetrahedra .found triangle"),
-    "surface": ({"mesh": "block.msh"}, "surface 'pin_bore' is missing or empty .the file names bolts, bore"),
+    "surface": (
+        {"mesh": "block.msh"},
+        "surface 'pin_bore' is missing or empty .the file names bolts, bore",
+    ),
 }
 
 

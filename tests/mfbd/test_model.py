@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import rod_turn
 
@@ -15,7 +14,9 @@ STEP = np.pi / 180 / SPEED
 def forces(model, seed=0, size=2.0):
     """A rough, one-sided pressure force and a friction force."""
     rng = np.random.default_rng(seed)
-    bump = np.maximum(np.sin(model.system.skirt.angle)[:, None] + 0.3, 0.0) * rng.random(model.system.skirt.gap.shape)
+    bump = np.maximum(np.sin(model.system.skirt.angle)[:, None] + 0.3, 0.0) * rng.random(
+        model.system.skirt.gap.shape
+    )
     return size * bump, -0.1 * size * bump
 
 
@@ -41,7 +42,9 @@ def test_start_is_concentric_and_at_rest(model):
 @pytest.fixture
 def rubbing(reduced):
     """As `model`, with friction at the pin."""
-    return assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=0.1, pin_friction_damping=1e-3)
+    return assembled(
+        reduced, crank_offset=1e-3, pin_friction_coefficient=0.1, pin_friction_damping=1e-3
+    )
 
 
 def assembled(reduced, **values):
@@ -61,16 +64,30 @@ def followers(reduced):
 
 @pytest.mark.parametrize("which", ["model", "rubbing", "followers"])
 def test_directional_derivative_against_differences(which, request):
-    """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with unit changes."""
+    """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with
+    unit changes.
+    """
     model = request.getfixturevalue(which)
     state, _ = run(model)
     base = inputs(model, 50)
     rng = np.random.default_rng(1)
     dF, df = rng.standard_normal((2, *model.system.skirt.gap.shape))
-    ends = [model.advance(state, dataclasses.replace(base, pressure_force=base.pressure_force + e * dF,
-                                                     friction_force=base.friction_force + e * df), STEP)[1] for e in (1.0, -1.0)]
+    ends = [
+        model.advance(
+            state,
+            dataclasses.replace(
+                base,
+                pressure_force=base.pressure_force + e * dF,
+                friction_force=base.friction_force + e * df,
+            ),
+            STEP,
+        )[1]
+        for e in (1.0, -1.0)
+    ]
     model.advance(state, base, STEP)
-    for name, product in zip(("film_thickness", "sliding_velocity"), model.directional_derivative(dF, df)):
+    for name, product in zip(
+        ("film_thickness", "sliding_velocity"), model.directional_derivative(dF, df)
+    ):
         difference = (ends[0][name] - ends[1][name]) / 2
         assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
 
@@ -83,7 +100,9 @@ def test_work_is_the_same_on_the_grid_and_in_the_coordinates(which, request):
 
 
 def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
-    """The check is alive: one percent on the moment shows (the kernel run as plain Python, with a wrong transfer inside)."""
+    """The check is alive: one percent on the moment shows (the kernel run as plain Python, with a
+    wrong transfer inside).
+    """
     from piston_cosim.fmu_mfbd.dynamics import instant
 
     def wrong(*given):
@@ -104,14 +123,21 @@ def test_a_repeated_step_gives_the_same_bytes(model):
     model.advance(state, inputs(model, 8), STEP / 2)
     again = model.advance(state, inputs(model, 7), STEP)[0]
     for field in dataclasses.fields(first):
-        assert np.asarray(getattr(first, field.name)).tobytes() == np.asarray(getattr(again, field.name)).tobytes()
+        assert (
+            np.asarray(getattr(first, field.name)).tobytes()
+            == np.asarray(getattr(again, field.name)).tobytes()
+        )
 
 
 def test_equations_hold_at_the_end_of_the_step(model):
-    """Newton's second law on the whole: side force from the film equals what the mechanism needs."""
+    """Newton's second law on the whole: side force from the film equals what the mechanism
+    needs.
+    """
     state, out = run(model, gas=0.0)
     F, f = forces(model, 11)
-    assert out["side_force"] == pytest.approx(np.sum(F * np.sin(model.system.skirt.angle)[:, None]), rel=1e-12)
+    assert out["side_force"] == pytest.approx(
+        np.sum(F * np.sin(model.system.skirt.angle)[:, None]), rel=1e-12
+    )
     nothing = np.zeros(model.system.skirt.gap.shape)
     _, free = model.advance(state, Inputs(SPEED, 0.0, nothing, nothing), STEP)
     assert free["side_force"] == 0.0
@@ -130,10 +156,16 @@ def test_film_opens_where_a_force_pushes(model):
 
 
 def test_the_step_map_is_symmetric(model):
-    """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b from a force at a."""
+    """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b
+    from a force at a.
+    """
     state, _ = run(model, size=0.0)
     nothing = np.zeros(model.system.skirt.gap.shape)
-    model.advance(dataclasses.replace(state, rate=0 * state.rate, crank_speed=0.0), Inputs(0.0, 0.0, nothing, nothing), STEP)
+    model.advance(
+        dataclasses.replace(state, rate=0 * state.rate, crank_speed=0.0),
+        Inputs(0.0, 0.0, nothing, nothing),
+        STEP,
+    )
     a, b = (2, 3), (11, 8)
     push = [nothing.copy(), nothing.copy()]
     push[0][a] = push[1][b] = 1.0
@@ -155,39 +187,55 @@ def test_rigid_bodies_run(reduced):
     from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
-    piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "gas_force")}
+    piston = piston | {
+        k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "gas_force")
+    }
     piston |= {k: piston[k][:0, :0] for k in "BG"}
     block = block | {k: block[k][..., :0] for k in ("radial", "axial", "omega")}
     rigid = assemble(piston, block, options, {v.name: v.start for v in parameters()})
     state, out = run(rigid)
     opening = out["film_thickness"] - rigid.system.skirt.gap
-    place = (state.place[1] * rigid.system.skirt.height - state.place[0]) * np.sin(rigid.system.skirt.angle)[:, None]
+    place = (state.place[1] * rigid.system.skirt.height - state.place[0]) * np.sin(
+        rigid.system.skirt.angle
+    )[:, None]
     np.testing.assert_allclose(opening, place, rtol=0, atol=1e-18)
     assert "modal_coordinate" not in out and out["interface_work_error"] <= 1e-13
 
 
 def test_crank_at_varying_given_speed(model):
-    """Speed linear in the step: angle is the mean speed times the step, and the piston's velocity is the rate of its position."""
+    """Speed linear in the step: angle is the mean speed times the step, and the piston's velocity
+    is the rate of its position.
+    """
     nothing = np.zeros(model.system.skirt.gap.shape)
     state, before = model.start(0.3, 0.0, 0.0, Inputs(300.0, 0.0, nothing, nothing))
     state, out = model.advance(state, Inputs(302.0, 0.0, nothing, nothing), 1e-5)
     assert out["crank_angle"] == pytest.approx(0.3 + 301e-5, rel=1e-14)
     assert state.crank_acceleration == pytest.approx(2e5)
     assert (out["piston_position"] - before["piston_position"]) / 1e-5 == pytest.approx(
-        (out["piston_velocity"] + before["piston_velocity"]) / 2, rel=1e-4)
+        (out["piston_velocity"] + before["piston_velocity"]) / 2, rel=1e-4
+    )
 
 
 def test_free_crank_keeps_the_energy(reduced):
-    """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls with the step (order 2)."""
+    """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls
+    with the step (order 2).
+    """
     from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
     from piston_cosim.fmu_mfbd.variables import parameters
 
     options, piston, block = reduced
-    piston = piston | {k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")}
+    piston = piston | {
+        k: piston[k][..., :0]
+        for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")
+    }
     piston |= {k: piston[k][:0, :0] for k in "BG"}
-    values = {v.name: v.start for v in parameters()} | {"crank_free": 1, "crank_inertia": 2e-4, "rod_mass": 0.0,
-                                                        "rod_inertia": 0.0,
-                                                        "pin_mass": 0.4}
+    values = {v.name: v.start for v in parameters()} | {
+        "crank_free": 1,
+        "crank_inertia": 2e-4,
+        "rod_mass": 0.0,
+        "rod_inertia": 0.0,
+        "pin_mass": 0.4,
+    }
     model = assemble(piston | {"S": 0 * piston["S"]}, block, options, values)
     nothing = np.zeros(model.system.skirt.gap.shape)
     drift, swing = [], []
@@ -197,22 +245,31 @@ def test_free_crank_keeps_the_energy(reduced):
         for _ in range(int(0.01 / step)):
             state, out = model.advance(state, Inputs(200.0, 0.0, nothing, nothing), step)
             mass = float(piston["mass"]) + 0.4
-            levels.append(0.5 * 2e-4 * state.crank_speed**2 + 0.5 * mass * (out["piston_velocity"] ** 2 + state.rate[0] ** 2)
-                          + 0.5 * float(piston["I0"]) * state.rate[1] ** 2)
+            levels.append(
+                0.5 * 2e-4 * state.crank_speed**2
+                + 0.5 * mass * (out["piston_velocity"] ** 2 + state.rate[0] ** 2)
+                + 0.5 * float(piston["I0"]) * state.rate[1] ** 2
+            )
             speeds.append(state.crank_speed)
         drift.append(np.abs(np.array(levels) / levels[0] - 1).max())
         swing.append(np.ptp(speeds))
-    assert swing[1] > 50.0                                   # the crank really gives and takes
+    assert swing[1] > 50.0  # the crank really gives and takes
     assert drift[1] < 2e-5 and drift[1] < 0.26 * drift[0]
 
 
 def test_a_seized_pin_turns_the_piston_with_the_rod(reduced, model):
-    """Friction far above what turns the piston: it takes up the rod's angular velocity; a smooth pin leaves it alone."""
+    """Friction far above what turns the piston: it takes up the rod's angular velocity; a smooth
+    pin leaves it alone.
+    """
     seized = assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=1.0)
     (_, alone), (state, out) = run(model, 6, size=0.0), run(seized, 6, size=0.0)
-    rod = rod_turn(seized.system.mechanism, state.place[0], state.rate[0], state.crank_angle, state.crank_speed)[0]
-    assert rod < -60.0 and state.rate[1] == pytest.approx(rod, rel=0.05)        # the start begins at rest
-    assert alone["pin_friction_moment"] == 0.0 and abs(alone["rocking_angle"]) < 0.2 * abs(out["rocking_angle"])
+    rod = rod_turn(
+        seized.system.mechanism, state.place[0], state.rate[0], state.crank_angle, state.crank_speed
+    )[0]
+    assert rod < -60.0 and state.rate[1] == pytest.approx(rod, rel=0.05)  # the start begins at rest
+    assert alone["pin_friction_moment"] == 0.0 and abs(alone["rocking_angle"]) < 0.2 * abs(
+        out["rocking_angle"]
+    )
 
 
 def test_free_crank_turns_against_its_load(reduced):
@@ -236,9 +293,15 @@ def test_damping_by_ratio_band_and_rayleigh(bodies):
     two = damping_bands({v.name: v.start for v in parameters()}, {"damping_bands": []})
     np.testing.assert_allclose(damping(omega, two, 0.0, 0.0), [0.04 * omega[0], omega[1], omega[2]])
     folder, options = bodies
-    text = [{"above": "0 Hz", "ratio": 0.01}, {"above": "5 kHz", "ratio": 0.02}, {"above": "25 kHz", "ratio": 1.0}]
+    text = [
+        {"above": "0 Hz", "ratio": 0.01},
+        {"above": "5 kHz", "ratio": 0.02},
+        {"above": "25 kHz", "ratio": 1.0},
+    ]
     bands = read_options(options | {"damping_bands": text}, folder)["damping_bands"]
-    np.testing.assert_allclose(damping_bands({}, {"damping_bands": bands}), [(0, 0.01), (5e3, 0.02), (25e3, 1.0)])
+    np.testing.assert_allclose(
+        damping_bands({}, {"damping_bands": bands}), [(0, 0.01), (5e3, 0.02), (25e3, 1.0)]
+    )
     np.testing.assert_allclose(damping(omega, bands, 0.0, 0.0) / omega, [0.02, 0.04, 2.0])
     np.testing.assert_allclose(damping(omega, [(0.0, 0.0)], 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
     with pytest.raises(BadInput, match="the first band begins at 0 Hz"):
@@ -246,43 +309,70 @@ def test_damping_by_ratio_band_and_rayleigh(bodies):
 
 
 def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
-    """Motion taken over: the two runs differ by what the integrator's memory of the last acceleration is worth."""
+    """Motion taken over: the two runs differ by what the integrator's memory of the last
+    acceleration is worth.
+    """
     state, _ = run(model, 30)
     nearby = model.start_moving(state.crank_angle, state.place, state.rate, inputs(model, 29))[0]
     at_rest = model.start(state.crank_angle, 0.0, 0.0, inputs(model, 29))[0]
-    np.testing.assert_allclose(nearby.acceleration, state.acceleration, rtol=1e-6, atol=1e-6 * np.abs(state.acceleration).max())
+    np.testing.assert_allclose(
+        nearby.acceleration,
+        state.acceleration,
+        rtol=1e-6,
+        atol=1e-6 * np.abs(state.acceleration).max(),
+    )
     for k in range(30, 50):
-        state, nearby, at_rest = (model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest))
+        state, nearby, at_rest = (
+            model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest)
+        )
     error, apart = (np.abs(s.place[:2] - state.place[:2]) for s in (nearby, at_rest))
     assert np.all(error < 1e-2 * apart)
 
 
 def test_static_modes_are_where_moving_ones_go(reduced):
-    """A load that rises and falls in 4.4 ms, slow for modes above 22 kHz: with and without inertia they are at the same place."""
-    moving, static = (assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02) for f in (1e9, 22e3))
+    """A load that rises and falls in 4.4 ms, slow for modes above 22 kHz: with and without inertia
+    they are at the same place.
+    """
+    moving, static = (
+        assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02)
+        for f in (1e9, 22e3)
+    )
     k, m = len(static.system.piston.stiffness), len(moving.system.piston.stiffness)
-    fast = np.r_[k:m, m + len(static.system.block.stiffness):m + len(moving.system.block.stiffness)]
-    assert k < m and len(fast) > m - k                                   # there are some in both bodies
+    fast = np.r_[
+        k:m, m + len(static.system.block.stiffness) : m + len(moving.system.block.stiffness)
+    ]
+    assert k < m and len(fast) > m - k  # there are some in both bodies
     F, f = forces(moving, size=20.0)
-    F, places = F + np.roll(F, 8, axis=0), []                            # from both sides: it deforms, it hardly pushes
+    F, places = F + np.roll(F, 8, axis=0), []  # from both sides: it deforms, it hardly pushes
     for model in (moving, static):
         state, out = model.start(0.3, 0.0, 0.0, Inputs(SPEED, 0.0, 0 * F, 0 * f))
         for step in range(1, 60):
             share = np.sin(np.pi * step / 80) ** 2
-            state, out = model.advance(state, Inputs(SPEED, 3e6 * share, share * F, share * f), STEP)
+            state, out = model.advance(
+                state, Inputs(SPEED, 3e6 * share, share * F, share * f), STEP
+            )
         places.append(out["modal_coordinate"])
-    # (load's frequency / mode's)^2 is 1e-4, 2 damping ratio (load's frequency / mode's) 4e-4; ringing adds 1e-3
-    np.testing.assert_allclose(places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max())
+    # (load's frequency / mode's)^2 is 1e-4, 2 damping ratio (load's frequency / mode's) 4e-4;
+    # ringing adds 1e-3
+    np.testing.assert_allclose(
+        places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max()
+    )
 
 
 @pytest.mark.parametrize("step", [1e-5, 2e-6, 1e-7])
 def test_short_steps_at_rest_settle_within_the_round_off_of_places(model, step):
-    """Skirt squeezed evenly on a crank that hardly turns: once at rest, accelerations are smaller than what the last digits of
-    the places are worth in a short step."""
-    squeezed = Inputs(1e-6 * SPEED, 0.0, np.full(model.system.skirt.gap.shape, 10.0), np.zeros(model.system.skirt.gap.shape))
+    """Skirt squeezed evenly on a crank that hardly turns: once at rest, accelerations are smaller
+    than what the last digits of the places are worth in a short step.
+    """
+    squeezed = Inputs(
+        1e-6 * SPEED,
+        0.0,
+        np.full(model.system.skirt.gap.shape, 10.0),
+        np.zeros(model.system.skirt.gap.shape),
+    )
     state, _ = model.start(1.0, 0.0, 0.0, squeezed)
     for _ in range(300):
-        state, _ = model.advance(state, squeezed, 1e-4)         # long steps calm the modes
+        state, _ = model.advance(state, squeezed, 1e-4)  # long steps calm the modes
     for _ in range(30):
         state, out = model.advance(state, squeezed, step)
     assert abs(out["film_thickness"] - model.system.skirt.gap).max() > 1e-7

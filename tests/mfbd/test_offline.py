@@ -1,4 +1,6 @@
-"""`piston-cosim reduce` and its library: one body or both, files, what is printed, going on after a stop."""
+"""`piston-cosim reduce` and its library: one body or both, files, what is printed, going on after a
+stop.
+"""
 
 import csv
 import subprocess
@@ -6,9 +8,8 @@ import sys
 
 import numpy as np
 import pytest
-
-from piston_cosim.fmu_mfbd.offline import reduce
 from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
+from piston_cosim.fmu_mfbd.offline import reduce
 
 
 @pytest.fixture
@@ -19,10 +20,21 @@ def cache(tmp_path, monkeypatch):
 
 def test_one_body_from_a_small_table(bodies, cache, tmp_path):
     folder, options = bodies
-    [block] = reduce({"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", lambda text: None)
-    assert block["name"] == "block" and block["degrees_of_freedom"] == 3 * block["nodes"] and len(block["modes"]) == 10
+    [block] = reduce(
+        {"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", lambda text: None
+    )
+    assert (
+        block["name"] == "block"
+        and block["degrees_of_freedom"] == 3 * block["nodes"]
+        and len(block["modes"]) == 10
+    )
     assert 0 < block["seconds"] < 600 and 1e7 < block["peak_memory"] < 1e11
-    assert [file.name for file in block["files"]] == ["block.npz", "block-modes.csv", "block-modes.vtu", "block-modes.png"]
+    assert [file.name for file in block["files"]] == [
+        "block.npz",
+        "block-modes.csv",
+        "block-modes.vtu",
+        "block-modes.png",
+    ]
     with open(tmp_path / "out" / "block-modes.csv") as file:
         rows = list(csv.reader(file))
     assert rows[0][1] == "frequency [Hz]" and len(rows) == 11
@@ -44,7 +56,9 @@ modes = 3
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
-    wrong = subprocess.run([*call, "--set", "block.young=1 mm"], cwd=tmp_path, capture_output=True, text=True)
+    wrong = subprocess.run(
+        [*call, "--set", "block.young=1 mm"], cwd=tmp_path, capture_output=True, text=True
+    )
     assert wrong.returncode == 2 and "block.young" in wrong.stderr
 
 
@@ -53,7 +67,9 @@ class Stopped(Exception):
 
 
 def test_a_stopped_reduction_goes_on(bodies, cache, tmp_path, monkeypatch):
-    """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is left behind."""
+    """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is
+    left behind.
+    """
     from piston_cosim.fmu_mfbd.finite_elements import solver
 
     folder, options = bodies
@@ -103,12 +119,13 @@ def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
 
 
 def test_recovery_at_an_instant(coarse, cache, tmp_path):
-    """From a results file with the modal coordinates of one mode of the block: its shape, and stresses that go with it."""
+    """From a results file with the modal coordinates of one mode of the block: its shape, and
+    stresses that go with it.
+    """
     import json
 
     import h5py
     import meshio
-
     from piston_cosim.fmu_mfbd.build import reduced_bodies
     from piston_cosim.master.case.schema import find_case, read_tree
 
@@ -136,17 +153,34 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
 
 
 def test_ties_by_option(coarse, cache):
-    """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs hold less than a clamp."""
+    """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs
+    hold less than a clamp.
+    """
     from piston_cosim.fmu_mfbd.build import reduced_bodies
 
     folder, options = coarse
-    piston, block = (options[name] | {"modes": 6, "basis": "craig_bampton"} for name in ("piston", "block"))
+    piston, block = (
+        options[name] | {"modes": 6, "basis": "craig_bampton"} for name in ("piston", "block")
+    )
     tables = [{"piston": piston | {"tie": tie}} for tie in ("rbe2", "rbe3_per_boss", "rbe3")]
-    tables += [{"block": block | {"tie": "springs", "spring_stiffness": f"{k} N/m"}} for k in (1e14, 1e9, 1e7)]
+    tables += [
+        {"block": block | {"tie": "springs", "spring_stiffness": f"{k} N/m"}}
+        for k in (1e14, 1e9, 1e7)
+    ]
     tables += [{"block": block}]
     rbe2, per_boss, rbe3, stiff, middle, soft, clamp = (
-        np.load(next(iter(reduced_bodies({"grid": [16, 12]} | table, folder, lambda text: None).values())))["omega"]
-        for table in tables)
-    assert rbe2[0] > per_boss[0] and np.all(rbe2 > per_boss) and np.all(per_boss >= rbe3 * (1 - 1e-9)) and per_boss[0] > rbe3[0]
+        np.load(
+            next(
+                iter(reduced_bodies({"grid": [16, 12]} | table, folder, lambda text: None).values())
+            )
+        )["omega"]
+        for table in tables
+    )
+    assert (
+        rbe2[0] > per_boss[0]
+        and np.all(rbe2 > per_boss)
+        and np.all(per_boss >= rbe3 * (1 - 1e-9))
+        and per_boss[0] > rbe3[0]
+    )
     assert clamp == pytest.approx(stiff, rel=2e-3)
     assert np.all(stiff > middle) and np.all(middle > soft)

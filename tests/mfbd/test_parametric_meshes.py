@@ -1,10 +1,11 @@
-"""The parametric piston and block: sound, symmetric, of the mass that their sizes say. Needs the extra `mesh`."""
+"""The parametric piston and block: sound, symmetric, of the mass that their sizes say. Needs the
+extra `mesh`.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.reduction.symmetry import mirror_image
@@ -20,18 +21,24 @@ def made(shape, path, size, surfaces):
 
 
 def test_box_walls_add_what_they_weigh(tmp_path):
-    """Walls between the thrust sides, outside of bosses and pillars: their volume within the mesh's chords."""
+    """Walls between the thrust sides, outside of bosses and pillars: their volume within the mesh's
+    chords.
+    """
     from piston_cosim.models.numerical_example.make_meshes import PISTON
 
     coarse, surfaces = replace(PISTON, top=27.0), ("skirt", "crown", "pin_bore")
-    meshes = [made(shape, tmp_path / f"{k}.msh.gz", 7.0, surfaces)
-              for k, shape in enumerate((coarse, replace(coarse, box_wall=(2.0, 20.0))))]
+    meshes = [
+        made(shape, tmp_path / f"{k}.msh.gz", 7.0, surfaces)
+        for k, shape in enumerate((coarse, replace(coarse, box_wall=(2.0, 20.0))))
+    ]
     for mesh in meshes:
         assert all(mirror_image(mesh.points, axis) is not None for axis in (0, 2))
         assert np.ptp(mesh.points, axis=0) == pytest.approx([56.45e-3, 43e-3, 56.45e-3], rel=1e-6)
     plain, walled = (consistent_mass(mesh.points, mesh.tets, 1.0).sum() / 3 for mesh in meshes)
-    # each of two walls: 2 mm thick, between x = +-sqrt(27^2 - z^2) for z = 20..22, from y = -16 to the root at 24, less the
-    # ring belt (inner radius 23, y > 11), the pillars (x within 7.5, y > 0) and the bosses (circle of 11.5 about the pin)
+    # each of two walls: 2 mm thick, between x = +-sqrt(27^2 - z^2) for z = 20..22, from y = -16 to
+    # the root at 24, less the
+    # ring belt (inner radius 23, y > 11), the pillars (x within 7.5, y > 0) and the bosses (circle
+    # of 11.5 about the pin)
     z = np.linspace(20.0, 22.0, 401)[:, None]
     x, y = np.linspace(-27, 27, 1081), np.linspace(-16, 24, 801)[:, None, None]
     inner = np.hypot(x, z) < np.where(y < 11, np.interp(y, [-16, 11], [26.5, 26.0]), 23.0)
@@ -44,8 +51,10 @@ def test_fins_of_a_block(tmp_path):
     """A block without fins is lighter by the fins' volume."""
     from piston_cosim.models.numerical_example.make_meshes import BLOCK
 
-    meshes = [made(shape, tmp_path / f"{k}.msh.gz", 14.0, ("bore", "bolts"))
-              for k, shape in enumerate((BLOCK, replace(BLOCK, fins=(102.0,))))]
+    meshes = [
+        made(shape, tmp_path / f"{k}.msh.gz", 14.0, ("bore", "bolts"))
+        for k, shape in enumerate((BLOCK, replace(BLOCK, fins=(102.0,))))
+    ]
     finned, plain = (consistent_mass(mesh.points, mesh.tets, 1.0).sum() / 3 for mesh in meshes)
     ring, holes = np.pi * (47.0**2 - 35.25**2) * 4.0, 4 * np.pi * 4.5**2 * 4.0
     # the stud holes lie partly beyond the fins' edge

@@ -3,8 +3,6 @@
 import meshio
 import numpy as np
 import pytest
-
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
@@ -12,6 +10,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
     von_mises,
 )
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.mode_tables import (
     mass_properties,
     mode_table,
@@ -26,7 +25,10 @@ from piston_cosim.master.fmi.errors import BadInput
 def report(bodies, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield {name: dict(np.load(path)) for name, path in reduced_bodies(bodies[1], bodies[0], lambda text: None).items()}
+        yield {
+            name: dict(np.load(path))
+            for name, path in reduced_bodies(bodies[1], bodies[0], lambda text: None).items()
+        }
 
 
 def test_table_of_modes(report):
@@ -39,14 +41,18 @@ def test_table_of_modes(report):
 
 
 def test_mass_properties_of_a_tube(report):
-    """Against the closed form; twelve sides of the mesh's circle, curved: (pi/24)^4/6 of the volume."""
+    """Against the closed form; twelve sides of the mesh's circle, curved: (pi/24)^4/6 of the
+    volume.
+    """
     mass, centre, inertia = mass_properties(report["block"])
     low, high, inner, outer, density = 50e-3, 155e-3, 28.025e-3, 36e-3, 2700.0
     exact = density * np.pi * (outer**2 - inner**2) * (high - low)
     assert mass == pytest.approx(exact, rel=1e-3)
     np.testing.assert_allclose(centre, [0, (low + high) / 2, 0], atol=1e-6)
     axial, across = (outer**2 + inner**2) / 2, (outer**2 + inner**2) / 4 + (high - low) ** 2 / 12
-    np.testing.assert_allclose(inertia, exact * np.diag([across, axial, across]), atol=1e-3 * exact * across)
+    np.testing.assert_allclose(
+        inertia, exact * np.diag([across, axial, across]), atol=1e-3 * exact * across
+    )
 
 
 def test_mode_shapes_are_written_and_belong_to_the_film(report, tmp_path):
@@ -57,9 +63,15 @@ def test_mode_shapes_are_written_and_belong_to_the_film(report, tmp_path):
 
 
 def test_stress_of_a_pulled_bar(tmp_path):
-    """Uniform tension held at one end in its own direction only would be exact; with a clamped end the middle is (St. Venant)."""
+    """Uniform tension held at one end in its own direction only would be exact; with a clamped end
+    the middle is (St. Venant).
+    """
     points, tets = box_mesh((12, 2, 2), (0.3, 0.02, 0.02))
-    body = Elastic(stiffness(points, tets, 2e11, 0.3), consistent_mass(points, tets, 7800.0), np.flatnonzero(points[:, 0] == 0.0))
+    body = Elastic(
+        stiffness(points, tets, 2e11, 0.3),
+        consistent_mass(points, tets, 7800.0),
+        np.flatnonzero(points[:, 0] == 0.0),
+    )
     end = np.flatnonzero(points[:, 0] == 0.3)
     load = np.zeros((len(points), 3))
     load[end, 0] = 1000.0 / len(end)
@@ -76,13 +88,17 @@ def test_recovery_is_linear_in_the_modes(report, tmp_path):
     q[1] = 1e-6
     displacement, stress = recover(body, q, tmp_path / "block.vtu")
     np.testing.assert_allclose(displacement, 1e-6 * body["shapes"][:, :, 1])
-    assert "von_mises" in meshio.read(tmp_path / "block.vtu").point_data and np.abs(stress).max() > 0
+    assert (
+        "von_mises" in meshio.read(tmp_path / "block.vtu").point_data and np.abs(stress).max() > 0
+    )
 
 
 def test_modes_switched_off(bodies, report, tmp_path, monkeypatch):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
     folder, options = bodies
-    options, files = prepare(options | {"piston": options["piston"] | {"modes_off": [2, 5]}}, folder, lambda text: None)
+    options, files = prepare(
+        options | {"piston": options["piston"] | {"modes_off": [2, 5]}}, folder, lambda text: None
+    )
     omega = np.load(files[0])["omega"]
     assert options["piston"]["modes"] == len(omega) == 10
     np.testing.assert_array_equal(omega, np.delete(report["piston"]["omega"], [1, 4]))

@@ -1,8 +1,9 @@
-"""Sparse direct solvers: SuperLU of scipy, and PARDISO where the extra `large` is installed, give the same and refuse the same."""
+"""Sparse direct solvers: SuperLU of scipy, and PARDISO where the extra `large` is installed, give
+the same and refuse the same.
+"""
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.finite_elements.element import stiffness
 from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise
 from piston_cosim.fmu_mfbd.verification import box_mesh
@@ -16,7 +17,9 @@ def loose():
 
 def without(K, nodes):
     """K without the degrees of freedom of some nodes."""
-    free = np.setdiff1d(np.arange(K.shape[0]), (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel())
+    free = np.setdiff1d(
+        np.arange(K.shape[0]), (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+    )
     return K[free][:, free].tocsc()
 
 
@@ -51,7 +54,7 @@ def test_the_solver_at_hand(loose):
     points, K = loose
     kind = type(factorise(without(K, np.flatnonzero(points[:, 1] == 0.0))))
     try:
-        import pypardiso                                                                                        # noqa: F401
+        import pypardiso
     except ImportError:
         assert kind is SuperLU
     else:

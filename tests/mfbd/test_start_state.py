@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-
 from piston_cosim.fmu_mfbd.dynamics.start_state import FIELDS, SCALARS, check_modes, read_start
 
 WHOLE = dict.fromkeys(SCALARS, 0.25) | dict.fromkeys(FIELDS, [1.0, 2.0]) | {"film": [[3.0]]}
@@ -20,17 +19,33 @@ def write(tmp_path):
     return at
 
 
-@pytest.mark.parametrize("angle, reduced", [(0.25, 0.25), (8 * np.pi + 0.5, 0.5), (6 * np.pi, -2 * np.pi),
-                                            (-2 * np.pi, -2 * np.pi), (3 * np.pi, -np.pi)])
+@pytest.mark.parametrize(
+    "angle, reduced",
+    [
+        (0.25, 0.25),
+        (8 * np.pi + 0.5, 0.5),
+        (6 * np.pi, -2 * np.pi),
+        (-2 * np.pi, -2 * np.pi),
+        (3 * np.pi, -np.pi),
+    ],
+)
 def test_whole_cycles_are_left_out(write, angle, reduced):
     found = read_start(write(WHOLE | {"crank_angle": angle}))
     assert found["crank_angle"] == pytest.approx(reduced) and set(found) == {*SCALARS, *FIELDS}
 
 
-@pytest.mark.parametrize("content, message", [
-    ("no json", "no JSON table of outputs"), ("[1]", "no JSON table of outputs"),
-    ({k: v for k, v in WHOLE.items() if k not in ("rocking_angle", "lateral_velocity")}, "lacks rocking_angle, lateral_velocity"),
-    (WHOLE | {"crank_angle": "up"}, "something else than numbers")])
+@pytest.mark.parametrize(
+    "content, message",
+    [
+        ("no json", "no JSON table of outputs"),
+        ("[1]", "no JSON table of outputs"),
+        (
+            {k: v for k, v in WHOLE.items() if k not in ("rocking_angle", "lateral_velocity")},
+            "lacks rocking_angle, lateral_velocity",
+        ),
+        (WHOLE | {"crank_angle": "up"}, "something else than numbers"),
+    ],
+)
 def test_what_is_wrong_is_named(write, content, message):
     with pytest.raises(ValueError, match=message):
         read_start(write(content))
@@ -38,5 +53,7 @@ def test_what_is_wrong_is_named(write, content, message):
 
 def test_other_bodies_are_refused(write):
     check_modes(read_start(write(WHOLE)), 2)
-    with pytest.raises(ValueError, match="2 values of modal_coordinate where these bodies have 3 modes"):
+    with pytest.raises(
+        ValueError, match="2 values of modal_coordinate where these bodies have 3 modes"
+    ):
         check_modes(read_start(write(WHOLE)), 3)

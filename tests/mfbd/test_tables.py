@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
 from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
-from piston_cosim.fmu_mfbd.geometry.profile import fourier_bore, ovality, table_shape
 from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
 from piston_cosim.fmu_mfbd.dynamics.tables import (
     TableFault,
@@ -17,8 +14,10 @@ from piston_cosim.fmu_mfbd.dynamics.tables import (
     profile_table,
     read_numbers,
 )
+from piston_cosim.fmu_mfbd.geometry.profile import fourier_bore, ovality, table_shape
 from piston_cosim.fmu_mfbd.variables import parameters
 from piston_cosim.master.fmi.errors import BadInput
+from scipy.integrate import solve_ivp
 
 DEG = np.pi / 180
 
@@ -29,7 +28,9 @@ def curve(angle):
 
 @pytest.fixture
 def gas_file(tmp_path):
-    lines = ["crank angle [deg], pressure [bar]"] + [f"{a}, {curve(a * DEG) / 1e5}" for a in range(0, 720, 2)]
+    lines = ["crank angle [deg], pressure [bar]"] + [
+        f"{a}, {curve(a * DEG) / 1e5}" for a in range(0, 720, 2)
+    ]
     path = tmp_path / "gas.csv"
     path.write_text("\n".join(lines))
     return path
@@ -42,13 +43,26 @@ def test_gas_repeats_every_cycle(gas_file):
         assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
 
 
-@pytest.mark.parametrize("change, message", [
-    (lambda lines: lines[:200], "spans 396 deg of a cycle of 720 deg"),
-    (lambda lines: [*lines[:50], lines[48], *lines[50:]], "line 51: crank angle 94 does not rise"),
-    (lambda lines: [*lines, "720, 3"], "does not close"),
-    (lambda lines: [*lines[:9], "16, abc", *lines[10:]], "line 10: '16,abc' is not a row of numbers"),
-    (lambda lines: [*lines[:9], "16, nan", *lines[10:]], "line 10: '16,nan' is not a row of numbers"),
-    (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns")])
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (lambda lines: lines[:200], "spans 396 deg of a cycle of 720 deg"),
+        (
+            lambda lines: [*lines[:50], lines[48], *lines[50:]],
+            "line 51: crank angle 94 does not rise",
+        ),
+        (lambda lines: [*lines, "720, 3"], "does not close"),
+        (
+            lambda lines: [*lines[:9], "16, abc", *lines[10:]],
+            "line 10: '16,abc' is not a row of numbers",
+        ),
+        (
+            lambda lines: [*lines[:9], "16, nan", *lines[10:]],
+            "line 10: '16,nan' is not a row of numbers",
+        ),
+        (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns"),
+    ],
+)
 def test_bad_gas_tables_name_the_row(gas_file, change, message):
     gas_file.write_text("\n".join(change(gas_file.read_text().splitlines())))
     with pytest.raises(TableFault, match=message):
@@ -59,7 +73,9 @@ def test_profile_file_and_interpolation(tmp_path):
     path = tmp_path / "skirt.csv"
     angles, heights = np.arange(0, 360, 5), np.linspace(-16, 8, 25)
     rows = ["height," + ",".join(str(a) for a in angles)]
-    rows += [f"{h}," + ",".join(str(100 * np.cos(a * DEG) ** 2 + h) for a in angles) for h in heights]
+    rows += [
+        f"{h}," + ",".join(str(100 * np.cos(a * DEG) ** 2 + h) for a in angles) for h in heights
+    ]
     path.write_text("\n".join(rows))
     table = profile_table(path, DEG, 1e-3, 1e-6)
     angle, height = np.linspace(0.01, 6.27, 33), np.linspace(-15e-3, 7e-3, 9)
@@ -76,25 +92,44 @@ def test_tables_in_the_case_name_their_rows():
         gas_table(inline_numbers("gas.points", [(0, 1), (2, 5), (1, 1)]), 4 * np.pi, 1.0, 1.0)
 
 
-@pytest.mark.parametrize("over, points, message", [
-    ("time", [(0, 10), (1, -1)], "row 2: crank speed -1 rad/s must not be negative"),
-    ("angle", [(0, 10), (6, 0)], "row 2: crank speed 0 rad/s must be positive"),
-    ("angle", [(0, 10), (2 * np.pi, 11)], "does not close: speed 10 rad/s at the start and speed 11 rad/s one cycle later"),
-    ("angle", [(0, 10), (1, 10), (3, 10)], "spans 171.887 deg of a cycle of 360 deg")])
+@pytest.mark.parametrize(
+    "over, points, message",
+    [
+        ("time", [(0, 10), (1, -1)], "row 2: crank speed -1 rad/s must not be negative"),
+        ("angle", [(0, 10), (6, 0)], "row 2: crank speed 0 rad/s must be positive"),
+        (
+            "angle",
+            [(0, 10), (2 * np.pi, 11)],
+            "does not close: speed 10 rad/s at the start and speed 11 rad/s one cycle later",
+        ),
+        ("angle", [(0, 10), (1, 10), (3, 10)], "spans 171.887 deg of a cycle of 360 deg"),
+    ],
+)
 def test_bad_speed_tables_name_the_row(over, points, message):
     with pytest.raises(TableFault, match=message):
         speed_table(inline_numbers("speed", points), over, 2 * np.pi, 1.0, 1.0)
 
 
-@pytest.mark.parametrize("over, points", [("time", [(-1, 250), (0.002, 300), (0.005, 280), (0.006, 280)]),
-                                          ("angle", [(-1, 300), (0.5, 310), (2, 290), (4, 290), (2 * np.pi - 1, 300)])])
+@pytest.mark.parametrize(
+    "over, points",
+    [
+        ("time", [(-1, 250), (0.002, 300), (0.005, 280), (0.006, 280)]),
+        ("angle", [(-1, 300), (0.5, 310), (2, 290), (4, 290), (2 * np.pi - 1, 300)]),
+    ],
+)
 def test_crank_follows_its_table_however_the_steps_fall(over, points):
-    """One step, many steps and an ordinary differential equation's solver agree: the first two to round-off."""
+    """One step, many steps and an ordinary differential equation's solver agree: the first two to
+    round-off.
+    """
     table = speed_table(inline_numbers("speed", points), over, 2 * np.pi, 1.0, 1.0)
     at, speed = np.array(points, dtype=float).T
 
     def w(t, phi):
-        return np.interp(t, at, speed) if over == "time" else np.interp((phi + 1) % (2 * np.pi) - 1, at, speed)
+        return (
+            np.interp(t, at, speed)
+            if over == "time"
+            else np.interp((phi + 1) % (2 * np.pi) - 1, at, speed)
+        )
 
     whole = crank_motion(table, 0.4, 0.0, 0.03)
     angle, time = 0.4, 0.0
@@ -102,7 +137,7 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
         angle, time = crank_motion(table, angle, time, step)[0], time + step
     assert angle == pytest.approx(whole[0], rel=1e-13)
     solved = solve_ivp(w, (0.0, 0.03), [0.4], rtol=1e-10, atol=1e-12, max_step=2e-5).y[0, -1]
-    assert whole[0] == pytest.approx(solved, rel=1e-7)          # what the solver loses where segments meet
+    assert whole[0] == pytest.approx(solved, rel=1e-7)  # what the solver loses where segments meet
     assert whole[1] == pytest.approx(w(0.03, whole[0]), rel=1e-12)
     ends = [crank_motion(table, 0.4, 0.0, 0.0035 + e) for e in (1e-7, -1e-7)]
     middle = crank_motion(table, 0.4, 0.0, 0.0035)
@@ -112,33 +147,47 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
 
 def test_orders():
     angle = np.linspace(0, 6, 50)
-    terms = [{"order": 0, "amplitude": 25e-6, "phase": 0.0}, {"order": 2, "amplitude": 25e-6, "phase": 0.0}]
+    terms = [
+        {"order": 0, "amplitude": 25e-6, "phase": 0.0},
+        {"order": 2, "amplitude": 25e-6, "phase": 0.0},
+    ]
     np.testing.assert_allclose(fourier_bore(terms, angle), ovality(angle, 100e-6), atol=1e-18)
 
 
 @pytest.fixture(scope="module")
 def shaped(bodies, tmp_path_factory):
-    """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a running model."""
+    """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a
+    running model.
+    """
     folder = bodies[0]
     (folder / "skirt.csv").write_text("h,0,90,180,270\n-16,10,0,10,0\n10,10,0,10,0\n")
     (folder / "bore.csv").write_text("h,0\n50,30\n100,5\n155,0\n")
     (folder / "gas.csv").write_text("\n".join(f"{a},{curve(a * DEG)}" for a in range(0, 721, 5)))
     units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
-    table = bodies[1] | {"piston": bodies[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
-                         "block": bodies[1]["block"] | {"profiles": [{"file": "bore.csv", **units}],
-                                                        "orders": [{"order": 4, "amplitude": "2 um", "phase": "10 deg"}]},
-                         "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"},
-             "speed": {"points": [[0, 3000], [1, 3600]], "time_unit": "1 ms", "speed_unit": "1 rpm"}}
+    table = bodies[1] | {
+        "piston": bodies[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
+        "block": bodies[1]["block"]
+        | {
+            "profiles": [{"file": "bore.csv", **units}],
+            "orders": [{"order": 4, "amplitude": "2 um", "phase": "10 deg"}],
+        },
+        "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"},
+        "speed": {"points": [[0, 3000], [1, 3600]], "time_unit": "1 ms", "speed_unit": "1 rpm"},
+    }
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
         options, files = prepare(table, folder, lambda text: None)
-    values = {v.name: v.start for v in parameters()} | {"skirt_growth_upper": 4e-6, "bore_growth_lower": 3e-6}
+    values = {v.name: v.start for v in parameters()} | {
+        "skirt_growth_upper": 4e-6,
+        "bore_growth_lower": 3e-6,
+    }
     return assemble(*(dict(np.load(path)) for path in files), options, values)
 
 
 def test_shapes_enter_the_film_and_its_work(shaped):
-    """A bore of varying width does work on the moving piston: the balance still closes, and slope times force lifts the
-    piston."""
+    """A bore of varying width does work on the moving piston: the balance still closes, and slope
+    times force lifts the piston.
+    """
     rng = np.random.default_rng(2)
     push, drag = rng.random((2, *shaped.system.skirt.gap.shape))
     state, out = shaped.start(0.7, 0.0, 0.0, Inputs(314.0, 0.0, push, drag))
@@ -149,11 +198,19 @@ def test_shapes_enter_the_film_and_its_work(shaped):
         assert out["interface_work_error"] <= 1e-13
     assert before.crank_angle < state.crank_angle
     # the film thickness belongs to the shape at the skirt's height now
-    expected = shaped.system.skirt.gap + 2e-6 * np.cos(4 * (shaped.system.skirt.angle - 10 * DEG))[:, None]
+    expected = (
+        shaped.system.skirt.gap + 2e-6 * np.cos(4 * (shaped.system.skirt.angle - 10 * DEG))[:, None]
+    )
     height = out["piston_position"] + shaped.system.skirt.height
-    expected = expected + np.interp(height, [0.05, 0.1, 0.155], [30e-6, 5e-6, 0.0]) + 3e-6 * (0.155 - height) / 0.105
+    expected = (
+        expected
+        + np.interp(height, [0.05, 0.1, 0.155], [30e-6, 5e-6, 0.0])
+        + 3e-6 * (0.155 - height) / 0.105
+    )
     nothing = np.zeros_like(push)
-    still = shaped.start(state.crank_angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
+    still = shaped.start(state.crank_angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1][
+        "film_thickness"
+    ]
     # the spline rounds the kink at 100 mm, linear interpolation between 15 deg does the rest
     np.testing.assert_allclose(still, expected, atol=0.2e-6)
 
@@ -171,15 +228,22 @@ def test_speed_table_takes_the_place_of_the_input(shaped):
 SIZE = 7e-6
 EFFECTS = {
     "radial_clearance": lambda angle, y, Y: SIZE + 0 * y,
-    "barrel": lambda angle, y, Y: SIZE * ((y + 4e-3) / 12e-3) ** 2,                     # skirt from -16 to 8 mm
-    "ovality": lambda angle, y, Y: SIZE / 2 * np.cos(angle) ** 2 + 0 * y,                # nothing at the thrust faces
+    "barrel": lambda angle, y, Y: SIZE * ((y + 4e-3) / 12e-3) ** 2,  # skirt from -16 to 8 mm
+    "ovality": lambda angle, y, Y: (
+        SIZE / 2 * np.cos(angle) ** 2 + 0 * y
+    ),  # nothing at the thrust faces
     "skirt_growth_lower": lambda angle, y, Y: -SIZE * (8e-3 - y) / 24e-3,
     "skirt_growth_upper": lambda angle, y, Y: -SIZE * (y + 16e-3) / 24e-3,
-    "bore_growth_lower": lambda angle, y, Y: SIZE * (155e-3 - Y - y) / 105e-3,           # bore from 50 to 155 mm
+    "bore_growth_lower": lambda angle, y, Y: (
+        SIZE * (155e-3 - Y - y) / 105e-3
+    ),  # bore from 50 to 155 mm
     "bore_growth_upper": lambda angle, y, Y: SIZE * (Y + y - 50e-3) / 105e-3,
     "pin_tilt": lambda angle, y, Y: -SIZE * y * np.cos(angle),
-    "start_lateral_displacement": lambda angle, y, Y: -SIZE * np.sin(angle) + 0 * y,     # to the thrust side, which closes
-    "start_rocking_angle": lambda angle, y, Y: SIZE * y * np.sin(angle)}                  # about +z: the upper edge to -x
+    "start_lateral_displacement": lambda angle, y, Y: (
+        -SIZE * np.sin(angle) + 0 * y
+    ),  # to the thrust side, which closes
+    "start_rocking_angle": lambda angle, y, Y: SIZE * y * np.sin(angle),
+}  # about +z: the upper edge to -x
 """What SIZE more of a parameter adds to the film thickness."""
 
 
@@ -191,8 +255,12 @@ def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
         values = start | {name: start[name] + more}
         model = assemble(piston, block, options, values)
         nothing = np.zeros(model.system.skirt.gap.shape)
-        out = model.start(0.5, values["start_lateral_displacement"], values["start_rocking_angle"],
-                          Inputs(314.0, 0.0, nothing, nothing))[1]
+        out = model.start(
+            0.5,
+            values["start_lateral_displacement"],
+            values["start_rocking_angle"],
+            Inputs(314.0, 0.0, nothing, nothing),
+        )[1]
         films.append(out["film_thickness"])
     angle, y = model.system.skirt.angle[:, None], model.system.skirt.height
     expected = EFFECTS[name](angle, y, out["piston_position"]) + 0 * angle
@@ -204,15 +272,24 @@ def test_two_profiles_and_two_orders_add_up(reduced):
     options, piston, block = reduced
     one = {"angle": [0.0, np.pi], "height": [0.0], "value": [[3e-6, 1e-6]]}
     two = {"angle": [0.0], "height": [-16e-3, 10e-3], "value": [[0.0], [5e-6]]}
-    orders = [{"order": 2, "amplitude": 4e-6, "phase": 0.3}, {"order": 3, "amplitude": 2e-6, "phase": 0.0}]
+    orders = [
+        {"order": 2, "amplitude": 4e-6, "phase": 0.3},
+        {"order": 3, "amplitude": 2e-6, "phase": 0.0},
+    ]
 
     def film(profiles, orders):
-        shaped = options | {"piston": options["piston"] | {"profiles": profiles}, "block": options["block"] | {"orders": orders}}
+        shaped = options | {
+            "piston": options["piston"] | {"profiles": profiles},
+            "block": options["block"] | {"orders": orders},
+        }
         model = assemble(piston, block, shaped, {v.name: v.start for v in parameters()})
         nothing = np.zeros(model.system.skirt.gap.shape)
         return model.start(0.5, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
 
-    plain, apart = film([], []), [film([one], []), film([two], []), film([], orders[:1]), film([], orders[1:])]
+    plain, apart = (
+        film([], []),
+        [film([one], []), film([two], []), film([], orders[:1]), film([], orders[1:])],
+    )
     together = film([one, two], orders)
     assert all(np.ptp(f - plain) > 1e-6 for f in apart)
     np.testing.assert_allclose(together - plain, sum(f - plain for f in apart), atol=1e-18)
@@ -229,21 +306,32 @@ def test_a_free_crank_has_no_table(reduced):
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
     nothing = np.zeros(shaped.system.skirt.gap.shape)
-    tabled = [shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0] for angle in (0.5, 3.0)]
+    tabled = [
+        shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0]
+        for angle in (0.5, 3.0)
+    ]
     monkeypatch.setattr(shaped, "gas_table", None)
     for state, angle in zip(tabled, (0.5, 3.0)):
         given = shaped.start(angle, 0.0, 0.0, Inputs(314.0, curve(angle), nothing, nothing))[0]
-        np.testing.assert_allclose(state.acceleration, given.acceleration, rtol=2e-3)    # linear between 5 deg
+        np.testing.assert_allclose(
+            state.acceleration, given.acceleration, rtol=2e-3
+        )  # linear between 5 deg
 
 
 def test_missing_and_bad_tables_are_reported_together(bodies):
     folder, options = bodies
     units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
     (folder / "bad.csv").write_text("h,90\n1,2\n3\n")
-    table = options | {"piston": options["piston"] | {"profiles": [{"file": "none.csv", **units}]},
-                       "gas": {"file": "gone.csv", "angle_unit": "1 deg", "pressure_unit": "1 bar"}}
+    table = options | {
+        "piston": options["piston"] | {"profiles": [{"file": "none.csv", **units}]},
+        "gas": {"file": "gone.csv", "angle_unit": "1 deg", "pressure_unit": "1 bar"},
+    }
     with pytest.raises(BadInput) as caught:
         prepare(table, folder, print)
     assert len(caught.value.faults) == 2
     with pytest.raises(BadInput, match="bad.csv, line 3"):
-        prepare(options | {"block": options["block"] | {"profiles": [{"file": "bad.csv", **units}]}}, folder, print)
+        prepare(
+            options | {"block": options["block"] | {"profiles": [{"file": "bad.csv", **units}]}},
+            folder,
+            print,
+        )

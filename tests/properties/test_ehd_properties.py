@@ -5,7 +5,6 @@ from dataclasses import fields
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
@@ -26,7 +25,9 @@ def cases(draw):
 
 
 def last(films, velocities, step=STEP, **parameters):
-    """Outputs after three steps, the last two of second order unless the film lost too much oil at once."""
+    """Outputs after three steps, the last two of second order unless the film lost too much oil at
+    once.
+    """
     model = LubricationModel(Parameters(SHAPE, **parameters))
     state, _ = model.start(films[0], velocities[0])
     for film, velocity in zip(films[1:], velocities[1:]):
@@ -52,7 +53,10 @@ def test_a_repeated_step_gives_the_same_bits(case):
     for name, value in first[1].items():
         assert np.array_equal(value, again[1][name]), name
     for field in fields(first[0]):
-        assert np.asarray(getattr(first[0], field.name)).tobytes() == np.asarray(getattr(again[0], field.name)).tobytes()
+        assert (
+            np.asarray(getattr(first[0], field.name)).tobytes()
+            == np.asarray(getattr(again[0], field.name)).tobytes()
+        )
 
 
 @quick
@@ -78,14 +82,19 @@ def test_upside_down_with_reversed_sliding_is_upside_down(case):
 def test_rotation_of_the_ring_rotates_the_answer(case, cells):
     films, velocities = case
     straight, rotated = last(films, velocities), last(np.roll(films, cells, axis=1), velocities)
-    assert close(rotated["nodal_pressure_force"], np.roll(straight["nodal_pressure_force"], cells, axis=0))
+    assert close(
+        rotated["nodal_pressure_force"], np.roll(straight["nodal_pressure_force"], cells, axis=0)
+    )
 
 
 @quick
 @given(cases())
 def test_double_viscosity_doubles_every_force(case):
     films, velocities = case
-    single, double = last(films, velocities, oil=Oil(viscosity=0.01)), last(films, velocities, oil=Oil(viscosity=0.02))
+    single, double = (
+        last(films, velocities, oil=Oil(viscosity=0.01)),
+        last(films, velocities, oil=Oil(viscosity=0.02)),
+    )
     assert close(double["nodal_pressure_force"], 2.0 * single["nodal_pressure_force"])
     assert close(double["nodal_friction_force"], 2.0 * single["nodal_friction_force"])
     assert close(double["film_fraction"], single["film_fraction"])
@@ -104,9 +113,13 @@ def test_twice_the_speed_in_half_the_time_doubles_the_pressure(case):
 @given(cases(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_oil_is_conserved_and_the_film_is_never_more_than_full(case, lower, upper):
     films, velocities = case
-    outputs = last(films, velocities, film_fraction_lower_edge=lower, film_fraction_upper_edge=upper)
+    outputs = last(
+        films, velocities, film_fraction_lower_edge=lower, film_fraction_upper_edge=upper
+    )
     assert outputs["mass_imbalance"] <= 1e-12
-    assert outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+    assert (
+        outputs["film_fraction"].min() >= -1e-15 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+    )
     assert outputs["pressure"].min() >= -1e-9 * max(outputs["maximum_pressure"], 1.0)
 
 
@@ -118,8 +131,13 @@ def test_no_jump_of_film_velocity_or_step_breaks_the_film(seed, lower, upper):
     model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, **supply))
     state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
     for _ in range(15):
-        film = 10.0 ** rng.uniform(-7.0, -4.5) * rng.uniform(-0.3, 1.0, SHAPE)  # here and there it overlaps
+        film = 10.0 ** rng.uniform(-7.0, -4.5) * rng.uniform(
+            -0.3, 1.0, SHAPE
+        )  # here and there it overlaps
         step = STEP * 10.0 ** rng.uniform(-2.0, 2.0)
         state, outputs = model.advance(state, film, np.full(SHAPE, rng.uniform(-15.0, 15.0)), step)
         assert outputs["mass_imbalance"] <= 1e-12
-        assert outputs["film_fraction"].min() >= -1e-12 and outputs["film_fraction"].max() <= 1.0 + 1e-12
+        assert (
+            outputs["film_fraction"].min() >= -1e-12
+            and outputs["film_fraction"].max() <= 1.0 + 1e-12
+        )

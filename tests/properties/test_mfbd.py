@@ -3,7 +3,10 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import coefficients
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
 from piston_cosim.fmu_mfbd.geometry.film import (
     Skirt,
     bore_splines,
@@ -13,13 +16,9 @@ from piston_cosim.fmu_mfbd.geometry.film import (
     sliding,
     window_at,
 )
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import coefficients
-from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
-from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
+from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
 
 small = st.floats(-1e-4, 1e-4)
 seeds = st.integers(0, 2**32 - 1)
@@ -29,9 +28,19 @@ def film(seed):
     """A skirt and a bore with random modes, and the window at a random height."""
     rng = np.random.default_rng(seed)
     angle, rows = cell_centres(8, 5, -0.01, 0.008)
-    skirt = Skirt(angle, rows, np.full((8, 5), 2e-5), 0.028, 1e-3,
-                  *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)))
-    bore = bore_splines(np.linspace(0.0, 0.1, 12), *rng.standard_normal((2, 8, 12, 2)), shape=1e-5 * rng.standard_normal((8, 12)))
+    skirt = Skirt(
+        angle,
+        rows,
+        np.full((8, 5), 2e-5),
+        0.028,
+        1e-3,
+        *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)),
+    )
+    bore = bore_splines(
+        np.linspace(0.0, 0.1, 12),
+        *rng.standard_normal((2, 8, 12, 2)),
+        shape=1e-5 * rng.standard_normal((8, 12)),
+    )
     return rng, skirt, bore, window_at(bore.lowest, bore.spacing, rng.uniform(0.02, 0.08), rows)
 
 
@@ -45,8 +54,9 @@ def test_virtual_work_for_any_force_and_motion(seed):
     q, p = rng.standard_normal(3), rng.standard_normal(2)
     Q = generalised(skirt, bore, window, push, drag)
     # pressure works on x, angle and modes; friction on climb, angle and modes
-    grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(drag * sliding(skirt, bore, window, climb, turn,
-                                                                                              q, p))
+    grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(
+        drag * sliding(skirt, bore, window, climb, turn, q, p)
+    )
     own = Q.lateral * x + Q.axial * climb + Q.moment * turn + Q.piston @ q + Q.block @ p
     assert abs(grid - own) <= 1e-12 * (np.abs(push).sum() + np.abs(drag).sum()) * 10
 
@@ -54,8 +64,9 @@ def test_virtual_work_for_any_force_and_motion(seed):
 @settings(max_examples=30, deadline=None)
 @given(seeds)
 def test_film_rate_is_the_derivative_of_the_film(seed):
-    """Power of a unit pressure force against the difference of film thickness along the motion, moving skirt and uneven bore
-    included."""
+    """Power of a unit pressure force against the difference of film thickness along the motion,
+    moving skirt and uneven bore included.
+    """
     rng, skirt, bore, _ = film(seed)
     place, rate, A, climb = 1e-5 * rng.standard_normal(7), 1e-2 * rng.standard_normal(7), 0.05, 3.0
     nothing, unit = np.zeros((8, 5)), np.zeros((8, 5))
@@ -82,10 +93,19 @@ def test_the_rod_keeps_its_length(lateral, crank_angle):
 @settings(max_examples=50, deadline=None)
 @given(st.floats(0, 6.28), st.floats(10, 1000))
 def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
-    """Inertia alone gives back in half a turn what it took in the other: torque(phi) + torque(-phi) = 0 without offsets."""
-    mechanism, nothing, still = Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1), Load(0.0, 0.0, 0.0, np.zeros(0)), np.zeros(2)
+    """Inertia alone gives back in half a turn what it took in the other: torque(phi) + torque(-phi)
+    = 0 without offsets.
+    """
+    mechanism, nothing, still = (
+        Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1),
+        Load(0.0, 0.0, 0.0, np.zeros(0)),
+        np.zeros(2),
+    )
     body = rigid_body(0.3, (0.0, 0.01), 2e-4)
-    there, back = (imbalance(body, mechanism, nothing, still, still, still, phi, speed, 0.0)[4] for phi in (angle, -angle))
+    there, back = (
+        imbalance(body, mechanism, nothing, still, still, still, phi, speed, 0.0)[4]
+        for phi in (angle, -angle)
+    )
     assert abs(there + back) <= 1e-12 * 0.6 * 0.025**2 * speed**2
 
 
@@ -93,7 +113,10 @@ def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
 @given(st.floats(0, 1), st.floats(1e-7, 1e-2))
 def test_generalised_alpha_is_of_second_order_for_any_damping(rho, step):
     c = coefficients(step, rho)
-    assert np.isclose(c.gamma, 0.5 - c.alpha_m + c.alpha_f) and c.alpha_m <= c.alpha_f + 1e-15 <= 0.5 + 1e-14
+    assert (
+        np.isclose(c.gamma, 0.5 - c.alpha_m + c.alpha_f)
+        and c.alpha_m <= c.alpha_f + 1e-15 <= 0.5 + 1e-14
+    )
     assert c.beta >= 0.25 + (c.alpha_f - c.alpha_m) / 2 - 1e-12
 
 

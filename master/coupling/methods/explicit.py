@@ -9,9 +9,11 @@ from .solution import NotConverged, Solution
 
 @dataclass(frozen=True)
 class Explicit:
-    """One sweep from the predicted iterate, accepted as it is; its residual tells how far the wires are from agreeing.
+    """One sweep from the predicted iterate, accepted as it is; its residual tells how far the wires
+    are from agreeing.
 
-    Stable only where the coupling is weak: film and piston amplify an error some hundred-fold a step.
+    Stable only where the coupling is weak: film and piston amplify an error some hundred-fold a
+    step.
     """
 
     def memory(self):
@@ -22,5 +24,7 @@ class Explicit:
         used, y, residual = macro_step.sweep(guess)
         history = (interface.measure(residual, y),)
         if not np.isfinite(y).all():
-            raise NotConverged("a participant's output is not finite", interface, residual, y, history)
+            raise NotConverged(
+                "a participant's output is not finite", interface, residual, y, history
+            )
         return Solution(used, history)

@@ -11,8 +11,9 @@ def filtered(columns, limit, rule):
     columns : list of ndarray, shape (n,)
     limit : float
     rule : {"QR1", "QR2", "QR3"}
-        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself. preCICE's QR3 takes QR2's
-        decomposition only where QR1's test fails; a column that passes QR1 passes QR2, so both keep the same columns.
+        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself.
+        preCICE's QR3 takes QR2's decomposition only where QR1's test fails; a column that passes
+        QR1 passes QR2, so both keep the same columns.
 
     Returns
     -------
@@ -23,7 +24,9 @@ def filtered(columns, limit, rule):
     if not columns:
         return [], np.empty((0, 0)), np.empty((0, 0))
     chosen, triangle = [], np.zeros((len(columns), len(columns)))
-    rows = np.empty((len(columns), columns[0].size))  # transposed Q: products with it run along memory
+    rows = np.empty(
+        (len(columns), columns[0].size)
+    )  # transposed Q: products with it run along memory
     for k, column in enumerate(columns):
         m, new = len(chosen), column
         for _ in range(2):  # a second pass keeps Q orthogonal to round-off
@@ -31,7 +34,11 @@ def filtered(columns, limit, rule):
             triangle[:m, m] += share
             new = new - share @ rows[:m]
         size = np.linalg.norm(new)
-        reference = np.linalg.norm(column) if rule != "QR1" else np.hypot(np.linalg.norm(triangle[:m + 1, :m + 1]), size)
+        reference = (
+            np.linalg.norm(column)
+            if rule != "QR1"
+            else np.hypot(np.linalg.norm(triangle[: m + 1, : m + 1]), size)
+        )
         if size > limit * reference:
             triangle[m, m] = size
             rows[m] = new / size

@@ -7,7 +7,9 @@ KEPT = 40
 """Pairs kept from one solve to the next: about the number of directions that amplify."""
 
 NOISE = 1e-5
-"""Of a product's squared length: what nearly parallel products of different times disagree on counts as noise."""
+"""Of a product's squared length: what nearly parallel products of different times disagree on
+counts as noise.
+"""
 
 
 class RecycledGmres:
@@ -15,8 +17,9 @@ class RecycledGmres:
 
     Eq. (K1):  P r = r + (V - Z) (Z' Z + n I)^-1 Z' r,   Z = A V,   |z_i| = 1
 
-    V and Z are directions and their products from earlier solves: for small n P is the inverse of the A of that time on the
-    space spanned by Z, and the identity elsewhere. GMRES works with A P, so a stale P costs products, never accuracy.
+    V and Z are directions and their products from earlier solves: for small n P is the inverse of
+    the A of that time on the space spanned by Z, and the identity elsewhere. GMRES works with A P,
+    so a stale P costs products, never accuracy.
 
     Parameters
     ----------
@@ -28,7 +31,8 @@ class RecycledGmres:
         self.largest_space, self.pairs = largest_space, []
 
     def solve(self, product, right, tolerance):
-        """Solution of A x = right with |right - A x| <= tolerance, or the best in the largest space.
+        """Solution of A x = right with |right - A x| <= tolerance, or the best in the largest
+        space.
 
         Parameters
         ----------
@@ -61,7 +65,7 @@ class RecycledGmres:
             hessenberg[k + 1, k] = np.linalg.norm(new)
             target = np.zeros(k + 2)
             target[0] = size
-            part = hessenberg[:k + 2, :k + 1]
+            part = hessenberg[: k + 2, : k + 1]
             weights = np.linalg.lstsq(part, target, rcond=None)[0]
             if np.linalg.norm(target - part @ weights) <= tolerance or hessenberg[k + 1, k] == 0.0:
                 break
@@ -78,4 +82,4 @@ class RecycledGmres:
         matrix = z @ z.T
         matrix[np.diag_indices_from(matrix)] += NOISE
         factor, difference = cho_factor(matrix), v - z
-        return lambda r: r + cho_solve(factor, z @ r) @ difference                                              # Eq. (K1)
+        return lambda r: r + cho_solve(factor, z @ r) @ difference  # Eq. (K1)

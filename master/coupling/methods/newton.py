@@ -15,8 +15,8 @@ class Newton:
 
     Eq. (C1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x) = the feedback wires after a sweep from x
 
-    J comes as products, one directional derivative of every participant each; GMRES needs few of them because it starts
-    from what it learned in the last solves.
+    J comes as products, one directional derivative of every participant each; GMRES needs few of
+    them because it starts from what it learned in the last solves.
 
     Parameters
     ----------
@@ -27,7 +27,8 @@ class Newton:
     accuracy : float
         GMRES stops at this share of the tolerance ...
     forcing : float
-        ... or at this share of the right-hand side, whichever is larger: the next nonlinear residual spoils the rest.
+        ... or at this share of the right-hand side, whichever is larger: the next nonlinear
+        residual spoils the rest.
     differences : bool
         Products by differences of sweeps (rollback), also where the participants offer derivatives.
     """
@@ -55,13 +56,17 @@ class Newton:
             if history[-1] <= 1.0:
                 return Solution(used, tuple(history), jacobians, products)
             if not np.isfinite(history[-1]):
-                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
+                raise NotConverged(
+                    "a participant's output is not finite", interface, residual, y, history
+                )
             if len(history) > 3 and history[-1] > 1e3 * min(history):
                 raise NotConverged("the residual grows", interface, residual, y, history)
             change, count = self._update(macro_step, y - used, interface.allowed(y), memory)
             products += count
             x = used + step_length(interface, used, change) * change
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
+        raise NotConverged(
+            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
+        )
 
     def _update(self, macro_step, residual, allowed, memory):
         """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
@@ -74,7 +79,9 @@ class Newton:
             return macro_step.linear_sweep(change)
 
         right = residual[feedback] / scale
-        tolerance = max(self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right))
+        tolerance = max(
+            self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right)
+        )
         solution, count = memory.solve(lambda v: v - sweep(v)[feedback] / scale, right, tolerance)
         change = sweep(solution)
         change[feedback] = solution * scale

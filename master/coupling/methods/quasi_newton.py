@@ -1,4 +1,6 @@
-"""Interface quasi-Newton: updates from secant pairs, for participants without directional derivatives."""
+"""Interface quasi-Newton: updates from secant pairs, for participants without directional
+derivatives.
+"""
 
 from dataclasses import dataclass, field
 
@@ -17,12 +19,12 @@ class QuasiNewton:
 
     x_{k+1} = x_k + X c + m (r_k + V c),   r_k = G(x_k) - x_k,   c from the secants (Eq. (C4) to (C6))
 
-    With the mixing factor m = 1 this is IQN, with m < 1 Anderson's mixing: what the secants do not explain is relaxed
-    instead of taken whole, which matters where many directions amplify.
+    With the mixing factor m = 1 this is IQN, with m < 1 Anderson's mixing: what the secants do not
+    explain is relaxed instead of taken whole, which matters where many directions amplify.
 
-    Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro step that finds no
-    secants, or that they lead astray, is taken by Newton on differences: sweeps from slightly changed iterates, each of
-    them a secant too, and a clean one.
+    Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro
+    step that finds no secants, or that they lead astray, is taken by Newton on differences: sweeps
+    from slightly changed iterates, each of them a secant too, and a clean one.
 
     Parameters
     ----------
@@ -35,8 +37,8 @@ class QuasiNewton:
         Sweeps a macro step.
     probing : bool
     astray : float
-        With probing, the secants have failed once the residual is this many times the smallest one seen, or after half of
-        max_iterations.
+        With probing, the secants have failed once the residual is this many times the smallest one
+        seen, or after half of max_iterations.
     """
 
     secants: LeastSquares | MultiVector | Ageing = LeastSquares()
@@ -66,7 +68,9 @@ class QuasiNewton:
             history.append(interface.measure(residual, y))
             converged = history[-1] <= 1.0
             if not converged and not np.isfinite(y).all():
-                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
+                raise NotConverged(
+                    "a participant's output is not finite", interface, residual, y, history
+                )
             point, r = used[feedback] / scale, (y - used)[feedback] / scale
             if last is not None:
                 secants.learn(point - last[0], r - last[1])
@@ -74,10 +78,14 @@ class QuasiNewton:
                 secants.close()
                 return Solution(used, tuple(history))
             last, least = (point, r), min(least, np.linalg.norm(r))
-            if self.probing and (np.linalg.norm(r) > self.astray * least or 2 * iteration > self.max_iterations):
+            if self.probing and (
+                np.linalg.norm(r) > self.astray * least or 2 * iteration > self.max_iterations
+            ):
                 raise Astray(history)
             x = used + self._step(interface, used, secants, r)
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
+        raise NotConverged(
+            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
+        )
 
     def _step(self, interface, used, secants, r):
         """x_{k+1} - x_k."""
@@ -88,12 +96,16 @@ class QuasiNewton:
         return step_length(interface, used, change) * change
 
     def _probe(self, macro_step, guess, memory, history):
-        """The macro step by Newton on differences, every probe learnt; `history` is what led astray before."""
+        """The macro step by Newton on differences, every probe learnt; `history` is what led astray
+        before.
+        """
         memory.secants.begin()
         newton = Newton(self.max_iterations, forcing=1e-2)
         solution = newton.solve(ProbedStep(macro_step, memory.secants.learn), guess, memory.krylov)
         memory.secants.close()
-        return Solution(solution.x, (*history, *solution.history), solution.jacobians, probes=solution.products)
+        return Solution(
+            solution.x, (*history, *solution.history), solution.jacobians, probes=solution.products
+        )
 
 
 @dataclass

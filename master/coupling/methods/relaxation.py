@@ -44,11 +44,15 @@ class Relaxation:
             if history[-1] <= 1.0:
                 return Solution(used, tuple(history))
             if not np.isfinite(y).all():
-                raise NotConverged("a participant's output is not finite", interface, residual, y, history)
+                raise NotConverged(
+                    "a participant's output is not finite", interface, residual, y, history
+                )
             r = ((y - used) / interface.nominal)[feedback]
             if self.dynamic and previous is not None:
                 difference = r - previous
-                factor *= -(previous @ difference) / (difference @ difference)      # Eq. (C3)
-            previous, change = r, np.where(feedback, factor * (y - used), 0.0)      # Eq. (C2)
+                factor *= -(previous @ difference) / (difference @ difference)  # Eq. (C3)
+            previous, change = r, np.where(feedback, factor * (y - used), 0.0)  # Eq. (C2)
             x = used + step_length(interface, used, change) * change
-        raise NotConverged(f"no convergence in {self.max_iterations} iterations", interface, residual, y, history)
+        raise NotConverged(
+            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
+        )

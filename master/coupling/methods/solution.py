@@ -1,4 +1,6 @@
-"""What every method shares: the macro step to solve, its solution, its failure, the limit on an update."""
+"""What every method shares: the macro step to solve, its solution, its failure, the limit on an
+update.
+"""
 
 from dataclasses import dataclass
 
@@ -9,7 +11,9 @@ from ..interface import Interface
 
 @dataclass(frozen=True)
 class MacroStep:
-    """One macro step: sweeps of `interface` from `time` over `step` [s], every sweep from the `saved` states."""
+    """One macro step: sweeps of `interface` from `time` over `step` [s], every sweep from the
+    `saved` states.
+    """
 
     interface: Interface
     time: float
@@ -29,8 +33,9 @@ class MacroStep:
 class Solution:
     """A converged macro step.
 
-    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians : linearisations;
-    products : directional derivatives of the whole sweep; probes : sweeps that took their place.
+    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians :
+    linearisations; products : directional derivatives of the whole sweep; probes : sweeps that took
+    their place.
     """
 
     x: np.ndarray
@@ -45,20 +50,25 @@ class Solution:
 
 
 class NotConverged(RuntimeError):
-    """The macro step did not reach its fixed point; says where the worst residual is and how the residual went."""
+    """The macro step did not reach its fixed point; says where the worst residual is and how the
+    residual went.
+    """
 
     def __init__(self, reason, interface, residual, values, history):
         self.iterations = len(history)
         trail = [f"{value:.2g}" for value in history]
         shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
-        super().__init__(f"{reason}; worst {interface.worst(residual, values)}; "
-                         f"residual/tolerance per iteration: {' '.join(shown)}")
+        super().__init__(
+            f"{reason}; worst {interface.worst(residual, values)}; "
+            f"residual/tolerance per iteration: {' '.join(shown)}"
+        )
 
 
 def step_length(interface, x, change):
     """Largest share <= 1 of `change` that respects every wire's `largest_decrease`.
 
-    The smallest element m of such a wire may go down to m - s max(m, nominal/10), s = largest_decrease.
+    The smallest element m of such a wire may go down to m - s max(m, nominal/10), s =
+    largest_decrease.
     """
     share = 1.0
     for connection, part in zip(interface.connections, interface.parts):
