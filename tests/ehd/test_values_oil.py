@@ -1,5 +1,5 @@
-"""Numbers of the oil by hand: viscosity over temperature, pressure and shear rate, as shear and flow
-of a film show it.
+"""Numbers of the oil by hand: viscosity over temperature, pressure and shear rate, as shear and
+flow of a film show it.
 
 References
 ----------

@@ -32,8 +32,8 @@ AREA = WIDTH * LENGTH  # [m2]
 VISCOSITY = 0.013  # [Pa s]
 SIGMA = 0.8e-6  # [m]
 
-# gamma: C, r of phi_x [Patir1978] | A1, a1, a2, a3, A2 of Phi_s | A3, a4, a5, a6 of Phi_fs | D, s of
-# phi_fp [Patir1979]
+# gamma: C, r of phi_x [Patir1978] | A1, a1, a2, a3, A2 of Phi_s | A3, a4, a5, a6 of Phi_fs |
+# D, s of phi_fp [Patir1979]
 PUBLISHED = {
     1 / 9: (1.48, 0.42, 2.046, 1.12, 0.78, 0.03, 1.856, 14.1, 2.45, 2.30, 0.10, 1.51, 0.52),
     1 / 6: (1.38, 0.42, 1.962, 1.08, 0.77, 0.03, 1.754, 13.4, 2.42, 2.30, 0.10, 1.51, 0.54),
