@@ -12,7 +12,6 @@ from .piston_motion import imbalance
 from .speed_table import crank_motion
 from .tables import gas_pressure
 
-
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
 

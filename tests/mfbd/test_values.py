@@ -290,7 +290,8 @@ def test_rigid_slider_crank(bodies, degrees, side):
     """Crank 28.8 mm, rod 110 mm, piston 0.315 kg, rod 0.35 kg with 6e-4 kg m2 and its centre 30 mm
     from the big end, 3000 rpm, nothing offset, no gas, the piston guided along y: the side force
     that guides it. Given by the film (2.5 mm below A, which turns the piston about its centre of
-    mass A and does no more) it leaves the piston without lateral acceleration; there, at 30 deg: height 0.13399491 m, pin force -896.73536 N, torque +21.352215 N m.
+    mass A and does no more) it leaves the piston without lateral acceleration; there, at 30 deg:
+    height 0.13399491 m, pin force -896.73536 N, torque +21.352215 N m.
     """
     push = np.zeros(GRID)
     if side > 0.0:
