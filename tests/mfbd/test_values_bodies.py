@@ -1,5 +1,5 @@
-"""Numbers of bodies from a mesh: mass and moments of a tube, frequencies of a tube with closed form,
-a block on springs.
+"""Numbers of bodies from a mesh: mass and moments of a tube, torsion of a clamped tube, a block on
+springs.
 
 The meshes are those of conftest: a piston that is a tube from -16 to 20 mm, 24 to 28 mm in radius,
 and a block that is a tube from 50 to 155 mm, 28.025 to 36 mm in radius, held at its lower end.
