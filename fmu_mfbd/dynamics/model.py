@@ -12,6 +12,9 @@ from .piston_motion import imbalance
 from .speed_table import crank_motion
 from .tables import gas_pressure
 
+START_PASSES = 40
+"""Most passes to the start of a free crank; each gains a digit or more."""
+
 
 class NotConverged(RuntimeError):
     """The step's equations could not be solved; the message says where and how far it got."""
@@ -169,13 +172,20 @@ class PistonInBore:
         State, dict
             And its outputs.
         """
-        state, outputs = self._settle(
-            coefficients(0.0, self.spectral_radius),
-            (place, rate, 0 * place, 0 * place),
-            0.0,
-            self.crank.begin(crank_angle, inputs.crank_speed),
-            inputs,
-        )
+        crank = self.crank.begin(crank_angle, inputs.crank_speed)
+        for _ in range(START_PASSES):
+            state, outputs = self._settle(
+                coefficients(0.0, self.spectral_radius),
+                (place, rate, 0 * place, 0 * place),
+                0.0,
+                crank,
+                inputs,
+            )
+            # Eq. (M2) holds the piston's accelerations, which change with the crank's
+            change = state.crank_acceleration - crank[2]
+            if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
+                break
+            crank = (*crank[:2], state.crank_acceleration)
         return replace(state, auxiliary=state.acceleration), outputs
 
     def advance(self, state, inputs, step):

@@ -1,0 +1,409 @@
+"""Numbers of the film by closed form: pressure, flow, load, shear, power, cavitation, edges, time.
+
+Nothing here is computed by the code under test: every expected number is a formula written out in
+the test, with its source. Edges differ, sliding goes both ways, grids have n_c != n_a, and bore
+radius and skirt length are no multiples of each other, so that a sign or a swap shows.
+
+Signs: j runs from the lower to the upper edge, the skirt slides at V over the bore, and the oil
+between them at V/2. Seen from the skirt, on which the grid rides, it therefore moves at -V/2.
+
+References
+----------
+[Hamrock2004] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, Fundamentals of Fluid Film Lubrication,
+2nd ed., Marcel Dekker 2004.
+"""
+
+import numpy as np
+import pytest
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+RADIUS = 31e-3  # [m]
+LENGTH = 23e-3  # [m]
+WIDTH = 2.0 * np.pi * RADIUS  # [m]
+VISCOSITY = 0.013  # [Pa s]
+STEADY = 1e6  # [s], a step so long that storage is 1e-10 of the flow
+
+
+def parameters(shape, **changes):
+    """Parameters with this file's bore, skirt and oil."""
+    given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=Oil(viscosity=VISCOSITY)) | changes
+    return Parameters(shape, **given)
+
+
+def near(value, rel=1e-12):
+    """Within a share of the value: film flows of 1e-8 m3/s are smaller than pytest's absolute
+    tolerance.
+    """
+    return pytest.approx(value, rel=rel, abs=0.0)
+
+
+def stepped(shape, film, velocity, step=1e-4, conditions=None, **changes):
+    """Outputs of one step in which a full film stays as it is: steady where it is full at all."""
+    model = LubricationModel(parameters(shape, **changes))
+    film = np.broadcast_to(film, shape).copy()
+    velocity = np.broadcast_to(velocity, shape).copy()
+    state, _ = model.start(film, velocity)
+    return model.advance(state, film, velocity, step, **(conditions or {}))[1]
+
+
+def along(cells):
+    """y/L of the cell centres."""
+    return (np.arange(cells) + 0.5) / cells
+
+
+# ---- full film, axial flow
+
+
+@pytest.mark.parametrize("velocity", [7.0, -7.0])
+def test_inclined_pad(velocity):
+    """[Hamrock2004], the inclined pad, for the film h_o (1 + K s), s from 0 at the
+    outlet to 1, K = 1:
+
+    load      W mu U L^2 B / h_o^2,  W = (6/K^2) [ln(1+K) - 2 K/(2+K)]       = 0.158883
+    runner    F mu U L B / h_o,      F = 4 ln(1+K)/K - 6/(2+K)               = 0.772589
+    pad       F - K W                                                        = 0.613706
+    peak      P mu U L / h_o^2,      P = 3 K/[2 (1+K) (2+K)]                 = 0.25
+    flow      U B h_m / 2,           h_m = 2 h_1 h_o/(h_1 + h_o)             = 4/3 h_o
+
+    The bore is the straight runner, the skirt the sloping pad; power is runner force times speed.
+    A skirt that moves up meets its oil at the upper edge. 2e-4: second order on 96 cells.
+    """
+    outlet, speed = 6e-6, abs(velocity)
+    rise = along(96) if velocity > 0.0 else 1.0 - along(96)
+    o = stepped((5, 96), outlet * (1.0 + rise), velocity)
+    scale = VISCOSITY * speed * LENGTH * WIDTH / outlet
+    order = 2e-4
+    assert o["nodal_pressure_force"].sum() == near(0.158883 * scale * LENGTH / outlet, order)
+    assert o["maximum_pressure"] == near(
+        0.25 * VISCOSITY * speed * LENGTH / outlet**2, rel=5e-4
+    )  # the peak lies between two centres
+    sign = np.sign(velocity)
+    assert o["friction_force_hydrodynamic"] == near(-sign * 0.613706 * scale, order)
+    assert o["friction_force_asperity"] == 0.0
+    assert o["friction_power"] == near(0.772589 * scale * speed, order)
+    flow = speed * WIDTH * (4.0 / 3.0 * outlet) / 2.0
+    assert o["flow_upper_edge"] == near(sign * flow, order)
+    assert o["flow_lower_edge"] == near(-sign * flow, order)
+    assert o["mass_imbalance"] <= 1e-12
+    assert o["solver_iterations"] >= 1
+
+
+def test_step_bearing_between_two_edge_pressures():
+    """Rayleigh's step with p_l and p_u at the edges, by hand: linear pressure on either side,
+
+    q = -V h_a/2 - k_a (p_s - p_l)/a = -V h_b/2 - k_b (p_u - p_s)/b,   k = h^3/(12 mu)
+
+    gives p_s at the step. Round-off: a stepped film is exact on every grid.
+    """
+    cells, first = 30, 12
+    lower, upper, velocity = 3.0e5, 1.2e5, -4.0
+    film = np.where(np.arange(cells) < first, 9e-6, 5e-6)
+    o = stepped((4, cells), film, velocity, pressure_lower_edge=lower, pressure_upper_edge=upper)
+    a = LENGTH * first / cells
+    b = LENGTH - a
+    k_a = 9e-6**3 / (12.0 * VISCOSITY)
+    k_b = 5e-6**3 / (12.0 * VISCOSITY)
+    drag = -velocity / 2.0 * (9e-6 - 5e-6)
+    step = (drag + k_a * lower / a + k_b * upper / b) / (k_a / a + k_b / b)
+    assert step > lower  # the oil moves up, into the thinner film
+    y = along(cells) * LENGTH
+    expected = np.where(y < a, lower + (step - lower) * y / a, step + (upper - step) * (y - a) / b)
+    assert o["pressure"][2] == near(expected, rel=1e-11)
+    flow = WIDTH * (-velocity * 9e-6 / 2.0 - k_a * (step - lower) / a)
+    assert o["flow_lower_edge"] == near(flow, rel=1e-11)
+    assert o["flow_upper_edge"] == near(-flow, rel=1e-11)
+    area = WIDTH / 4.0 * LENGTH / cells
+    assert o["nodal_pressure_force"][1] == near(expected * area, rel=1e-11)
+    # shear on the skirt in the lower half, -mu V/h - h/2 dp/dy, and its power on the bore
+    gradient = (step - lower) / a
+    shear = -VISCOSITY * velocity / 9e-6 - 9e-6 / 2.0 * gradient
+    assert o["nodal_friction_force"][3, 4] == near(area * shear, rel=1e-9)
+    # the first cell takes the pressure of the edge itself
+    assert o["nodal_friction_force"][3, 0] == near(area * shear, rel=1e-9)
+    last = -VISCOSITY * velocity / 5e-6 - 5e-6 / 2.0 * (upper - step) / b
+    assert o["nodal_friction_force"][3, -1] == near(area * last, rel=1e-9)
+
+
+def test_conditions_of_a_step_take_the_place_of_the_parameters():
+    """Pressure flow through a parallel film: q = h^3/(12 mu) (p_l - p_u)/L B. Round-off."""
+    given = dict(pressure_lower_edge=2e5, pressure_upper_edge=5e5)
+    o = stepped((4, 6), 8e-6, 0.0, conditions=given, pressure_lower_edge=9e5)
+    flow = 8e-6**3 / (12.0 * VISCOSITY) * (2e5 - 5e5) / LENGTH * WIDTH
+    assert o["flow_lower_edge"] == near(flow, rel=1e-11)
+    assert o["pressure"][0] == near(2e5 + 3e5 * along(6), rel=1e-11)
+
+
+def test_start_is_linear_between_the_edges_and_shears_at_once():
+    model = LubricationModel(parameters((4, 5), pressure_lower_edge=4e5, pressure_upper_edge=1e5))
+    film, velocity = np.full((4, 5), 7e-6), np.full((4, 5), 3.0)
+    _, o = model.start(film, velocity)
+    assert o["pressure"][1] == near(4e5 - 3e5 * along(5), rel=1e-12)
+    # -mu V/h - h/2 dp/dy with dp/dy = -3e5/L
+    area = WIDTH * LENGTH
+    expected = area * (-VISCOSITY * 3.0 / 7e-6 + 3.5e-6 * 3e5 / LENGTH)
+    assert o["friction_force_hydrodynamic"] == near(expected, rel=1e-12)
+
+
+def test_no_oil_sees_a_film_below_the_floor():
+    """h_min in place of h for flow and shear, h itself for the output. Round-off."""
+    floor = 3e-7
+    o = stepped((4, 6), 1e-7, 2.0, minimum_flow_film=floor, pressure_upper_edge=1e6)
+    flow = floor**3 / (12.0 * VISCOSITY) * 1e6 / LENGTH * WIDTH + 2.0 / 2.0 * floor * WIDTH
+    assert o["flow_upper_edge"] == near(flow, rel=1e-9)
+    shear = VISCOSITY * 2.0 / floor + floor / 2.0 * 1e6 / LENGTH
+    assert o["friction_force_hydrodynamic"] == near(-shear * WIDTH * LENGTH, rel=1e-9)
+    assert o["minimum_film_thickness"] == 1e-7
+
+
+# ---- full film, both directions
+
+
+def squeezed(depth, cells):
+    """int over the skirt of 1 - cosh(y/R)/cosh(L/2R), with `depth` = sqrt(k_c/k_a)."""
+    half = depth * LENGTH / (2.0 * RADIUS)
+    return LENGTH * (1.0 - np.tanh(half) / half)
+
+
+def test_squeeze_of_a_short_sleeve():
+    """A sleeve that moves by e towards the thrust side in a step H, h = c - e sin(theta). With
+    k_a p_yy + k_c/R^2 p_tt = hdot and p = p_e at both edges
+
+    p = p_e + 12 mu edot R^2/c^3 [1 - cosh(y/R)/cosh(L/2R)] sin(theta)
+
+    by separation of variables. e is 1e-5 of c; 1e-3, 2e-3 in sums: second
+    order on 48 cells around.
+    """
+    shape, film, edge, step = (48, 40), 1e-5, 2e6, 1e-4
+    theta = (np.arange(48) + 0.5) * 2.0 * np.pi / 48
+    shift = 1e-5 * film
+    model = LubricationModel(parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge))
+    still = np.zeros(shape)
+    state, _ = model.start(np.full(shape, film), still)
+    closed = film - shift * np.sin(theta)[:, None] * np.ones(shape)
+    _, o = model.advance(state, closed, still, step)
+    amplitude = 12.0 * VISCOSITY * shift / step * RADIUS**2 / film**3
+    y = (along(40) - 0.5) * LENGTH
+    profile = 1.0 - np.cosh(y / RADIUS) / np.cosh(LENGTH / (2.0 * RADIUS))
+    expected = amplitude * np.outer(np.sin(theta), profile)
+    assert np.abs(o["pressure"] - edge - expected).max() <= 1e-3 * np.abs(expected).max()
+    # across the thrust plane: edge pressure 2 R L p_e, squeeze pi/2 R amplitude int(profile)
+    common = 2.0 * RADIUS * LENGTH * edge
+    push = np.pi / 2.0 * RADIUS * amplitude * squeezed(1.0, 40)
+    assert o["radial_force_thrust_side"] == near(common + push, rel=2e-3)
+    difference = o["radial_force_thrust_side"] - o["radial_force_anti_thrust_side"]
+    assert difference == near(2.0 * push, rel=2e-3)
+    assert o["minimum_film_thickness_thrust_side"] == near(closed.min())
+    assert o["minimum_film_thickness_anti_thrust_side"] == closed[24:].min() > film
+
+
+def test_halves_meet_on_the_pin_axis():
+    """Five cells around: the third lies on theta = pi and counts half on each side."""
+    film = np.array([4e-6, 5e-6, 6e-6, 7e-6, 9e-6])[:, None]
+    o = stepped((5, 4), film, 2.0)
+    shear = -VISCOSITY * 2.0 / film[:, 0] * WIDTH * LENGTH / 5.0
+    # the film is the same all along the skirt: no pressure, Couette shear to round-off
+    assert o["friction_force_thrust_side"] == near(shear[0] + shear[1] + 0.5 * shear[2], rel=1e-12)
+    assert o["friction_force_anti_thrust_side"] == near(
+        0.5 * shear[2] + shear[3] + shear[4], rel=1e-12
+    )
+    assert o["minimum_film_thickness_thrust_side"] == 4e-6
+    assert o["minimum_film_thickness_anti_thrust_side"] == 6e-6
+
+
+# ---- cavitation
+
+
+POCKET = np.where((along(400) > 0.1) & (along(400) < 0.25), 10e-6, 1e-6)  # 2 to 5 of 20 mm
+
+
+def pocket(velocity, film, **changes):
+    """The pocket slider: 20 mm, 1 um, 1 m/s, 0.01 Pa s, 100 kPa around, rupture at 50 kPa."""
+    model = LubricationModel(
+        parameters(
+            (4, 400),
+            skirt_length=20e-3,
+            oil=Oil(viscosity=0.01),
+            pressure_lower_edge=1e5,
+            pressure_upper_edge=1e5,
+            cavitation_pressure=5e4,
+            **changes,
+        )
+    )
+    film = np.broadcast_to(film, (4, 400)).copy()
+    speed = np.full((4, 400), velocity)
+    state, _ = model.start(film, speed)
+    return model.advance(state, film, speed, STEADY)[1]
+
+
+@pytest.mark.parametrize("velocity", [-2.0, 2.0])
+def test_pocket_slider_conserves_oil(velocity):
+    """By hand, U = |V|, with the film H in the pocket and h elsewhere:
+
+    land   0-2 mm: p falls from p_b to p_c:   q = U h/2 + h^3/(12 mu) (p_b - p_c)/2 mm
+    cavity from 2 mm: f = 2 q/(U H)
+    pocket to 5 mm: p rises at (U H/2 - q) 12 mu/H^3
+    land   5-20 mm: p falls to p_b at (q - U h/2) 12 mu/h^3
+    so the film reforms at 5 mm - (p_max - p_c)/(slope in the pocket).
+
+    For U = 2: q = 1.0002083e-6 m2/s. Rupture and front are known to half a cell of 50 um, which is
+    1.3 % of the first land, hence of the pressure part of q (2e-4 of it) and of p_max - p_b.
+    """
+    forward = velocity < 0.0  # oil enters at the lower edge
+    o = pocket(velocity, POCKET if forward else POCKET[::-1])
+    speed, thin, deep, mu = 2.0, 1e-6, 10e-6, 0.01
+    flow = speed * thin / 2.0 + thin**3 / (12.0 * mu) * 5e4 / 2e-3
+    assert flow == near(1.0002083e-6, rel=1e-6)
+    edge = "lower" if forward else "upper"
+    assert o[f"flow_{edge}_edge"] == near(flow * WIDTH, rel=1e-5)
+    assert o["mass_imbalance"] <= 1e-12
+    fraction = o["film_fraction"][1] if forward else o["film_fraction"][1, ::-1]
+    pressure = o["pressure"][1] if forward else o["pressure"][1, ::-1]
+    friction = o["nodal_friction_force"][1] if forward else o["nodal_friction_force"][1, ::-1]
+    cavity = slice(41, 80)  # 2.05 to 4 mm
+    share = 2.0 * flow / (speed * deep)
+    assert fraction[cavity] == near(np.full(39, share), rel=1e-5)
+    assert pressure[cavity] == near(np.full(39, 5e4), rel=1e-12)
+    top = 1e5 + (flow - speed * thin / 2.0) * 12.0 * mu / thin**3 * 15e-3
+    assert top == near(475e3, rel=1e-9)
+    y = along(400)[100:] * 20e-3
+    assert pressure[100:] == near(top + (1e5 - top) * (y - 5e-3) / 15e-3, rel=1.3e-2)
+    front = 5e-3 - (top - 5e4) / ((speed * deep / 2.0 - flow) * 12.0 * mu / deep**3)
+    assert np.flatnonzero(fraction < 1.0)[-1] * 50e-6 == pytest.approx(front, abs=75e-6)
+    # the oil in the cavity shears with its share of the film, and nothing else does
+    area = WIDTH * 20e-3 / 1600
+    expected = -np.sign(velocity) * area * share * mu * speed / deep
+    assert friction[cavity] == near(np.full(39, expected), rel=1e-5)
+
+
+def test_cavity_shears_as_a_full_film_if_told():
+    o = pocket(-2.0, POCKET, cavity_shear="full_film")
+    area = WIDTH * 20e-3 / 1600
+    assert o["nodal_friction_force"][2, 60] == near(area * 0.01 * 2.0 / 10e-6, rel=1e-9)
+
+
+@pytest.mark.parametrize("velocity, edge", [(-3.0, "lower"), (3.0, "upper")])
+@pytest.mark.parametrize("shear", ["film_fraction", "full_film"])
+def test_starved_edges(velocity, edge, shear):
+    """A parallel film fed with a share f of oil stays at f: flow f h U/2, shear f mu V/h.
+
+    1e-6: what storage is worth in a step of 1e6 s, and f of the other edge does not show.
+    """
+    fed = {"lower": 0.6, "upper": 0.7}
+    o = stepped(
+        (4, 6),
+        8e-6,
+        velocity,
+        step=STEADY,
+        film_fraction_lower_edge=0.6,
+        film_fraction_upper_edge=0.7,
+        cavity_shear=shear,
+    )
+    share = fed[edge]
+    assert o["film_fraction"] == near(np.full((4, 6), share), rel=1e-6)
+    flow = share * 8e-6 * 3.0 / 2.0 * WIDTH
+    other = "upper" if edge == "lower" else "lower"
+    assert o[f"flow_{edge}_edge"] == near(flow, rel=1e-6)
+    assert o[f"flow_{other}_edge"] == near(-flow, rel=1e-6)
+    filled = share if shear == "film_fraction" else 1.0
+    force = filled * VISCOSITY * 3.0 / 8e-6 * WIDTH * LENGTH
+    assert o["friction_force_hydrodynamic"] == near(-np.sign(velocity) * force, rel=1e-6)
+    assert o["friction_power"] == near(3.0 * force, rel=1e-6)
+
+
+def slider(s):
+    """Film of the parabolic slider over h_o, s = y/L."""
+    return 1.0 + 0.5 * (2.0 * s - 1.0) ** 2
+
+
+def slider_pressure(flow, s):
+    """p h_o^2/(mu U L) at s, from 0 at s = 0: 6 int (h - flow)/h^3, [Hamrock2004]."""
+    return 6.0 * quad(lambda t: (slider(t) - flow) / slider(t) ** 3, 0.0, s)[0]
+
+
+@pytest.mark.parametrize("name", ["reynolds", "gumbel", "full_film"])
+@pytest.mark.parametrize("velocity", [-5.0, 5.0])
+def test_parabolic_slider(name, velocity):
+    """h = h_o [1 + (2 y/L - 1)^2/2]: Reynolds' exit p = dp/dy = 0 at 0.7065 L, with p* = 0.13425
+    and W* = 0.05284; full film: p(L) = 0; Gumbel: its positive half.
+
+    5e-4: second order on 200 cells; the exit of the film lies within a cell.
+    """
+    thin, speed = 5e-6, abs(velocity)
+    cells = 200
+    o = stepped(
+        (4, cells), thin * slider(along(cells)), velocity, cavitation_model=name, step=STEADY
+    )
+    if name == "reynolds":
+        end = brentq(lambda s: slider_pressure(slider(s), s), 0.55, 0.95)
+        flow = slider(end)
+        assert end == pytest.approx(0.7065, abs=5e-5)
+    else:
+        end, flow = 1.0, brentq(lambda f: slider_pressure(f, 1.0), 1.0, 1.5)
+    s = along(cells) if velocity < 0.0 else along(cells)[::-1]
+    exact = np.array([slider_pressure(flow, min(x, end)) for x in s])
+    if name == "gumbel":
+        exact = np.maximum(exact, 0.0)
+    scale = VISCOSITY * speed * LENGTH / thin**2
+    assert np.abs(o["pressure"][3] / scale - exact).max() <= 5e-4 * exact.max()
+    assert o["maximum_pressure"] / scale == near(exact.max(), rel=5e-4)
+    load = o["nodal_pressure_force"].sum() / (scale * LENGTH * WIDTH)
+    assert load == pytest.approx(exact.mean(), abs=5e-4 * exact.max())
+    if name == "reynolds":
+        assert exact.max() == near(0.13425, rel=2e-4)  # the peak is between centres
+        assert load == near(0.05284, rel=1e-3)
+    assert np.all(o["film_fraction"] == 1.0)
+
+
+# ---- time
+
+
+def test_squeeze_that_speeds_up_over_steps_of_any_length():
+    """A flat film h = h0 - a t - b t^2 between its edges: with dh/dt at the end of the step
+
+    p = p_e - 6 mu dh/dt / h^3 [y (L - y) + dy^2/4]
+
+    (parabola of the continuous film, and what half cells at the edges add). Second order in time is
+    exact for a film quadratic in time from the second step on, whatever the steps. Inflow over
+    each edge is B L/2 dh/dt. 1e-9: round-off of the differences of film content.
+    """
+    shape, edge = (4, 9), 5e6
+    model = LubricationModel(parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge))
+
+    def film(t):
+        return 12e-6 - 2e-3 * t - 3.0 * t * t
+
+    still, time, before = np.zeros(shape), 0.0, film(0.0)
+    state, _ = model.start(np.full(shape, before), still)
+    y = along(9) * LENGTH
+    parabola = y * (LENGTH - y) + (LENGTH / 9) ** 2 / 4.0
+    for number, step in enumerate((1e-4, 1.3e-4, 0.7e-4, 1.4e-4)):
+        time += step
+        h = film(time)
+        state, o = model.advance(state, np.full(shape, h), still, step)
+        # the first step knows no past: backward Euler
+        rate = (h - before) / step if number == 0 else -2e-3 - 6.0 * time
+        before = h
+        expected = edge - 6.0 * VISCOSITY * rate / h**3 * parabola
+        assert o["pressure"][2] == near(expected, rel=1e-9)
+        assert o["flow_lower_edge"] == near(WIDTH * LENGTH / 2.0 * rate, rel=1e-8)
+        assert o["flow_upper_edge"] == near(WIDTH * LENGTH / 2.0 * rate, rel=1e-8)
+
+
+def test_a_step_that_grows_more_than_twice_counts_as_twice():
+    """c_e = c_n + beta (c_n - c_(n-1)), beta = w^2/(1 + 2 w) with w = 2: beta = 0.8, and
+    H_e = H - 0.8 H_n, for w = 3: rate = (c - c_e)/(H - 0.8 H/3).
+    """
+    shape, edge = (4, 6), 5e6
+    model = LubricationModel(parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge))
+    still = np.zeros(shape)
+    films, steps = (12.0e-6, 11.9e-6, 11.2e-6), (1e-4, 3e-4)
+    state, _ = model.start(np.full(shape, films[0]), still)
+    for h, step in zip(films[1:], steps):
+        state, o = model.advance(state, np.full(shape, h), still, step)
+    start = films[1] + 0.8 * (films[1] - films[0])
+    rate = (films[2] - start) / (3e-4 - 0.8 * 1e-4)
+    assert o["flow_lower_edge"] == near(WIDTH * LENGTH / 2.0 * rate, rel=1e-9)

@@ -1,0 +1,366 @@
+"""Numbers of rough surfaces, asperity contact and coating, against tables typed here from their
+sources and formulas written out here.
+
+Every published coefficient of Patir and Cheng stands here a second time, and the model has to give
+flow and shear with it: pressure flow and sliding flow, shear on the skirt and power on the bore,
+with the roughness on the skirt, on the bore, and on both.
+
+References
+----------
+[Patir1978] N. Patir, H. S. Cheng, J. Lubr. Technol. 100 (1978) 12-17, table 1.
+[Patir1979] N. Patir, H. S. Cheng, J. Lubr. Technol. 101 (1979) 220-229, tables 1 to 4.
+[Greenwood1970] J. A. Greenwood, J. H. Tripp, Proc. Instn Mech. Engrs 185 (1970) 625-633.
+[Johnson1985] K. L. Johnson, Contact Mechanics, Cambridge 1985, section 5.8.
+"""
+
+from math import cosh, erf, exp, gamma, pi, sqrt, tanh
+
+import numpy as np
+import pytest
+from piston_cosim.fmu_ehd import roughness
+from piston_cosim.fmu_ehd.asperity import fitted_integral, gaussian_integral
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
+from scipy.integrate import quad
+
+SHAPE = (4, 6)
+RADIUS = 31e-3  # [m]
+LENGTH = 23e-3  # [m]
+WIDTH = 2.0 * np.pi * RADIUS  # [m]
+AREA = WIDTH * LENGTH  # [m2]
+VISCOSITY = 0.013  # [Pa s]
+SIGMA = 0.8e-6  # [m]
+
+# gamma: C, r of phi_x [Patir1978] | A1, a1, a2, a3, A2 of Phi_s | A3, a4, a5, a6 of Phi_fs |
+# D, s of phi_fp [Patir1979]
+PUBLISHED = {
+    1 / 9: (1.48, 0.42, 2.046, 1.12, 0.78, 0.03, 1.856, 14.1, 2.45, 2.30, 0.10, 1.51, 0.52),
+    1 / 6: (1.38, 0.42, 1.962, 1.08, 0.77, 0.03, 1.754, 13.4, 2.42, 2.30, 0.10, 1.51, 0.54),
+    1 / 3: (1.18, 0.42, 1.858, 1.01, 0.76, 0.03, 1.561, 12.3, 2.32, 2.30, 0.10, 1.47, 0.58),
+    1.0: (0.90, 0.56, 1.899, 0.98, 0.92, 0.05, 1.126, 11.1, 2.31, 2.38, 0.11, 1.40, 0.66),
+    3.0: (0.225, 1.5, 1.560, 0.85, 1.13, 0.08, 0.556, 9.8, 2.25, 2.80, 0.18, 0.98, 0.79),
+    6.0: (0.520, 1.5, 1.290, 0.62, 1.09, 0.08, 0.388, 10.1, 2.25, 2.90, 0.18, 0.97, 0.91),
+    9.0: (0.870, 1.5, 1.011, 0.54, 1.07, 0.08, 0.295, 8.7, 2.15, 2.97, 0.18, 0.73, 0.91),
+}
+LOWEST = {1 / 9: 1.0, 1 / 6: 1.0, 1 / 3: 0.75, 1.0: 0.5, 3.0: 0.5, 6.0: 0.5, 9.0: 0.5}
+
+
+def near(value, rel=1e-12):
+    """Within a share of the value alone: flows are smaller than pytest's absolute tolerance."""
+    return pytest.approx(value, rel=rel, abs=0.0)
+
+
+def phi_x(h, g):
+    """[Patir1978]: 1 - C exp(-r H) for gamma <= 1, 1 + C H^-r above."""
+    c, r = PUBLISHED[g][:2]
+    return 1.0 - c * exp(-r * h) if g <= 1.0 else 1.0 + c * h**-r
+
+
+def phi_s(h, g):
+    """[Patir1979]: A1 H^a1 exp(-a2 H + a3 H^2) to H = 5, A2 exp(-H/4) above."""
+    a1, p, q, r, a2 = PUBLISHED[g][2:7]
+    return a1 * h**p * exp(-q * h + r * h * h) if h <= 5.0 else a2 * exp(-0.25 * h)
+
+
+def phi_fs(h, g):
+    """[Patir1979]: A3 H^a4 exp(-a5 H + a6 H^2) below H = 7, 0 from there."""
+    a3, p, q, r = PUBLISHED[g][7:11]
+    return a3 * h**p * exp(-q * h + r * h * h) if h < 7.0 else 0.0
+
+
+def phi_fp(h, g):
+    """[Patir1979]: 1 - D exp(-s H)."""
+    d, s = PUBLISHED[g][11:]
+    return 1.0 - d * exp(-s * h)
+
+
+def phi_f(h):
+    """[Patir1979]: h E(1/h_T) over heights of density d(t) = (35/96) [1 - (t/3)^2]^3 in t = height/
+    sigma, films below sigma/100 left out of 1/h_T to first order; by quadrature, the pole apart:
+
+    int (d(t) - d(-h))/(h + t) dt + d(-h) ln[(h + 3)/0.01]
+    """
+
+    def density(t):
+        return 35.0 / 96.0 * max(1.0 - (t / 3.0) ** 2, 0.0) ** 3
+
+    pole = density(-h)
+    regular = quad(lambda t: (density(t) - pole) / (h + t), max(-3.0, -h), 3.0, limit=200)[0]
+    return h * (regular + pole * np.log((h + 3.0) / 0.01))
+
+
+def gap(h):
+    """E(max(h + t, 0)) of Gaussian heights, over sigma."""
+    return h / 2.0 * (1.0 + erf(h / sqrt(2.0))) + exp(-h * h / 2.0) / sqrt(2.0 * pi)
+
+
+def stepped(film, velocity, shape=SHAPE, **changes):
+    """Outputs of one step of a film that stays as it is."""
+    given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=Oil(viscosity=VISCOSITY)) | changes
+    model = LubricationModel(Parameters(shape, **given))
+    film = np.broadcast_to(film, shape).copy()
+    speed = np.full(shape, velocity)
+    state, _ = model.start(film, speed)
+    return model.advance(state, film, speed, 1e-4)[1]
+
+
+def rough(separation, velocity, gamma_, share, **changes):
+    """The same for a parallel rough film without contact pressure to speak of."""
+    return stepped(
+        separation * SIGMA,
+        velocity,
+        roughness_rms=SIGMA,
+        flow_factors="patir_cheng_1978",
+        peklenik_number=gamma_,
+        roughness_share_skirt=share,
+        boundary_friction_coefficient=0.0,
+        **changes,
+    )
+
+
+# ---- flow factors
+
+
+@pytest.mark.parametrize("g", PUBLISHED)
+@pytest.mark.parametrize("h", [1.5, 3.0, 6.0])
+def test_pressure_flow_and_its_shear(g, h):
+    """Flow h^3 phi_x/(12 mu) dp/L B, shear on the skirt and on the bore phi_fp h/2 dp/L.
+
+    1e-6: the table between its points.
+    """
+    o = rough(h, 0.0, g, 0.3, pressure_lower_edge=4e5, pressure_upper_edge=1e5)
+    flow = (h * SIGMA) ** 3 / (12.0 * VISCOSITY) * 3e5 / LENGTH * WIDTH
+    assert o["flow_lower_edge"] == near(phi_x(h, g) * flow, rel=1e-6)
+    push = phi_fp(h, g) * h * SIGMA / 2.0 * 3e5 / LENGTH * AREA
+    assert o["friction_force_hydrodynamic"] == near(push, rel=1e-6)
+
+
+@pytest.mark.parametrize("g", PUBLISHED)
+@pytest.mark.parametrize("h", [0.8, 1.5, 3.0, 6.0, 8.0])
+@pytest.mark.parametrize("share, velocity", [(1.0, 3.0), (0.3, 3.0), (0.3, -3.0), (0.0, -3.0)])
+def test_sliding_flow_shear_and_power(g, h, share, velocity):
+    """With w = 2 Y - 1 = (sigma_skirt^2 - sigma_bore^2)/sigma^2, [Patir1979] in the frame of the
+    skirt:
+
+    flow      U/2 (h_T - w sigma Phi_s),   a rough skirt keeps oil with it
+    skirt     mu V/h (phi_f - w Phi_fs),   bore  mu V/h (phi_f + w Phi_fs)
+
+    [Patir1979] gives the stress of the smooth moving surface under a rough one at rest phi_f +
+    Phi_fs, and that of the rough one phi_f - Phi_fs. 2e-5: the tables between their points.
+    """
+    o = rough(h, velocity, g, share)
+    w = 2.0 * share - 1.0
+    flow = velocity / 2.0 * SIGMA * (gap(h) - w * phi_s(h, g)) * WIDTH
+    assert o["flow_upper_edge"] == near(flow, rel=2e-5)
+    assert o["flow_lower_edge"] == near(-flow, rel=2e-5)
+    couette = VISCOSITY * velocity / (h * SIGMA) * AREA
+    skirt, bore = phi_f(h) - w * phi_fs(h, g), phi_f(h) + w * phi_fs(h, g)
+    assert o["friction_force_hydrodynamic"] == near(-couette * skirt, rel=2e-5)
+    assert o["friction_power"] == near(couette * velocity * bore, rel=2e-5)
+
+
+def test_published_shear_stress_factor():
+    """phi_f of [Patir1979] at H = 0.5, 1, 2, 3, 6, to its printed digits."""
+    known = {0.5: 0.9070, 1.0: 1.6366, 2.0: 1.7460, 3.0: 1.1666, 6.0: 1.0299}
+    for h, value in known.items():
+        assert phi_f(h) == pytest.approx(value, abs=1e-4)  # cut, not rounded
+        assert roughness.shear_stress_factor(h) == pytest.approx(value, abs=1e-4)
+
+
+@pytest.mark.parametrize("g", PUBLISHED)
+def test_factors_hold_below_the_published_range(g):
+    h = LOWEST[g]
+    for below in (0.2, h - 0.01):
+        assert roughness.pressure_flow_factor(below, g) == near(phi_x(h, g))
+    assert roughness.pressure_stress_factor(0.1, g) == near(phi_fp(0.5, g))
+
+
+@pytest.mark.parametrize("around", [6.0, 1 / 6])
+def test_squeeze_flows_by_both_factors(around):
+    """A rough sleeve that moves towards the thrust side, h = c - e sin(theta): with k = h^3/(12 mu)
+
+    phi_a p_yy + phi_c/R^2 p_tt = 12 mu dh_T/dt / c^3,   phi_a = phi_x(H, gamma), phi_c = phi_x(H,
+    1/gamma), dh_T/dh = (1 + erf(H/sqrt 2))/2
+    p = p_e + A [1 - cosh(m y/R)/cosh(m L/2R)] sin(theta),   m^2 = phi_c/phi_a,
+    A = 12 mu edot (dh_T/dh) R^2/(phi_c c^3)
+
+    Grooves along the axis (gamma 6) let oil past along it. 2e-3: second order on 48 x 40 cells.
+    """
+    shape, h, edge, step = (48, 40), 1.5, 2e8, 1e-4
+    film = h * SIGMA
+    theta = (np.arange(48) + 0.5) * 2.0 * np.pi / 48
+    model = LubricationModel(
+        Parameters(
+            shape,
+            oil=Oil(viscosity=VISCOSITY),
+            bore_radius=RADIUS,
+            skirt_length=LENGTH,
+            roughness_rms=SIGMA,
+            flow_factors="patir_cheng_1978",
+            peklenik_number=around,
+            pressure_lower_edge=edge,
+            pressure_upper_edge=edge,
+        )
+    )
+    still = np.zeros(shape)
+    shift = 1e-5 * film
+    state, _ = model.start(np.full(shape, film), still)
+    closed = film - shift * np.sin(theta)[:, None] * np.ones(shape)
+    _, o = model.advance(state, closed, still, step)
+    along, across = phi_x(h, around), phi_x(h, 1.0 / around)
+    stored = 0.5 * (1.0 + erf(h / sqrt(2.0)))
+    amplitude = 12.0 * VISCOSITY * shift / step * stored * RADIUS**2 / (across * film**3)
+    m = sqrt(across / along)
+    y = ((np.arange(40) + 0.5) / 40 - 0.5) * LENGTH
+    profile = 1.0 - np.cosh(m * y / RADIUS) / cosh(m * LENGTH / (2.0 * RADIUS))
+    expected = amplitude * np.outer(np.sin(theta), profile)
+    assert np.abs(o["pressure"] - edge - expected).max() <= 2e-3 * np.abs(expected).max()
+    half = m * LENGTH / (2.0 * RADIUS)
+    push = np.pi * RADIUS * amplitude * LENGTH * (1.0 - tanh(half) / half)
+    wet = (o["pressure"] - edge) * WIDTH * LENGTH / (48 * 40)
+    assert (wet * np.sin(theta)[:, None]).sum() == near(push, rel=2e-3)
+
+
+def test_between_published_numbers_factors_are_linear_in_the_logarithm():
+    """gamma = 2 lies ln 2/ln 3 = 0.63093 of the way from 1 to 3, at H = 2 by hand:
+    phi_x = 0.36907 (1 - 0.9 exp(-1.12)) + 0.63093 (1 + 0.225 x 2^-1.5).
+    """
+    expected = 0.3690702 * (1.0 - 0.9 * 0.3262798) + 0.6309298 * (1.0 + 0.225 * 0.3535534)
+    o = rough(2.0, 0.0, 2.0, 0.5, pressure_upper_edge=1e5)
+    flow = (2.0 * SIGMA) ** 3 / (12.0 * VISCOSITY) * 1e5 / LENGTH * WIDTH
+    assert o["flow_upper_edge"] == near(expected * flow, rel=1e-6)
+
+
+# ---- asperity contact
+
+
+PRODUCT, SLOPE, MODULUS = 0.047, 3.1e-3, 4.4e10
+# H: F_5/2 and F_2 of [Greenwood1970], exact to the digits printed
+INTEGRALS = {
+    0.0: (6.16634e-1, 0.5),
+    1.0: (8.05623e-2, 7.53398e-2),
+    2.0: (5.42371e-3, 5.76873e-3),
+    3.0: (1.70873e-4, 2.03435e-4),
+}
+
+
+def touching(h, velocity=0.0, **changes):
+    return stepped(
+        max(h, 1e-9) * SIGMA,  # a film of 0 everywhere is refused
+        velocity,
+        roughness_rms=SIGMA,
+        asperity_product=PRODUCT,
+        asperity_slope=SLOPE,
+        contact_modulus=MODULUS,
+        **changes,
+    )
+
+
+@pytest.mark.parametrize("h", INTEGRALS)
+def test_contact_pressure_area_and_friction(h):
+    """[Greenwood1970]: p = (16 sqrt 2 pi/15)(eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2, 1/E* =
+    sum (1 - nu^2)/E;  A_c/A = pi^2 (eta beta sigma)^2 F_2;  friction (mu_b p + tau_0 A_c/A) V/
+    sqrt(V^2 + v_0^2) against sliding, here at V = -3/4 v_0: 3/5. 1e-5: digits of the integrals.
+    """
+    force, area = INTEGRALS[h]
+    o = touching(
+        h,
+        -0.75e-2,
+        boundary_friction_coefficient=0.09,
+        boundary_shear_strength=5e6,
+        friction_rounding_velocity=1e-2,
+    )
+    pressure = 16.0 * sqrt(2.0) * pi / 15.0 * PRODUCT**2 * sqrt(SLOPE) * MODULUS * force
+    share = pi**2 * PRODUCT**2 * area
+    assert o["asperity_pressure"][2, 3] == near(pressure, rel=1e-5)
+    assert o["contact_area_fraction"] == near(share, rel=1e-5)
+    rubbing = (0.09 * pressure + 5e6 * share) * 0.6 * AREA
+    assert o["friction_force_asperity"] == near(rubbing, rel=1e-5)
+    cell = AREA / 24.0
+    assert o["nodal_pressure_force"][1, 4] == near(
+        (o["pressure"][1, 4] + pressure) * cell, rel=1e-5
+    )
+    viscous = VISCOSITY * 0.75e-2 / max(h * SIGMA, 5e-8) * cell
+    assert o["nodal_friction_force"][1, 4] == near(viscous + rubbing / 24.0, rel=1e-5)
+    assert o["friction_power"] == near(0.75e-2 * (24.0 * viscous + rubbing), rel=1e-5)
+
+
+def test_contact_of_cells_adds_up():
+    """Half of the cells at H = 1, half at H = 2: the area is the mean, the halves keep apart."""
+    film = np.where(np.arange(4) < 2, 1.0, 2.0)[:, None] * SIGMA
+    o = stepped(
+        film, 5.0, roughness_rms=SIGMA, asperity_product=PRODUCT, boundary_shear_strength=1e9
+    )
+    share = pi**2 * PRODUCT**2 * np.array([7.53398e-2, 5.76873e-3])
+    assert o["contact_area_fraction"] == near(share.mean(), rel=1e-5)
+
+
+def test_overlap_goes_on_along_the_tangent():
+    """F_n(0) = 2^((n-1)/2) Gamma((n+1)/2)/sqrt(2 pi), F' = -n F_(n-1): p(-2)/p(0) = 1 + 5 F_3/2(0)/
+    F_5/2(0).
+    """
+    at_zero = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.5, 2.5)}
+    film = np.full(SHAPE, 3.0 * SIGMA)
+    film[1, 2], film[3, 4] = 0.0, -2.0 * SIGMA
+    o = stepped(film, 0.0, roughness_rms=SIGMA)
+    ratio = o["asperity_pressure"][3, 4] / o["asperity_pressure"][1, 2]
+    assert ratio == near(1.0 + 5.0 * at_zero[1.5] / at_zero[2.5], rel=1e-9)
+
+
+def test_power_fit():
+    """F_5/2 = 4.4086e-5 (4 - H)^6.804 at H = 1.7, none from H = 4 on; the area stays exact."""
+    o = touching(1.7, contact_law="power_fit")
+    pressure = 16.0 * sqrt(2.0) * pi / 15.0 * PRODUCT**2 * sqrt(SLOPE) * MODULUS
+    # 1e-6: the table between its points
+    assert o["asperity_pressure"][0, 0] == near(pressure * 4.4086e-5 * 2.3**6.804, rel=1e-6)
+    assert fitted_integral(np.array([4.5]))[0][0] == 0.0
+    expected = pi**2 * PRODUCT**2 * gaussian_integral(2.0, 1.7)
+    assert o["contact_area_fraction"] == near(expected, rel=1e-6)
+
+
+# ---- coating
+
+
+def test_coating_opens_the_film_by_its_compliance():
+    """[Johnson1985]: a bonded layer yields by d (1 + nu)(1 - 2 nu)/[E (1 - nu)] p. Under an even
+    pressure 40 MPa: d = 60 um, E = 0.8 GPa, nu = 0.4: 1.4 um. Shear and flow see h + w.
+    """
+    pressure, film = 40e6, 5e-6
+    o = stepped(
+        film,
+        2.0,
+        pressure_lower_edge=pressure,
+        pressure_upper_edge=pressure,
+        coating_thickness=60e-6,
+        coating_modulus=0.8e9,
+        coating_poisson=0.4,
+    )
+    # the layer yields within the step and draws oil in from both edges; far from them in time
+    opened = film + 60e-6 * 1.4 * 0.2 / (0.8e9 * 0.6) * o["pressure"]
+    assert o["nodal_friction_force"].sum() == near(
+        (-VISCOSITY * 2.0 / opened * AREA / 24.0).sum(), rel=1e-2
+    )
+    model = LubricationModel(
+        Parameters(
+            SHAPE,
+            oil=Oil(viscosity=VISCOSITY),
+            bore_radius=RADIUS,
+            skirt_length=LENGTH,
+            pressure_lower_edge=pressure,
+            pressure_upper_edge=pressure,
+            coating_thickness=60e-6,
+            coating_modulus=0.8e9,
+            coating_poisson=0.4,
+        )
+    )
+    thickness, speed = np.full(SHAPE, film), np.full(SHAPE, 2.0)
+    state, _ = model.start(thickness, speed)
+    for _ in range(3):
+        state, o = model.advance(state, thickness, speed, 1e3)  # long enough to fill
+    opened = film + 60e-6 * 1.4 * 0.2 / (0.8e9 * 0.6) * pressure
+    assert opened == near(6.4e-6, rel=1e-9)
+    assert o["minimum_film_thickness"] == near(opened, rel=1e-6)
+    assert o["flow_upper_edge"] == near(opened * WIDTH, rel=1e-6)
+    force = VISCOSITY * 2.0 / opened * AREA
+    assert o["friction_force_hydrodynamic"] == near(-force, rel=1e-6)

@@ -1,0 +1,688 @@
+"""Numbers of the bodies by hand, at the slave: mechanism, loads, film geometry, modes, tables.
+
+The bodies are written by hand as reduced bodies, so that every number is known. The mechanism is
+held against Newton's and Euler's equations of its single parts with the forces between them as
+unknowns, which shares nothing with the minimal coordinates of the code. Every offset is nonzero,
+the grid is not square, forces differ from cell to cell.
+
+Axes: x to the thrust side, y to the head, z along the pin; theta from +z to +x; the crank turns
+about +z and leaves top dead centre towards -x.
+"""
+
+import json
+import shutil
+from math import cos, hypot, pi, sin, sqrt, tanh
+
+import numpy as np
+import pytest
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.slave import Mfbd
+
+GRID = (8, 5)
+BORE = 37e-3  # [m]
+LOW, HIGH = -14e-3, 9e-3  # skirt edges above A [m]
+BOTTOM, TOP = 40e-3, 170e-3  # bore ends above the crank axis [m]
+THETA = (np.arange(8) + 0.5) * 2.0 * pi / 8
+HEIGHT = LOW + (np.arange(5) + 0.5) / 5 * (HIGH - LOW)
+PISTON = dict(mass=0.31, S=np.array([0.9e-3, 1.7e-3]), I0=2.3e-4)
+MECHANISM = dict(
+    crank_radius=28.8e-3,
+    rod_length=110e-3,
+    crank_offset=1.3e-3,
+    rod_mass=0.35,
+    rod_inertia=6e-4,
+    rod_centre=31e-3,
+    pin_mass=0.07,
+)
+PIN_OFFSET = 0.8e-3
+
+
+def near(value, rel=1e-9):
+    """Within a share of the value alone: lengths are of the size of pytest's absolute tolerance."""
+    return pytest.approx(value, rel=rel, abs=0.0)
+
+
+@pytest.fixture
+def bodies(tmp_path, monkeypatch):
+    """A function that writes both bodies and gives the running slave."""
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+
+    def begin(table=None, piston=None, block=None, **values):
+        """The slave after initialisation, for build table, modes of both bodies and variables."""
+        k = len((piston or {}).get("omega", ()))
+        m = len((block or {}).get("omega", ()))
+        held = dict(
+            T=np.zeros((2, k)),
+            b=np.zeros(k),
+            B=np.zeros((k, k)),
+            g=np.zeros(k),
+            G=np.zeros((k, k)),
+            omega=np.zeros(k),
+            kind=np.full(k, -1),
+            gas_force=np.zeros(k),
+            radial=np.zeros((40, k)),
+            axial=np.zeros((40, k)),
+            radius=BORE - 1e-4,
+            skirt_lower=LOW,
+            skirt_upper=HIGH,
+        )
+        np.savez(tmp_path / "piston.npz", **(PISTON | held | (piston or {})))
+        held = dict(
+            omega=np.zeros(m),
+            kind=np.full(m, -1),
+            radial=np.zeros((8, 14, m)),
+            axial=np.zeros((8, 14, m)),
+            heights=np.linspace(BOTTOM, TOP, 14),
+            radius=BORE,
+        )
+        np.savez(tmp_path / "block.npz", **(held | (block or {})))
+        table = dict(table or {})
+        own = {"reduced": "piston.npz", "pin_offset": f"{PIN_OFFSET} m"} | table.pop("piston", {})
+        other = {"reduced": "block.npz"} | table.pop("block", {})
+        build = {"grid": list(GRID), "piston": own, "block": other} | table
+        options, files = prepare(build, tmp_path, lambda text: None)
+        resources = tmp_path / "resources"
+        resources.mkdir(exist_ok=True)
+        for file in files:
+            shutil.copy(file, resources)
+        (resources / "build.json").write_text(json.dumps(options))
+        slave = Mfbd(instance_name="bodies", resources=str(resources))
+        for name, value in (MECHANISM | values).items():
+            slave.views[name][...] = value
+        slave.exit_initialization_mode()
+        assert slave.fault is None
+        return slave
+
+    return begin
+
+
+def seen(slave):
+    """All variables of a slave by name, as they are now."""
+    return {name: view.copy() if view.ndim else view.item() for name, view in slave.views.items()}
+
+
+def forces():
+    """Pressure and friction force of each cell [N], no two alike."""
+    rng = np.random.default_rng(4)
+    return 30.0 * rng.random(GRID), 4.0 * rng.random(GRID) - 1.0
+
+
+def cross(a, b):
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def newton_euler(o, gas, turn=0.0, load_torque=None):
+    """Accelerations and forces of the single parts: piston, pin, rod, crank.
+
+    Piston, about A:  m A'' + al Z s - w^2 s = P + film + gas,   (Z s).A'' + I0 al = M + moments
+    Pin:              m_p A'' = S - P
+    Rod, about G:     m_r G'' = B - S,   J psi'' = (A - G) x (-S) + (C - G) x B - M
+    Joint:            A'' - C'' = psi'' Z (A - C) - psi'^2 (A - C)
+    Crank:            J_c w' = T - C x B      C from the crank axis
+
+    with Z = e_z x, P on the piston from the pin, S on the pin from the rod, B on the rod from the
+    crank, M the friction of the pin on the piston, -lever |P| tanh(slip/w_0) - viscous slip.
+
+    Parameters: o, outputs, inputs and parameters of the slave at an instant; gas [N]; turn, w'
+    [rad/s2], unknown where load_torque [N m] is given. Returns a dict.
+    """
+    x, angle = o["lateral_displacement"], o["rocking_angle"]
+    phi, speed = o["crank_angle"], o["rotation_speed"]
+    r, length = o["crank_radius"], o["rod_length"]
+    crank = r * np.array([-sin(phi), cos(phi)])
+    crank_rate = speed * r * np.array([-cos(phi), -sin(phi)])
+    pin_x = PIN_OFFSET + x - (o["crank_offset"] + crank[0])
+    rod = np.array([pin_x, sqrt(length**2 - pin_x**2)])
+    rod_rate = -(o["lateral_velocity"] - crank_rate[0]) / rod[1]
+    share = o["rod_centre"] / length
+    s = PISTON["S"]
+    s = np.array([cos(angle) * s[0] - sin(angle) * s[1], sin(angle) * s[0] + cos(angle) * s[1]])
+    push, drag = o["nodal_pressure_force"], o["nodal_friction_force"]
+    sine = np.sin(THETA)[:, None]
+    film = np.array([-(push * sine).sum(), drag.sum()])
+    moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum() + gas * PIN_OFFSET
+    m, spin = PISTON["mass"], o["rocking_velocity"]
+    slip = spin - rod_rate
+
+    def solve(rubbing):
+        # unknowns: A'' (2), al, P (2), S (2), B (2), psi'', w'
+        left, right = np.zeros((11, 11)), np.zeros(11)
+        left[0, [0, 2, 3]] = m, -s[1], -1.0
+        left[1, [1, 2, 4]] = m, s[0], -1.0
+        right[:2] = film - [0.0, gas] + spin**2 * s
+        left[2, :3] = -s[1], s[0], PISTON["I0"]
+        right[2] = moment + rubbing
+        for axis in (0, 1):
+            left[3 + axis, [axis, 3 + axis, 5 + axis]] = o["pin_mass"], 1.0, -1.0
+        # G'' = k A'' + (1 - k) C''; C'' = w' (-cos, -sin) r + w^2 (sin, -cos) r
+        tangential = r * np.array([-cos(phi), -sin(phi)])
+        centripetal = -(speed**2) * crank
+        for axis in (0, 1):
+            row = 5 + axis
+            left[row, [axis, 5 + axis, 7 + axis]] = share * o["rod_mass"], 1.0, -1.0
+            left[row, 10] = (1.0 - share) * o["rod_mass"] * tangential[axis]
+            right[row] = -(1.0 - share) * o["rod_mass"] * centripetal[axis]
+        upper, lower = (1.0 - share) * rod, -share * rod
+        left[7, 9] = o["rod_inertia"]
+        left[7, 5:7] = -upper[1], upper[0]
+        left[7, 7:9] = lower[1], -lower[0]
+        right[7] = -rubbing
+        for axis, arm in ((0, -rod[1]), (1, rod[0])):
+            left[8 + axis, [axis, 9, 10]] = 1.0, -arm, -tangential[axis]
+            right[8 + axis] = centripetal[axis] - rod_rate**2 * rod[axis]
+        if load_torque is None:
+            left[10, 10], right[10] = 1.0, turn
+        else:
+            left[10, 10] = o["crank_inertia"]
+            left[10, 7:9] = -crank[1], crank[0]
+            right[10] = -load_torque
+        return np.linalg.solve(left, right)
+
+    rubbing = 0.0
+    for _ in range(200):
+        a = solve(rubbing)
+        size = o["pin_friction_coefficient"] * o["pin_radius"] * hypot(a[3], a[4])
+        rubbing = -size * tanh(slip / o["pin_friction_speed"]) - o["pin_friction_damping"] * slip
+    return dict(
+        lateral=a[0],
+        climb=a[1],
+        rocking=a[2],
+        pin=a[3:5],
+        turn=a[10],
+        torque=o["crank_inertia"] * a[10] + cross(crank, a[7:9]),
+        friction=rubbing,
+        position=crank[1] + rod[1],
+        velocity=crank_rate[1] + rod_rate * rod[0],
+    )
+
+
+RUBBING = dict(
+    pin_friction_coefficient=0.08,
+    pin_radius=9e-3,
+    pin_friction_speed=40.0,
+    pin_friction_damping=2e-3,
+)
+
+
+@pytest.mark.parametrize("rubbing", [{}, RUBBING], ids=["smooth pin", "rubbing pin"])
+@pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
+def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
+    """At the start, and at the end of a step in which the crank speeds up. 1e-9: Newton's method
+    stops at 1e-11 of the accelerations, forces are differences of larger ones.
+    """
+    push, drag = forces()
+    slave = bodies(
+        start_crank_angle=phi,
+        start_lateral_displacement=40e-6,
+        start_rocking_angle=-2e-3,
+        crank_speed=310.0,
+        gas_pressure=7e5,
+        nodal_pressure_force=push,
+        nodal_friction_force=drag,
+        **rubbing,
+    )
+    gas = 7e5 * pi * BORE**2
+    o = seen(slave)
+    assert o["crank_angle"] == phi and o["rocking_angle"] == -2e-3
+    step = 1e-5
+    for turn in (0.0, 2e5):
+        want = newton_euler(o, gas, turn)
+        size = hypot(*want["pin"])
+        for key, value in zip(("pin_force_x", "pin_force_y"), want["pin"]):
+            assert o[key] == pytest.approx(value, abs=1e-9 * size)
+        assert o["crank_torque"] == pytest.approx(want["torque"], abs=1e-9 * size * 0.03)
+        assert o["pin_friction_moment"] == pytest.approx(want["friction"], rel=1e-8)
+        assert o["piston_position"] == near(want["position"], rel=1e-13)
+        assert o["piston_velocity"] == near(want["velocity"])
+        assert o["side_force"] == near((push * np.sin(THETA)[:, None]).sum())
+        assert o["interface_work_error"] <= 1e-13
+        if turn == 0.0:
+            slave.views["crank_speed"][...] = 310.0 + 2e5 * step
+            assert slave.do_step(0.0, step)
+            o = seen(slave)
+            assert o["rotation_speed"] == near(312.0)
+            assert o["crank_angle"] == near(phi + 311.0 * step)
+    assert o["residual_evaluations"] > 0 and o["jacobian_evaluations"] > 0
+
+
+def test_accelerations_are_those_of_newton_and_euler(bodies):
+    """From rest, velocities after a step of 1 ns are accelerations times it, to 1e-4: jerk."""
+    push, drag = forces()
+    slave = bodies(
+        start_crank_angle=0.9,
+        crank_speed=310.0,
+        gas_pressure=-3e5,
+        nodal_pressure_force=push,
+        nodal_friction_force=drag,
+    )
+    want = newton_euler(seen(slave), -3e5 * pi * BORE**2)
+    assert slave.do_step(0.0, 1e-9)
+    o = seen(slave)
+    assert o["lateral_velocity"] == near(want["lateral"] * 1e-9, rel=1e-4)
+    assert o["rocking_velocity"] == near(want["rocking"] * 1e-9, rel=1e-4)
+
+
+def test_gas_turns_the_piston_about_an_offset_pin(bodies):
+    """Gas alone, crank at rest, massless rod: the gas acts on the skirt's axis, at -d from A, along
+    -y. A cannot move along y without moving sideways: with the rod upright (xi = 0) it stays, and
+    I0 al - S_y x'' = G d, m x'' - S_y al = 0.
+    """
+    slave = bodies(
+        crank_speed=0.0,
+        crank_offset=PIN_OFFSET,
+        start_crank_angle=0.0,
+        rod_mass=0.0,
+        rod_inertia=0.0,
+        pin_mass=0.0,
+        gas_pressure=1e6,
+    )
+    gas = 1e6 * pi * BORE**2
+    assert slave.do_step(0.0, 1e-9)
+    inertia = PISTON["I0"] - PISTON["S"][1] ** 2 / PISTON["mass"]
+    rocking = gas * PIN_OFFSET / inertia
+    assert slave.views["rocking_velocity"].item() == near(rocking * 1e-9, rel=1e-4)
+    lateral = PISTON["S"][1] * rocking / PISTON["mass"]
+    assert slave.views["lateral_velocity"].item() == near(lateral * 1e-9, rel=1e-4)
+
+
+@pytest.mark.parametrize("degrees, side", [(30, -181.47237), (60, -150.83006), (90, 25.33294)])
+def test_rigid_slider_crank(bodies, degrees, side):
+    """Crank 28.8 mm, rod 110 mm, piston 0.315 kg, rod 0.35 kg with 6e-4 kg m2 and its centre 30 mm
+    from the big end, 3000 rpm, nothing offset, no gas, the piston guided along y: the side force
+    that guides it. Given by the film (2.5 mm below A, which turns the piston about its centre of
+    mass A and does no more) it leaves the piston without lateral acceleration; there, at 30 deg:
+    height 0.13399491 m, pin force -896.73536 N, torque +21.352215 N m.
+    """
+    push = np.zeros(GRID)
+    if side > 0.0:
+        push[1:3, 2] = side / 2.0 / sin(3.0 * pi / 8.0)
+    else:
+        push[5:7, 2] = -side / 2.0 / sin(3.0 * pi / 8.0)
+    slave = bodies(
+        {"piston": {"pin_offset": "0 mm"}},
+        piston=dict(mass=0.315, S=np.zeros(2), I0=3e-4),
+        crank_offset=0.0,
+        rod_centre=30e-3,
+        pin_mass=0.0,
+        crank_speed=100.0 * pi,
+        start_crank_angle=np.radians(degrees),
+        nodal_pressure_force=push,
+    )
+    o = seen(slave)
+    assert o["side_force"] == near(side)
+    assert o["pin_force_x"] == pytest.approx(side, abs=1e-4)  # digits of the side force
+    if degrees == 30:
+        assert o["piston_position"] == pytest.approx(0.13399491, abs=1e-8)
+        assert o["pin_force_y"] == near(-896.73536, rel=1e-6)
+        assert o["crank_torque"] == near(21.352215, rel=1e-6)
+    assert slave.do_step(0.0, 1e-6)
+    # of 1000 m/s2 that the mechanism's accelerations are: jerk over 1 us
+    assert abs(slave.views["lateral_velocity"].item()) < 5e-3 * 1e-6 * 1000.0
+
+
+@pytest.mark.parametrize("load", [35.0, -20.0])
+def test_free_crank(bodies, load):
+    """Its acceleration is what Newton and Euler ask for with the load as torque."""
+    push, drag = forces()
+    slave = bodies(
+        crank_free=1,
+        crank_inertia=4e-3,
+        load_torque=load,
+        crank_speed=250.0,
+        start_crank_angle=1.1,
+        gas_pressure=9e5,
+        nodal_pressure_force=push,
+        nodal_friction_force=drag,
+    )
+    want = newton_euler(seen(slave), 9e5 * pi * BORE**2, load_torque=load)
+    assert want["torque"] == near(-load)
+    assert seen(slave)["crank_torque"] == -load
+    slave.views["crank_speed"][...] = 1.0  # a free crank heeds it no more
+    assert slave.do_step(0.0, 1e-6)
+    turn = (seen(slave)["rotation_speed"] - 250.0) / 1e-6
+    assert turn == near(want["turn"], rel=1e-6)  # jerk over half a step, digits of the speed
+    assert abs(turn) > 1e4
+
+
+# ---- film geometry
+
+
+def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
+    """h = clearance + barrel + ovality - growth of the skirt + growth of the bore + orders +
+    measured shapes - tilt y' cos theta - (x_A - angle y') sin theta, to the round-off of the bore's
+    splines.
+    """
+    (tmp_path / "skirt.csv").write_text(
+        "mm/deg, 0, 90, 180, 270\n-20, 1, 2, 3, 4\n20, 5, 6, 7, 8\n"
+    )
+    (tmp_path / "bore.csv").write_text("mm/deg, 45, 225\n100, 3, -1\n")
+    units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
+    orders = [
+        {"order": 0, "amplitude": "2 um"},
+        {"order": 3, "amplitude": "5 um", "phase": "20 deg"},
+    ]
+    slave = bodies(
+        {
+            "piston": {"profiles": [{"file": "skirt.csv"} | units]},
+            "block": {"profiles": [{"file": "bore.csv"} | units], "orders": orders},
+        },
+        radial_clearance=33e-6,
+        barrel=21e-6,
+        ovality=130e-6,
+        skirt_growth_lower=4e-6,
+        skirt_growth_upper=11e-6,
+        bore_growth_lower=-3e-6,
+        bore_growth_upper=9e-6,
+        pin_tilt=7e-4,
+        start_crank_angle=2.3,
+        start_lateral_displacement=13e-6,
+        start_rocking_angle=9e-4,
+    )
+    theta, y = THETA[:, None], HEIGHT[None, :]
+    place = seen(slave)["piston_position"] + y
+    # A is read where it stands with x_A = 0; here 13 um x dY/dx = 0.2 aside: 3 um on a bore that
+    # widens by 12 um over 130 mm: 2e-10 m
+    way = (y - LOW) / (HIGH - LOW)
+    film = 33e-6 + 21e-6 * (2.0 * way - 1.0) ** 2
+    film = film + 130e-6 / 4.0 * (1.0 + np.cos(2.0 * theta))
+    film = film - (4e-6 + 7e-6 * way)
+    film = film - 3e-6 + 12e-6 * (place - BOTTOM) / (TOP - BOTTOM)
+    film = film + 2e-6 + 5e-6 * np.cos(3.0 * (theta - np.radians(20.0)))
+    film = film - 7e-4 * y * np.cos(theta)
+    film = film - (13e-6 - 9e-4 * y) * np.sin(theta)
+    # measured: linear in height and around; the skirt's rises by 1 um a quarter turn, and falls by
+    # 3 um over the last; the bore's between 3 um at 45 deg and -1 um at 225 deg
+    quarter = np.degrees(theta) / 90.0
+    around = np.where(quarter <= 3.0, quarter, 3.0 * (4.0 - quarter))
+    film = film + 1e-6 * (1.0 + around + 4.0 * (y + 20e-3) / 40e-3)
+    turned = np.abs((np.degrees(theta) - 45.0 + 180.0) % 360.0 - 180.0) / 180.0
+    film = film + 1e-6 * (3.0 - 4.0 * turned)
+    assert np.abs(seen(slave)["film_thickness"] - film).max() <= 1e-9
+
+
+def moving(tmp_path, **values):
+    """File of a start in motion, all rates nonzero."""
+    start = dict(
+        crank_angle=0.7,
+        rotation_speed=280.0,
+        lateral_displacement=21e-6,
+        rocking_angle=-6e-4,
+        lateral_velocity=0.04,
+        rocking_velocity=-3.0,
+    )
+    start |= values
+    (tmp_path / "start.json").write_text(json.dumps(start))
+    return start
+
+
+def test_start_in_motion_and_sliding_velocity(bodies, tmp_path):
+    """v = Y' + angle' (R sin theta - d), Y' with the lateral velocity; the crank at given speed."""
+    moving(tmp_path)
+    slave = bodies({"start": "start.json"}, crank_speed=300.0)
+    o = seen(slave)
+    assert o["lateral_velocity"] == 0.04 and o["rocking_velocity"] == -3.0
+    assert o["rotation_speed"] == 300.0
+    climb = newton_euler(o, 0.0)["velocity"]
+    expected = climb - 3.0 * (BORE * np.sin(THETA) - PIN_OFFSET)
+    assert o["sliding_velocity"] == near(np.repeat(expected[:, None], 5, axis=1), rel=1e-12)
+    free = bodies({"start": "start.json"}, crank_speed=300.0, crank_free=1)
+    assert seen(free)["rotation_speed"] == 280.0
+
+
+def test_pressure_on_a_tapered_bore_lifts(bodies):
+    """The bore opens upwards by 40 um over its 130 mm: pressure force F lifts the skirt by F x
+    slope; the pin holds it, and the crank, through dY/dphi.
+    """
+    push, _ = forces()
+    given = dict(start_crank_angle=1.9, nodal_pressure_force=push)
+    straight = seen(bodies(**given))
+    tapered = seen(bodies(bore_growth_lower=-10e-6, bore_growth_upper=30e-6, **given))
+    lift = push.sum() * 40e-6 / (TOP - BOTTOM)
+    # 1e-6: differences of forces a thousand times as large
+    assert tapered["pin_force_y"] - straight["pin_force_y"] == near(-lift, rel=1e-6)
+    lever = straight["piston_velocity"] / straight["rotation_speed"]
+    assert tapered["crank_torque"] - straight["crank_torque"] == near(-lift * lever, rel=1e-6)
+    assert tapered["pin_force_x"] == near(straight["pin_force_x"])
+
+
+# ---- modes
+
+
+def flexible():
+    """Two modes of each body, fields linear in height, no inertia coupling."""
+    rng = np.random.default_rng(8)
+    heights = np.linspace(BOTTOM, TOP, 14)[None, :, None]
+    at, slope = rng.standard_normal((2, 2, 8, 1, 2))
+    piston = dict(
+        omega=2.0 * pi * np.array([3e3, 3e4]),
+        kind=np.full(2, -1),
+        gas_force=np.array([0.7, -0.4]),
+        radial=rng.standard_normal((40, 2)),
+        axial=rng.standard_normal((40, 2)),
+    )
+    block = dict(
+        omega=2.0 * pi * np.array([7e3, 5e4]),
+        kind=np.full(2, -1),
+        radial=at[0] + 10.0 * slope[0] * heights,
+        axial=at[1] + 10.0 * slope[1] * heights,
+    )
+    return piston, block, at, 10.0 * slope
+
+
+def test_modes_move_the_film_and_forces_the_modes(bodies, tmp_path):
+    """h gains - u_r q (skirt) + w_r q (bore), v gains u_y q' - w_y q'; the modal forces do the same
+    work: - sum F u_r + sum f u_y + G gas_force, and sum F w_r - sum f w_y. 1e-6: fields are kept in
+    single precision.
+    """
+    piston, block, at, slope = flexible()
+    push, drag = forces()
+    q = np.array([2e-6, -1e-6, 3e-6, 0.5e-6])
+    rate = np.array([0.02, -0.01, -0.03, 0.04])
+    moving(tmp_path, modal_coordinate=q.tolist(), modal_velocity=rate.tolist())
+    slave = bodies(
+        {"start": "start.json"},
+        piston=piston,
+        block=block,
+        gas_pressure=2e5,
+        nodal_pressure_force=push,
+        nodal_friction_force=drag,
+        damping_ratio=0.03,
+        high_frequency_damping_ratio=0.4,
+        damping_transition_frequency=2e4,
+        rayleigh_mass_factor=150.0,
+        rayleigh_stiffness_factor=2e-7,
+    )
+    o = seen(slave)
+    # the bore is read where A stands for x_A = 0: 21 um x dY/dx_A = 4 um aside, 1e-4 of its field
+    place = (o["piston_position"] + HEIGHT)[None, :, None]
+    radial, axial = at[0] + slope[0] * place, at[1] + slope[1] * place
+    skirt = piston["radial"].reshape(8, 5, 2)
+    along = piston["axial"].reshape(8, 5, 2)
+    theta, y = THETA[:, None], HEIGHT[None, :]
+    way = (y - LOW) / (HIGH - LOW)
+    gap = 25e-6 + 30e-6 * (2.0 * way - 1.0) ** 2 + 37.5e-6 * (1.0 + np.cos(2.0 * theta))
+    gap = gap - (21e-6 + 6e-4 * y) * np.sin(theta)
+    film = gap - skirt @ q[:2] + radial @ q[2:]
+    assert np.abs(o["film_thickness"] - film).max() <= 1e-9
+    climb = newton_euler(o, 0.0)["velocity"]
+    velocity = climb - 3.0 * (BORE * np.sin(theta) - PIN_OFFSET)
+    velocity = velocity + along @ rate[:2] - axial @ rate[2:]
+    assert np.abs(o["sliding_velocity"] - velocity).max() <= 1e-5
+    modal = np.concatenate(
+        [
+            -np.einsum("ij,ijk->k", push, skirt)
+            + np.einsum("ij,ijk->k", drag, along)
+            + 2e5 * pi * BORE**2 * piston["gas_force"],
+            np.einsum("ij,ijk->k", push, radial) - np.einsum("ij,ijk->k", drag, axial),
+        ]
+    )
+    omega = np.concatenate([piston["omega"], block["omega"]])
+    # D = 2 zeta omega + a + b omega^2, zeta by the band the frequency lies in
+    zeta = np.array([0.03, 0.4, 0.03, 0.4])
+    damping = 2.0 * zeta * omega + 150.0 + 2e-7 * omega**2
+    expected = modal - damping * rate - omega**2 * q
+    assert slave.do_step(0.0, 1e-10)
+    change = (seen(slave)["modal_velocity"] - rate) / 1e-10
+    assert change == near(expected, rel=1e-3)  # digits of the velocity, place of the bore
+
+
+def test_damping_bands_of_the_build_table(bodies, tmp_path):
+    piston, block, *_ = flexible()
+    rate = np.array([0.02, -0.01, -0.03, 0.04])
+    moving(tmp_path, modal_coordinate=[0.0] * 4, modal_velocity=rate.tolist())
+    bands = [
+        {"above": "0 Hz", "ratio": 0.01},
+        {"above": "6 kHz", "ratio": 0.05},
+        {"above": "40 kHz", "ratio": 0.7},
+    ]
+    slave = bodies({"start": "start.json", "damping_bands": bands}, piston=piston, block=block)
+    omega = np.concatenate([piston["omega"], block["omega"]])
+    expected = -2.0 * np.array([0.01, 0.05, 0.05, 0.7]) * omega * rate
+    assert slave.do_step(0.0, 1e-10)
+    change = (seen(slave)["modal_velocity"] - rate) / 1e-10
+    assert change == near(expected, rel=1e-3)  # the step moves the modes a little
+
+
+def test_fast_modes_follow_their_load(bodies, tmp_path):
+    """Above quasi_static_frequency: Omega^2 q = f - T^T a - al g + w^2 b with the acceleration of A
+    and the turn of the frame, 40 rad/s at the start; slower modes are at rest there.
+    """
+    piston, block, *_ = flexible()
+    coupling = dict(
+        T=np.array([[0.0, 0.05], [0.0, -0.08]]), g=np.array([0.0, 1e-3]), b=np.array([0.0, 2e-3])
+    )
+    push, drag = forces()
+    moving(
+        tmp_path,
+        lateral_displacement=0.0,
+        rocking_angle=0.02,
+        rocking_velocity=40.0,
+        modal_coordinate=[0.0] * 4,
+        modal_velocity=[0.0] * 4,
+    )
+    slave = bodies(
+        {"start": "start.json"},
+        piston=piston | coupling,
+        block=block,
+        quasi_static_frequency=1e4,
+        gas_pressure=2e5,
+        nodal_pressure_force=push,
+        nodal_friction_force=drag,
+    )
+    o = seen(slave)
+    gas = 2e5 * pi * BORE**2
+    a = newton_euler(o, gas)
+    skirt, along = piston["radial"].reshape(8, 5, 2), piston["axial"].reshape(8, 5, 2)
+    load = -(push * skirt[..., 1]).sum() + (drag * along[..., 1]).sum() - 0.4 * gas
+    ax = cos(0.02) * a["lateral"] + sin(0.02) * a["climb"]
+    ay = -sin(0.02) * a["lateral"] + cos(0.02) * a["climb"]
+    load += -0.05 * ax + 0.08 * ay - 1e-3 * a["rocking"] + 40.0**2 * 2e-3
+    q = o["modal_coordinate"]
+    assert q[1] == near(load / piston["omega"][1] ** 2, rel=1e-6)  # single precision
+    place = (o["piston_position"] + HEIGHT)[None, :]
+    *_, at, slope = flexible()
+    radial = at[0, :, :, 1] + slope[0, :, :, 1] * place
+    axial = at[1, :, :, 1] + slope[1, :, :, 1] * place
+    load = (push * radial - drag * axial).sum()
+    assert q[3] == near(load / block["omega"][1] ** 2, rel=1e-5)
+    assert q[0] == 0.0 and q[2] == 0.0
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.6, 1.0])
+def test_spectral_radius(bodies, tmp_path, rho):
+    """One step of a mode without load by the generalised-alpha method, its six equations solved as
+    they stand in J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375, in the form in which
+    the equation of motion holds at the end of the step.
+    """
+    piston, block, *_ = flexible()
+    moving(tmp_path, modal_coordinate=[0.0, 0.0, 2e-6, 0.0], modal_velocity=[0.0, 0.0, 0.03, 0.0])
+    slave = bodies(
+        {"start": "start.json"},
+        piston=piston,
+        block=block,
+        damping_ratio=0.1,
+        spectral_radius=rho,
+    )
+    w, h, q, v = block["omega"][0], 3e-5, 2e-6, 0.03
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    gamma = 0.5 - alpha_m + alpha_f
+    beta = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+    start = -0.2 * w * v - w * w * q
+    # unknowns q1, v1, d1 (acceleration), a1 (auxiliary, a0 = d0)
+    left = np.array(
+        [
+            [w * w, 0.2 * w, 1.0, 0.0],
+            [0.0, 0.0, 1.0 - alpha_f, alpha_m - 1.0],
+            [0.0, 1.0, 0.0, -h * gamma],
+            [1.0, 0.0, 0.0, -h * h * beta],
+        ]
+    )
+    right = [
+        0.0,
+        alpha_m * start - alpha_f * start,
+        v + h * (1.0 - gamma) * start,
+        q + h * v + h * h * (0.5 - beta) * start,
+    ]
+    q1, v1, *_ = np.linalg.solve(left, right)
+    assert slave.do_step(0.0, h)
+    assert seen(slave)["modal_coordinate"][2] == near(q1)
+    assert seen(slave)["modal_velocity"][2] == near(v1)
+
+
+# ---- tables
+
+
+def test_gas_table_adds_to_the_input(bodies):
+    """Crank angle in degrees from -100, bar, two-stroke: at 450 deg = 90 deg, between 40 bar at 60
+    and 10 bar at 120 deg: 25 bar, 5 bar more from the input.
+    """
+    points = [(-100, 20), (0, 70), (60, 40), (120, 10), (260, 20)]
+    gas = {"points": points, "angle_unit": "1 deg", "pressure_unit": "1 bar", "strokes": 2}
+    given = dict(start_crank_angle=np.radians(450.0), crank_speed=150.0)
+    tabled = seen(bodies({"gas": gas}, gas_pressure=5e5, **given))
+    plain = seen(bodies(gas_pressure=30e5, **given))
+    for name in ("pin_force_x", "pin_force_y", "crank_torque"):
+        assert tabled[name] == near(plain[name])
+    assert newton_euler(plain, 30e5 * pi * BORE**2)["pin"][1] == near(plain["pin_force_y"])
+
+
+def test_speed_over_time(bodies):
+    """2000 rpm at 0 ms, 2600 at 4, 2300 at 10 ms, held: angle is the area below. After 3 ms: mean
+    2225 rpm; after 12 ms: 4 x 2300 + 6 x 2450 + 2 x 2300 rpm ms.
+    """
+    speed = {
+        "points": [(0, 2000), (4, 2600), (10, 2300)],
+        "time_unit": "1 ms",
+        "speed_unit": "1 rpm",
+    }
+    slave = bodies({"speed": speed}, start_crank_angle=0.3, crank_speed=1.0)
+    rpm = pi / 30.0
+    assert seen(slave)["rotation_speed"] == near(2000.0 * rpm)
+    assert slave.do_step(0.0, 3e-3)
+    o = seen(slave)
+    assert o["rotation_speed"] == near(2450.0 * rpm)
+    assert o["crank_angle"] == near(0.3 + 2225.0 * rpm * 3e-3)
+    assert slave.do_step(3e-3, 9e-3)
+    o = seen(slave)
+    assert o["rotation_speed"] == near(2300.0 * rpm)
+    assert o["crank_angle"] == near(0.3 + (4.0 * 2300.0 + 6.0 * 2450.0 + 4600.0) * 1e-3 * rpm)
+
+
+def test_speed_over_angle(bodies):
+    """From 200 rad/s at 0 to 260 at 2 rad and back at 4 pi, linear in the angle: dphi/dt = w_0 + k
+    phi gives phi = w_0 (exp(k t) - 1)/k, w = w_0 exp(k t), k = 30 1/s; and w' = k w shows in the
+    torque of the crank's inertia.
+    """
+    speed = {
+        "points": [(0, 200), (2, 260), (4 * pi, 200)],
+        "angle_unit": "1 rad",
+        "speed_unit": "1 rad/s",
+        "strokes": 4,
+    }
+    slave = bodies({"speed": speed}, crank_inertia=0.5)
+    assert slave.do_step(0.0, 5e-3)
+    o = seen(slave)
+    assert o["crank_angle"] == near(200.0 * np.expm1(0.15) / 30.0)
+    assert o["rotation_speed"] == near(200.0 * np.exp(0.15))
+    want = newton_euler(o, 0.0, turn=30.0 * o["rotation_speed"])
+    assert o["crank_torque"] == near(want["torque"], rel=1e-8)

@@ -1,0 +1,137 @@
+"""Numbers of bodies from a mesh: mass and moments of a tube, torsion of a clamped tube, a block on
+springs.
+
+The meshes are those of conftest: a piston that is a tube from -16 to 20 mm, 24 to 28 mm in radius,
+and a block that is a tube from 50 to 155 mm, 28.025 to 36 mm in radius, held at its lower end.
+"""
+
+from math import pi, sqrt
+
+import meshio
+import numpy as np
+import pytest
+from piston_cosim.fmu_mfbd.build import reduced_bodies
+from piston_cosim.master.fmi.errors import BadInput
+
+BLOCK = dict(inner=28.025e-3, outer=36e-3, length=105e-3)
+
+
+@pytest.fixture
+def reduce(coarse, tmp_path, monkeypatch):
+    """A function that reduces one of the coarse bodies with a changed table."""
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    folder, options = coarse
+
+    def reduced(name, **changes):
+        table = {"grid": options["grid"], name: options[name] | changes}
+        return dict(np.load(reduced_bodies(table, folder, lambda text: None)[name]))
+
+    return reduced
+
+
+def tube_volume(inner, outer, length):
+    return pi * (outer**2 - inner**2) * length
+
+
+def test_mass_moments_and_pin_offset(reduce):
+    """A tube about an axis at x = -d from A: m, S = m (-d, 2 mm), I0 = m [(R^2 + r^2)/4 + L^2/12 +
+    (2 mm)^2 + d^2]. 1e-3: sixteen parabolas around a circle, 5e-4 of its area.
+    """
+    body = reduce("piston", modes=0, pin_offset="0.9 mm", skirt_lower="-15 mm", skirt_upper="7 mm")
+    mass = 2700.0 * tube_volume(24e-3, 28e-3, 36e-3)
+    assert body["mass"] == pytest.approx(mass, rel=1e-3)
+    assert body["S"] / body["mass"] == pytest.approx(np.array([-0.9e-3, 2e-3]), abs=1e-9)
+    turned = (28e-3**2 + 24e-3**2) / 4.0 + 36e-3**2 / 12.0 + 2e-3**2 + 0.9e-3**2
+    assert body["I0"] / body["mass"] == pytest.approx(turned, rel=1e-3)
+    assert body["skirt_lower"] == -15e-3 and body["skirt_upper"] == 7e-3
+    assert body["radius"] == pytest.approx(28e-3, rel=1e-9)
+
+
+def test_a_mesh_in_other_axes_and_units(reduce, coarse):
+    """In the file thrust is +y, head -x and pin +z, lengths are mm, and the origin lies at (3, 5,
+    -7) mm: point (X, Y, Z) stands at (3 - Y, 5 + X, -7 + Z), and all moments come out as before.
+    The tube's centre of mass lies above A and beside it, so that a mirrored axis shows.
+    """
+    folder, _ = coarse
+    mesh = meshio.read(folder / "piston.msh")
+    x, y, z = 1e3 * mesh.points.T
+    mesh.points = np.stack([3.0 - y, 5.0 + x, -7.0 + z], axis=1)
+    meshio.write(folder / "turned.msh", mesh, file_format="gmsh22", binary=True)
+    straight = reduce("piston", modes=0, pin_offset="0.9 mm")
+    body = reduce(
+        "piston",
+        mesh="turned.msh",
+        mesh_unit="1 mm",
+        axes=["y", "-x", "z"],
+        origin=["3 mm", "5 mm", "-7 mm"],
+        modes=0,
+        pin_offset="0.9 mm",
+    )
+    for key in ("mass", "S", "I0", "skirt_lower", "skirt_upper"):
+        np.testing.assert_allclose(body[key], straight[key], rtol=1e-9, atol=1e-12)
+
+
+def frequencies_of_torsion(body):
+    """Frequencies [Hz] of the modes that move no point of the bore radially or axially."""
+    moved = np.abs(body["radial"]).max(axis=(0, 1)) + np.abs(body["axial"]).max(axis=(0, 1))
+    return body["omega"][moved < 1e-2 * moved.max()] / (2.0 * pi)
+
+
+@pytest.mark.parametrize("young, poisson, density", [(75e9, 0.33, 2700.0), (120e9, 0.1, 4100.0)])
+def test_torsion_of_a_clamped_tube(reduce, young, poisson, density):
+    """f = sqrt(G/rho)/(4 L), G = E/[2 (1 + nu)], exact for a circular tube clamped at one end.
+    5e-3: four quadratic elements along a quarter wave, sixteen around.
+    """
+    body = reduce(
+        "block",
+        basis="craig_bampton",
+        modes=30,
+        stations=12,
+        young=f"{young} Pa",
+        poisson=poisson,
+        density=f"{density} kg/m^3",
+    )
+    expected = sqrt(young / (2.0 * (1.0 + poisson)) / density) / (4.0 * BLOCK["length"])
+    assert frequencies_of_torsion(body)[0] == pytest.approx(expected, rel=5e-3)
+
+
+def test_block_on_springs(reduce):
+    """A stiff block bounces on k = 1e6 N/m along y, and turns about y, at sqrt(k/m)/(2 pi): the
+    springs stand on the whole annulus, so that torsional stiffness and inertia have the same arm.
+    5e-3: the tube gives way a little, (236 Hz/7.7 kHz)^2, and its mass is 1e-3 off.
+    """
+    body = reduce(
+        "block",
+        basis="craig_bampton",
+        modes=8,
+        stations=12,
+        tie="springs",
+        spring_stiffness="1e6 N/m",
+    )
+    mass = 2700.0 * tube_volume(**BLOCK)
+    expected = sqrt(1e6 / mass) / (2.0 * pi)
+    found = body["omega"] / (2.0 * pi)
+    assert np.count_nonzero(np.abs(found / expected - 1.0) < 5e-3) == 2
+    stiff = reduce(
+        "block",
+        basis="craig_bampton",
+        modes=8,
+        stations=12,
+        tie="springs",
+        spring_stiffness="4e6 N/m",
+    )
+    found = stiff["omega"] / (2.0 * pi)
+    assert np.count_nonzero(np.abs(found / (2.0 * expected) - 1.0) < 1e-2) == 2
+
+
+def test_modes_off_are_left_out_by_their_number(reduce):
+    whole = reduce("block", modes=6, stations=12)
+    part = reduce("block", modes=6, stations=12, modes_off=[1, 4])
+    np.testing.assert_array_equal(part["omega"], whole["omega"][[1, 2, 4, 5]])
+
+
+def test_bore_ends_and_stations(reduce):
+    body = reduce("block", modes=0, stations=12, bore_lower="60 mm", bore_upper="148 mm")
+    assert body["heights"] == pytest.approx(np.linspace(60e-3, 148e-3, 12), rel=1e-12)
+    with pytest.raises(BadInput, match="surface 'bore' reaches from"):
+        reduce("block", modes=0, bore_lower="40 mm")

@@ -1,0 +1,90 @@
+"""Pinned runs of the shipped cases: what is run, what is measured, and how the values are renewed.
+
+    python tests/pinned/renew.py [RUN ...]      old beside new, all runs or those named
+    python tests/pinned/renew.py --write        and write the new ones to values.toml
+
+A change of these values is a change of results: renew them only with the reason in the changelog.
+"""
+
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+VALUES = Path(__file__).parent / "values.toml"
+
+
+# what is measured: recorded curve, what of it
+MEASURES = {
+    "mean_friction_power_w": ("ehd/friction_power", np.mean),
+    "maximum_pressure_pa": ("ehd/maximum_pressure", np.max),
+    "minimum_film_m": ("ehd/minimum_film_thickness", np.min),
+    "side_force_min_n": ("bodies/side_force", np.min),
+    "side_force_max_n": ("bodies/side_force", np.max),
+    "lateral_range_m": ("bodies/lateral_displacement", np.ptp),
+    "rocking_range_rad": ("bodies/rocking_angle", np.ptp),
+    "crank_torque_max_nm": ("bodies/crank_torque", np.max),
+}
+
+
+def read_values():
+    """Table of pinned values: run -> case, variant, set, slow, and value of each measure."""
+    return tomllib.loads(VALUES.read_text())
+
+
+def measure(results):
+    """Measures of a results file."""
+    with h5py.File(results) as file:
+        return {name: float(what(file[curve][:])) for name, (curve, what) in MEASURES.items()}
+
+
+def run(entry, folder):
+    """Run a pinned entry by the command line and measure it.
+
+    Parameters
+    ----------
+    entry : dict
+        case, variant, set (changes of the case, KEY = "VALUE").
+    folder : Path
+        For the results.
+    """
+    command = [sys.executable, "-m", "piston_cosim", "run", entry["case"], "--no-plots"]
+    command += ["--only", entry["variant"], "--output", str(folder)]
+    for key, value in entry["set"].items():
+        command += ["--set", f'{key}="{value}"']
+    subprocess.run(command, check=True, capture_output=True, text=True)
+    return measure(folder / f"{entry['variant']}.h5")
+
+
+def renewed(text, name, found):
+    """The file's text with new values of one run; everything else stays as it is."""
+    head, rest = text.split(f'["{name}".values]\n', 1)
+    _, start, tail = rest.partition('\n["')
+    lines = "".join(f"{key} = {value!r}\n" for key, value in found.items())
+    return f'{head}["{name}".values]\n{lines}{start}{tail}'
+
+
+def main(arguments):
+    """Run, print old beside new, and write if asked to."""
+    chosen = [argument for argument in arguments if argument != "--write"]
+    text = VALUES.read_text()
+    for name, entry in read_values().items():
+        if chosen and name not in chosen:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            found = run(entry, Path(folder))
+        print(name)
+        for key, new in found.items():
+            old = entry["values"].get(key, float("nan"))
+            print(f"    {key:24}{old:18.10g}{new:18.10g}{new / old - 1.0:12.1e}")
+        text = renewed(text, name, found)
+        if "--write" in arguments:
+            VALUES.write_text(text)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

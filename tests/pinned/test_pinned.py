@@ -1,0 +1,75 @@
+"""Pinned runs: the shipped cases still give what they gave. Nothing here says that it is right,
+which is for tests/ehd, tests/mfbd and tests/verification: it says that nothing changed.
+
+Values and runs stand in values.toml, renewed by `python tests/pinned/renew.py`, which prints old
+beside new. The runs go by the command line, as a user's would.
+"""
+
+import importlib.util
+import tomllib
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parent
+
+# Measure -> tolerance, relative. The coupled step is solved to 1 nm of film: curves with 10 nm and
+# with 0.1 nm differ by 2e-6 of their range (README of numerical_example), and another processor or
+# library rounds each iteration differently, which at worst ends one iteration earlier or later.
+TOLERANCES = {
+    # a mean over all steps, in which such differences cancel: 1.2e-7 between 10 and 0.1 nm
+    "mean_friction_power_w": 1e-6,
+    # one cell at one instant; goes with h^-3, so three times what the film is worth, and the
+    # instant's own iteration ended at up to 1 nm of 10 um
+    "maximum_pressure_pa": 3e-4,
+    # one cell at one instant: the coupling's 1 nm of 10 um
+    "minimum_film_m": 1e-4,
+    # follow from inertia and gas, the film passes them on: five times 2e-6
+    "side_force_min_n": 1e-5,
+    "side_force_max_n": 1e-5,
+    # ranges of smooth curves: five times 2e-6
+    "lateral_range_m": 1e-5,
+    "rocking_range_rad": 1e-5,
+    # inertia and gas with a little friction
+    "crank_torque_max_nm": 1e-6,
+}
+
+
+def pytest_generate_tests(metafunc):
+    """One test a pinned run, the slow ones marked."""
+    if "name" in metafunc.fixturenames:
+        table = tomllib.loads((FOLDER / "values.toml").read_text())
+        marks = {True: pytest.mark.slow, False: ()}
+        runs = [pytest.param(name, marks=marks[entry["slow"]]) for name, entry in table.items()]
+        metafunc.parametrize("name", runs)
+
+
+@pytest.fixture
+def renew():
+    """The module that runs, measures and renews."""
+    specification = importlib.util.spec_from_file_location("renew", FOLDER / "renew.py")
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_run_gives_what_it_gave(name, renew, tmp_path):
+    entry = renew.read_values()[name]
+    found = renew.run(entry, tmp_path)
+    assert set(found) == set(entry["values"]) == set(TOLERANCES)
+    wrong = [
+        f"{key} = {value:.10g}, pinned {entry['values'][key]:.10g}"
+        for key, value in found.items()
+        if value != pytest.approx(entry["values"][key], rel=TOLERANCES[key], abs=0.0)
+    ]
+    assert wrong == []
+
+
+def test_renewing_replaces_the_values_of_one_run(renew):
+    text = renew.VALUES.read_text()
+    name = list(tomllib.loads(text))[1]
+    fresh = tomllib.loads(renew.renewed(text, name, {"minimum_film_m": 1.5e-6}))
+    known = tomllib.loads(text)
+    assert fresh[name]["values"] == {"minimum_film_m": 1.5e-6}
+    fresh[name]["values"] = known[name]["values"]
+    assert fresh == known
