@@ -7,6 +7,7 @@ References
 [Arnold2007] M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185-202.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +67,7 @@ class Prediction(NamedTuple):
     auxiliary: np.ndarray
 
 
+@lru_cache(maxsize=16)  # a run takes steps of few lengths
 def coefficients(step: float, spectral_radius: float) -> Coefficients:
     """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
 

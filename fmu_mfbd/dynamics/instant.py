@@ -70,9 +70,9 @@ class Instant(NamedTuple):
 
     Parameters
     ----------
-    motion : Motion
+    position, velocity, acceleration : ndarray, shape (n,)
         Of all coordinates: [x_A [m], rocking angle [rad], piston then block modal coordinates
-        [kg^1/2 m]], n in all.
+        [kg^1/2 m]], and derivatives in time.
     auxiliary : ndarray, shape (n,)
         The time integrator's auxiliary acceleration.
     window : Window
@@ -91,7 +91,9 @@ class Instant(NamedTuple):
         As of `piston_motion.Solution`.
     """
 
-    motion: Motion
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
     auxiliary: np.ndarray
     window: Window
     load: Load
@@ -117,7 +119,8 @@ def end_of_step(
     auxiliary: np.ndarray,
     crank: CrankMotion,
     gas: float,
-    forces: NodalForces,
+    pressure_force: np.ndarray,
+    friction_force: np.ndarray,
 ) -> Instant:
     """One step: accelerations at its end that fulfil the equations of motion with the forces there,
     and everything that follows from them.
@@ -134,8 +137,8 @@ def end_of_step(
         At its end.
     gas : float
         Gas force on the piston along -y [N].
-    forces : NodalForces
-        At its end.
+    pressure_force, friction_force : ndarray, shape (c, a)
+        On the film grid at its end [N].
 
     Returns
     -------
@@ -145,6 +148,7 @@ def end_of_step(
     skirt = system.skirt
     bore = system.bore
     n = RIGID + len(system.piston.stiffness)
+    forces = NodalForces(pressure_force, friction_force)
     predicted = predict(c, before, auxiliary)
     guided = height(mechanism, 0.0, crank.angle)  # the bore is read where A stands when x_A = 0
     guided_velocity = guided.lever * crank.speed
@@ -179,7 +183,9 @@ def end_of_step(
         skirt, bore, window, forces, axial_velocity, guided_velocity, end.position, end.velocity
     )
     return Instant(
-        motion=end,
+        position=end.position,
+        velocity=end.velocity,
+        acceleration=end.acceleration,
         auxiliary=predicted.auxiliary,
         window=window,
         load=load,
@@ -311,22 +317,6 @@ def _follow(position, velocity, position_before, q, first, step):
         velocity[first + k] = (q[k] - position_before[first + k]) / step if step > 0.0 else 0.0
 
 
-class RideChange(NamedTuple):
-    """Change of the body frame's motion, as its static modes feel it, with an acceleration.
-
-    Parameters
-    ----------
-    x, y : float
-        Of A's acceleration in the body frame [-], or [m] where the acceleration is angular.
-    spin : float
-        Of w^2 [rad2/m], or [-].
-    """
-
-    x: float
-    y: float
-    spin: float
-
-
 class Linear(NamedTuple):
     """The piston's motion at the end of a step, linearised.
 
@@ -343,8 +333,12 @@ class Linear(NamedTuple):
         dpsi/dx_A [1/m].
     friction_x, friction_y : float
         Change of the pin's friction moment with the pin force [m].
-    by_lateral, by_rocking : RideChange
-        With x_A'' and with the angular acceleration.
+    x_by_lateral, y_by_lateral : float
+        Change of A's acceleration in the body frame with x_A'' [-].
+    x_by_rocking, y_by_rocking, spin_by_rocking : float
+        Change of the same [m] and of w^2 [-] with the angular acceleration.
+    step, to_velocity, to_position : float
+        As of `Coefficients`.
     """
 
     arrow: Arrow
@@ -354,25 +348,31 @@ class Linear(NamedTuple):
     rod_slope: float
     friction_x: float
     friction_y: float
-    by_lateral: RideChange
-    by_rocking: RideChange
+    x_by_lateral: float
+    y_by_lateral: float
+    x_by_rocking: float
+    y_by_rocking: float
+    spin_by_rocking: float
+    step: float
+    to_velocity: float
+    to_position: float
 
 
 @compiled
 def linearise(
-    system: System, load: Load, now: Motion, crank: CrankMotion, c1: float, c2: float
+    system: System, c: Coefficients, load: Load, now: Motion, crank: CrankMotion
 ) -> Linear:
     """The piston's motion linearised about the end of a step.
 
     Parameters
     ----------
     system : System
+    c : Coefficients
+        Of the step.
     load : Load
     now : Motion
         Of the piston's moving coordinates.
     crank : CrankMotion
-    c1, c2 : float
-        `Coefficients.to_velocity` [s], `Coefficients.to_position` [s2].
 
     Returns
     -------
@@ -380,6 +380,8 @@ def linearise(
     """
     piston = system.piston
     mechanism = system.mechanism
+    c1 = c.to_velocity
+    c2 = c.to_position
     lateral = lateral_motion(now)
     angle = now.position[ROCKING]
     w = now.velocity[ROCKING]
@@ -398,8 +400,14 @@ def linearise(
         rod_slope=rod.slope,
         friction_x=friction.by_x,
         friction_y=friction.by_y,
-        by_lateral=RideChange(x, y, 0.0),
-        by_rocking=RideChange(c2 * ay, -c2 * ax, 2 * w * c1),
+        x_by_lateral=x,
+        y_by_lateral=y,
+        x_by_rocking=c2 * ay,
+        y_by_rocking=-c2 * ax,
+        spin_by_rocking=2 * w * c1,
+        step=c.step,
+        to_velocity=c1,
+        to_position=c2,
     )
 
 
@@ -425,7 +433,11 @@ class Change(NamedTuple):
 
 @compiled
 def response(
-    system: System, window: Window, c: Coefficients, linear: Linear, forces: NodalForces
+    system: System,
+    window: Window,
+    linear: Linear,
+    pressure_force: np.ndarray,
+    friction_force: np.ndarray,
 ) -> FilmChange:
     """Change of film thickness and sliding velocity at the end of a step with the forces at its
     end.
@@ -438,11 +450,9 @@ def response(
     ----------
     system : System
     window : Window
-    c : Coefficients
-        Of the step.
     linear : Linear
-    forces : NodalForces
-        Direction.
+    pressure_force, friction_force : ndarray, shape (c, a)
+        Direction [N].
 
     Returns
     -------
@@ -450,14 +460,16 @@ def response(
     """
     skirt = system.skirt
     bore = system.bore
-    film_forces = generalised(skirt, bore, window, forces)
+    film_forces = generalised(skirt, bore, window, NodalForces(pressure_force, friction_force))
     acceleration = solve_coupled(  # Eq. (D7)
         linear.arrow, linear.coupling, _right_side(linear, film_forces)
     )
     lateral = acceleration[LATERAL]
-    axial_slope = c.to_velocity * linear.slope + c.to_position * linear.axial_velocity_slope
-    piston = _piston_change(system, c, linear, acceleration, film_forces.piston)
-    block = _block_change(system, c, film_forces.block)
+    axial_slope = (
+        linear.to_velocity * linear.slope + linear.to_position * linear.axial_velocity_slope
+    )
+    piston = _piston_change(system, linear, acceleration, film_forces.piston)
+    block = _block_change(system, linear, film_forces.block)
     return FilmChange(
         opening(
             skirt,
@@ -494,31 +506,33 @@ def _right_side(linear, forces):
 
 
 @compiled
-def _piston_change(system, c, linear, acceleration, force):
+def _piston_change(system, linear, acceleration, force):
     """Changes of the piston's coordinates, static modes included, with those of its accelerations
     and modal forces.
     """
     moving = len(system.piston.stiffness)
-    out = _changes(c, acceleration, RIGID + len(force))
+    out = _changes(linear, acceleration, RIGID + len(force))
     ride = ridden(linear, acceleration[LATERAL], acceleration[ROCKING])
     q = static_coordinates(system.piston_static, force[moving:], ride)
     before = np.zeros(len(out.position))
-    _follow(out.position, out.velocity, before, q, RIGID + moving, c.step)
+    _follow(out.position, out.velocity, before, q, RIGID + moving, linear.step)
     return out
 
 
 @compiled
-def _block_change(system, c, force):
+def _block_change(system, linear, force):
     """Changes of the block's coordinates, static modes included, with those of its modal forces."""
     block = system.block
     moving = len(block.stiffness)
     acceleration = np.empty(moving)
     for k in range(moving):
-        inertia = 1 + c.to_velocity * block.damping[k] + c.to_position * block.stiffness[k]
+        damper = linear.to_velocity * block.damping[k]
+        spring = linear.to_position * block.stiffness[k]
+        inertia = 1 + damper + spring
         acceleration[k] = force[k] / inertia
-    out = _changes(c, acceleration, len(force))
+    out = _changes(linear, acceleration, len(force))
     q = static_coordinates(system.block_static, force[moving:], STILL)
-    _follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, c.step)
+    _follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, linear.step)
     return out
 
 
@@ -527,19 +541,18 @@ def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
     """Change of the frame's motion with changes of x_A'' [m/s2] and of the angular acceleration
     [rad/s2].
     """
-    x = linear.by_lateral.x * lateral + linear.by_rocking.x * rocking
-    y = linear.by_lateral.y * lateral + linear.by_rocking.y * rocking
-    spin = linear.by_lateral.spin * lateral + linear.by_rocking.spin * rocking
-    return Ride(x, y, rocking, spin)
+    x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
+    y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
+    return Ride(x, y, rocking, linear.spin_by_rocking * rocking)
 
 
 @compiled
-def _changes(c, acceleration, size):
+def _changes(linear, acceleration, size):
     """Changes of positions and velocities at the end of a step with changes of accelerations there;
     zeros up to `size`.
     """
     out = Change(np.zeros(size), np.zeros(size))
     for k in range(len(acceleration)):
-        out.position[k] = c.to_position * acceleration[k]
-        out.velocity[k] = c.to_velocity * acceleration[k]
+        out.position[k] = linear.to_position * acceleration[k]
+        out.velocity[k] = linear.to_velocity * acceleration[k]
     return out

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.film import NodalForces, Window
+from ..geometry.film import Window
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import FilmChange, Instant, System, end_of_step, linearise, response
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
@@ -130,7 +130,7 @@ class LastStep(NamedTuple):
 
     coefficients: Coefficients
     load: Load
-    motion: Motion
+    state: State
     crank: CrankMotion
     window: Window
 
@@ -263,9 +263,15 @@ class PistonInBore:
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)
-        forces = NodalForces(inputs.pressure_force, inputs.friction_force)
         now = end_of_step(
-            self.system, c, before, auxiliary, crank, self.gas_area * pressure, forces
+            self.system,
+            c,
+            before,
+            auxiliary,
+            crank,
+            self.gas_area * pressure,
+            inputs.pressure_force,
+            inputs.friction_force,
         )
         if not now.evaluations:
             raise NotConverged(
@@ -280,12 +286,12 @@ class PistonInBore:
             crank_speed=crank.speed,
             crank_acceleration=crank.acceleration,
             crank_jerk=0.0,
-            position=now.motion.position,
-            velocity=now.motion.velocity,
-            acceleration=now.motion.acceleration,
+            position=now.position,
+            velocity=now.velocity,
+            acceleration=now.acceleration,
             auxiliary=now.auxiliary,
         )
-        self._last = LastStep(c, now.load, self._of_piston(now.motion), crank, now.window)
+        self._last = LastStep(c, now.load, state, crank, now.window)
         self._linear = None
         outputs = self._outputs(now, crank)
         if self.crank.free:
@@ -294,10 +300,10 @@ class PistonInBore:
             state = replace(state, crank_acceleration=freed)
         return state, outputs
 
-    def _of_piston(self, now):
+    def _of_piston(self, state):
         """Motion of the piston's moving coordinates alone."""
         n = self.moving
-        return Motion(now.position[:n], now.velocity[:n], now.acceleration[:n])
+        return Motion(state.position[:n], state.velocity[:n], state.acceleration[:n])
 
     def _release(self, crank, torque):
         """Acceleration [rad/s2] at which the torques on a free crank fulfil its equation.
@@ -311,14 +317,13 @@ class PistonInBore:
     def _torque(self, crank):
         """Torque of the drive if the crank turned like this after the last step [N m]."""
         last = self._last
-        return imbalance(
-            self.system.piston, self.system.mechanism, last.load, last.motion, crank
-        ).torque
+        piston = self._of_piston(last.state)
+        return imbalance(self.system.piston, self.system.mechanism, last.load, piston, crank).torque
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Everything the outside sees (units in `variables.py`), by name."""
-        position = now.motion.position
-        velocity = now.motion.velocity
+        position = now.position
+        velocity = now.velocity
         outputs = {
             "film_thickness": now.film_thickness,
             "sliding_velocity": now.sliding_velocity,
@@ -361,11 +366,8 @@ class PistonInBore:
             film_thickness, sliding_velocity [m], [m/s], shape (c, a).
         """
         last = self._last
-        c = last.coefficients
         if self._linear is None:
-            self._linear = linearise(
-                self.system, last.load, last.motion, last.crank, c.to_velocity, c.to_position
-            )
+            piston = self._of_piston(last.state)
+            self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
             self.jacobian_evaluations += 1
-        forces = NodalForces(pressure_force, friction_force)
-        return response(self.system, last.window, c, self._linear, forces)
+        return response(self.system, last.window, self._linear, pressure_force, friction_force)

@@ -488,6 +488,11 @@ def _solution(a, lack, evaluations, tangents, change):
 @compiled
 def _move(now, predicted, c1, c2):
     """Put positions and velocities where the end accelerations take the predicted ones."""
-    for k in range(len(now.acceleration)):
-        now.position[k] = predicted.position[k] + c2 * now.acceleration[k]
-        now.velocity[k] = predicted.velocity[k] + c1 * now.acceleration[k]
+    position = now.position
+    velocity = now.velocity
+    acceleration = now.acceleration
+    predicted_position = predicted.position
+    predicted_velocity = predicted.velocity
+    for k in range(len(acceleration)):
+        position[k] = predicted_position[k] + c2 * acceleration[k]
+        velocity[k] = predicted_velocity[k] + c1 * acceleration[k]

@@ -419,17 +419,20 @@ def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
     -------
     Resultants
     """
+    pressure = forces.pressure
+    friction = forces.friction
+    height = skirt.height
     lateral = 0.0
     axial = 0.0
     moment = 0.0
-    for i in range(forces.pressure.shape[0]):
+    for i in range(pressure.shape[0]):
         push = 0.0
         tilting = 0.0
         drag = 0.0
-        for j in range(forces.pressure.shape[1]):
-            push += forces.pressure[i, j]
-            tilting += forces.pressure[i, j] * skirt.height[j]
-            drag += forces.friction[i, j]
+        for j in range(pressure.shape[1]):
+            push += pressure[i, j]
+            tilting += pressure[i, j] * height[j]
+            drag += friction[i, j]
         # Eq. (G1)
         sine = np.sin(skirt.angle[i])
         lateral -= push * sine

@@ -55,15 +55,13 @@ class ModalField(NamedTuple):
     part: int
 
 
-class Four(NamedTuple):
-    """What belongs to the four modes of a group, one field each: values at points [kg^-1/2], shape
-    (points,), or a coordinate [kg^1/2 m].
-    """
+class FourCoordinates(NamedTuple):
+    """Coordinates of the four modes of a group, or their velocities [kg^1/2 m], [kg^1/2 m/s]."""
 
-    a: np.ndarray | float
-    b: np.ndarray | float
-    c: np.ndarray | float
-    d: np.ndarray | float
+    a: float
+    b: float
+    c: float
+    d: float
 
 
 def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalField:
@@ -137,12 +135,12 @@ def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> n
     sums = np.zeros((field.classes, count))
     ordered = _in_table_order(field, coordinates)
     for g in range(len(field.kind)):
-        mode = _four(field, g, start, count)
+        a, b, c, d = _four(field, g, start, count)
         q = _four_coordinates(ordered, g)
         line = sums[field.kind[g]]
         for p in range(count):
             # Eq. (H4)
-            line[p] += (q.a * mode.a[p] + q.b * mode.b[p]) + (q.c * mode.c[p] + q.d * mode.d[p])
+            line[p] += (q.a * a[p] + q.b * b[p]) + (q.c * c[p] + q.d * d[p])
     return _unfold(field, sums, rows)
 
 
@@ -160,15 +158,15 @@ def read_both(
     ordered = _in_table_order(field, position)
     fast_ordered = _in_table_order(field, velocity)
     for g in range(len(field.kind)):
-        mode = _four(field, g, start, count)
+        a, b, c, d = _four(field, g, start, count)
         q = _four_coordinates(ordered, g)
         v = _four_coordinates(fast_ordered, g)
         line = sums[field.kind[g]]
         fast = fast_sums[field.kind[g]]
         for p in range(count):
             # Eq. (H4)
-            line[p] += (q.a * mode.a[p] + q.b * mode.b[p]) + (q.c * mode.c[p] + q.d * mode.d[p])
-            fast[p] += (v.a * mode.a[p] + v.b * mode.b[p]) + (v.c * mode.c[p] + v.d * mode.d[p])
+            line[p] += (q.a * a[p] + q.b * b[p]) + (q.c * c[p] + q.d * d[p])
+            fast[p] += (v.a * a[p] + v.b * b[p]) + (v.c * c[p] + v.d * d[p])
     return _unfold(field, sums, rows), _unfold(field, fast_sums, rows)
 
 
@@ -177,7 +175,7 @@ def _four(field, group, start, count):
     """Values of the four modes of a group on some points."""
     k = 4 * group
     stop = start + count
-    return Four(
+    return (
         field.table[k, start:stop],
         field.table[k + 1, start:stop],
         field.table[k + 2, start:stop],
@@ -189,7 +187,7 @@ def _four(field, group, start, count):
 def _four_coordinates(ordered, group):
     """Coordinates of the four modes of a group."""
     k = 4 * group
-    return Four(ordered[k], ordered[k + 1], ordered[k + 2], ordered[k + 3])
+    return FourCoordinates(ordered[k], ordered[k + 1], ordered[k + 2], ordered[k + 3])
 
 
 @compiled
@@ -268,19 +266,19 @@ def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
     sums = _fold(field, force)
     out = np.empty(field.modes)
     for g in range(len(field.kind)):
-        mode = _four(field, g, start, count)
+        a, b, c, d = _four(field, g, start, count)
         line = sums[field.kind[g]]
-        a = 0.0
-        b = 0.0
-        c = 0.0
-        d = 0.0
+        on_a = 0.0
+        on_b = 0.0
+        on_c = 0.0
+        on_d = 0.0
         for p in range(count):
             f = line[p]
-            a += f * mode.a[p]
-            b += f * mode.b[p]
-            c += f * mode.c[p]
-            d += f * mode.d[p]
-        totals = (a, b, c, d)
+            on_a += f * a[p]
+            on_b += f * b[p]
+            on_c += f * c[p]
+            on_d += f * d[p]
+        totals = (on_a, on_b, on_c, on_d)
         for s in range(4):
             if field.mode[4 * g + s] >= 0:
                 out[field.mode[4 * g + s]] = totals[s]
