@@ -6,13 +6,20 @@ speed. Springs hold A laterally and against turning, where the oil film would; a
 comes and goes presses on the crown. No gravity, no damping.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .dynamics.generalised_alpha import coefficients, predict
-from .dynamics.piston_motion import Load, settle
-from .dynamics.slider_crank import height, rod_turn
+from .dynamics.floating_frame import FlexibleBody
+from .dynamics.generalised_alpha import (
+    Coefficients,
+    Motion,
+    Prediction,
+    coefficients,
+    predict,
+)
+from .dynamics.piston_motion import LATERAL, ROCKING, Load, end_accelerations
+from .dynamics.slider_crank import CrankMotion, Mechanism, height, rod_turn
 
 
 class Drive(NamedTuple):
@@ -35,13 +42,13 @@ class Drive(NamedTuple):
     gas_force: float
     duration: float
 
-    def gas(self, time):
+    def gas(self, time: float) -> float:
         """F(t) [N]."""
         return self.gas_force * np.sin(np.pi * time / self.duration) ** 2
 
 
-def own_motion(body, mechanism, gas_shape, drive, step, steps, spectral_radius):
-    """Piston motion by this package.
+class CrankedPiston(NamedTuple):
+    """The reduced piston on its crank, and what drives it.
 
     Parameters
     ----------
@@ -50,6 +57,60 @@ def own_motion(body, mechanism, gas_shape, drive, step, steps, spectral_radius):
     gas_shape : ndarray, shape (k,)
         Modal force of a unit gas force [kg^-1/2].
     drive : Drive
+    """
+
+    body: FlexibleBody
+    mechanism: Mechanism
+    gas_shape: np.ndarray
+    drive: Drive
+
+
+class FullPiston(NamedTuple):
+    """The piston's finite elements and modes, as Exudyn takes them.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Nodes from A [m].
+    K, M : scipy.sparse matrix, shape (3 n, 3 n)
+        Full matrices [N/m], [kg].
+    modes : ndarray, shape (3 n, k)
+        [kg^-1/2]
+    """
+
+    points: np.ndarray
+    K: Any
+    M: Any
+    modes: np.ndarray
+
+
+class Start(NamedTuple):
+    """Where the mechanism stands at the start.
+
+    Parameters
+    ----------
+    lever : float
+        dY/d(crank angle) [m].
+    turn : float
+        The rod's angular velocity [rad/s].
+    pin, A : ndarray, shape (3,)
+        Crank pin and A [m].
+    """
+
+    lever: float
+    turn: float
+    pin: np.ndarray
+    A: np.ndarray
+
+
+def own_motion(
+    piston: CrankedPiston, step: float, steps: int, spectral_radius: float
+) -> np.ndarray:
+    """Piston motion by this package.
+
+    Parameters
+    ----------
+    piston : CrankedPiston
     step, steps : float, int
         [s]
     spectral_radius : float
@@ -60,49 +121,51 @@ def own_motion(body, mechanism, gas_shape, drive, step, steps, spectral_radius):
         x_A [m], rocking angle [rad], modal coordinates [kg^1/2 m]; it starts at rest and
         undeformed.
     """
-    n = 2 + len(gas_shape)
-    place, rate, a = np.zeros((3, n))
-    history = [place]
-    place, rate, a = _balanced(
-        body, mechanism, gas_shape, drive, 0.0, coefficients(0.0, spectral_radius), place, rate, a
-    )
-    c, auxiliary = coefficients(step, spectral_radius), a
+    nothing = np.zeros(2 + len(piston.gas_shape))
+    history = [nothing]
+    at_rest = Prediction(nothing, nothing, nothing)
+    now = _end_of_step(piston, 0.0, coefficients(0.0, spectral_radius), at_rest, nothing)
+    c = coefficients(step, spectral_radius)
+    auxiliary = now.acceleration
     for k in range(1, steps + 1):
-        p, r, auxiliary = predict(c, place, rate, a, auxiliary)
-        place, rate, a = _balanced(body, mechanism, gas_shape, drive, k * step, c, p, r, a)
-        auxiliary = auxiliary + c.weight * a
-        history.append(place)
+        predicted = predict(c, now, auxiliary)
+        now = _end_of_step(piston, k * step, c, predicted, now.acceleration)
+        auxiliary = predicted.auxiliary + c.to_auxiliary * now.acceleration
+        history.append(now.position)
     return np.array(history)
 
 
-def _balanced(body, mechanism, gas_shape, drive, time, c, place, rate, a):
-    """End of a step: the springs' forces and the place they belong to, found in turns (the spring
-    adds 1e-3 to the inertia).
+def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) -> Motion:
+    """Motion at the end of a step: the springs' forces and the position they belong to, in turns
+    (the spring adds 1e-3 to the inertia).
     """
-    F, angle = drive.gas(time), drive.crank_angle + drive.crank_speed * time
+    drive = piston.drive
+    F = drive.gas(time)
+    crank = CrankMotion(drive.crank_angle + drive.crank_speed * time, drive.crank_speed, 0.0)
+    a = guess
     for _ in range(6):
-        end = place + c.place * a
+        end = predicted.position + c.to_position * a
         load = Load(
-            -drive.lateral_stiffness * end[0], -F, -drive.turning_stiffness * end[1], F * gas_shape
+            lateral=-drive.lateral_stiffness * end[LATERAL],
+            axial=-F,
+            moment=-drive.turning_stiffness * end[ROCKING],
+            modal=F * piston.gas_shape,
         )
-        a = settle(
-            body, mechanism, load, place, rate, a, angle, drive.crank_speed, 0.0, c.rate, c.place
-        )[0]
-    return place + c.place * a, rate + c.rate * a, a
+        a = end_accelerations(
+            piston.body, piston.mechanism, load, predicted, a, crank, c.to_velocity, c.to_position
+        ).acceleration
+    return Motion(predicted.position + c.to_position * a, predicted.velocity + c.to_velocity * a, a)
 
 
-def exudyn_motion(points, K, M, modes, mechanism, gas_shape, drive, step, steps, spectral_radius):
+def exudyn_motion(
+    full: FullPiston, piston: CrankedPiston, step: float, steps: int, spectral_radius: float
+) -> np.ndarray:
     """The same by Exudyn (ObjectFFRFreducedOrder, joints as constraints, generalised-alpha).
 
     Parameters
     ----------
-    points : ndarray, shape (n, 3)
-        Nodes from A [m].
-    K, M : scipy.sparse matrix, shape (3 n, 3 n)
-        Full matrices [N/m], [kg].
-    modes : ndarray, shape (3 n, k)
-        [kg^-1/2]
-    mechanism, gas_shape, drive, step, steps, spectral_radius
+    full : FullPiston
+    piston, step, steps, spectral_radius
         As for `own_motion`.
 
     Returns
@@ -112,13 +175,13 @@ def exudyn_motion(points, K, M, modes, mechanism, gas_shape, drive, step, steps,
     import exudyn as exu
     import exudyn.itemInterface as item
 
+    mechanism = piston.mechanism
+    drive = piston.drive
     system = exu.SystemContainer().AddSystem()
-    lever, turn, pin, A = _start(mechanism, drive)
-    piston = _exudyn_piston(
-        exu, system, (points, K, M, modes), A, lever * drive.crank_speed, gas_shape, drive
-    )
-    _held(item, system, piston["nRigidBody"], drive)
-    _crank_and_rod(item, system, piston["nRigidBody"], mechanism, drive, (lever, turn, pin, A))
+    start = _start(mechanism, drive)
+    body = _exudyn_piston(exu, system, full, start, piston.gas_shape, drive)
+    _held(item, system, body["nRigidBody"], drive)
+    _crank_and_rod(item, system, body["nRigidBody"], mechanism, drive, start)
     sensors = [
         system.AddSensor(
             item.SensorNode(
@@ -127,50 +190,50 @@ def exudyn_motion(points, K, M, modes, mechanism, gas_shape, drive, step, steps,
                 outputVariableType=exu.OutputVariableType.Coordinates,
             )
         )
-        for node in (piston["nRigidBody"], piston["nGenericODE2"])
+        for node in (body["nRigidBody"], body["nGenericODE2"])
     ]
     system.Assemble()
     system.SolveDynamic(_settings(exu, step, steps, spectral_radius))
     frame, modal = (system.GetSensorStoredData(sensor) for sensor in sensors)
-    return np.column_stack([frame[:, 1], frame[:, 6], modal[:, 1:]])
+    lateral = 1  # after the time: x y z, then three angles
+    angle = 6
+    return np.column_stack([frame[:, lateral], frame[:, angle], modal[:, 1:]])
 
 
-def _start(mechanism, drive):
-    """dY/d(crank angle) [m], the rod's turning speed [rad/s], and where crank pin and A are at the
-    start [m].
-    """
-    phi, r = drive.crank_angle, mechanism.crank_radius
-    Y, _, lever = height(mechanism, 0.0, phi)
-    turn = rod_turn(mechanism, 0.0, 0.0, phi, drive.crank_speed)[0]
-    return (
-        lever,
-        turn,
-        np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]),
-        np.array([mechanism.offset, Y, 0.0]),
+def _start(mechanism: Mechanism, drive: Drive) -> Start:
+    """Where the mechanism stands at the start."""
+    phi = drive.crank_angle
+    r = mechanism.crank_radius
+    above = height(mechanism, 0.0, phi)
+    return Start(
+        lever=above.lever,
+        turn=rod_turn(mechanism, 0.0, 0.0, phi, drive.crank_speed).velocity,
+        pin=np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]),
+        A=np.array([mechanism.offset, above.height, 0.0]),
     )
 
 
-def _exudyn_piston(exu, system, mesh, A, speed, gas_shape, drive):
-    """The flexible piston with its gas force, moving along y with `speed` [m/s]; Exudyn's
+def _exudyn_piston(exu, system, full, start, gas_shape, drive):
+    """The flexible piston with its gas force, moving along y as the crank has it; Exudyn's
     dictionary of what it made.
     """
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
-    points, K, M, modes = mesh
     fem = FEMinterface()
-    fem.nodes, fem.massMatrix, fem.stiffnessMatrix = {"Position": points}, M.tocsr(), K.tocsr()
-    fem.modeBasis, fem.surface = (
-        {"matrix": modes, "type": "NormalModes"},
-        [{"Name": "none", "Trigs": np.zeros((0, 3), int)}],
-    )
+    fem.nodes = {"Position": full.points}
+    fem.massMatrix = full.M.tocsr()
+    fem.stiffnessMatrix = full.K.tocsr()
+    fem.modeBasis = {"matrix": full.modes, "type": "NormalModes"}
+    fem.surface = [{"Name": "none", "Trigs": np.zeros((0, 3), int)}]
+    speed = start.lever * drive.crank_speed
 
-    def force(system, time, number, q, rate):
+    def force(system, time, number, q, dq):
         F = drive.gas(time)
         return [0.0, -F, 0.0, 0.0, 0.0, 0.0, *(F * gas_shape)]
 
     interface = ObjectFFRFreducedOrderInterface(fem, rigidBodyNodeType="NodeType.RotationRxyz")
     return interface.AddObjectFFRFreducedOrderWithUserFunctions(
-        exu, system, positionRef=A, initialVelocity=[0.0, speed, 0.0], UFforce=force
+        exu, system, positionRef=start.A, initialVelocity=[0.0, speed, 0.0], UFforce=force
     )
 
 
@@ -188,11 +251,13 @@ def _held(item, system, frame, drive):
         system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=frame, coordinate=k))
         for k in range(6)
     ]
-    for k in (2, 3, 4):
-        system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, free[k]]))
-    for k, stiffness in ((0, drive.lateral_stiffness), (5, drive.turning_stiffness)):
+    lateral, _, *out_of_plane, angle = free
+    for marker in out_of_plane:
+        system.AddObject(item.CoordinateConstraint(markerNumbers=[fixed, marker]))
+    springs = ((lateral, drive.lateral_stiffness), (angle, drive.turning_stiffness))
+    for marker, stiffness in springs:
         system.AddObject(
-            item.CoordinateSpringDamper(markerNumbers=[fixed, free[k]], stiffness=stiffness)
+            item.CoordinateSpringDamper(markerNumbers=[fixed, marker], stiffness=stiffness)
         )
 
 
@@ -200,22 +265,34 @@ def _crank_and_rod(item, system, frame, mechanism, drive, start):
     """Crank with its angle prescribed (its inertia does not matter), rod with its own, and the
     three joints.
     """
-    (lever, turn, pin, A), w, r = start, drive.crank_speed, mechanism.crank_radius
-    length, share, rod = mechanism.rod_length, mechanism.rod_centre, A - pin
-    pin_speed = w * np.array([-pin[1], pin[0]])
-    centre_speed = (1 - share) * pin_speed + share * np.array([0.0, lever * w])
-    crank_node, crank = _body(
-        item, system, np.zeros(3), drive.crank_angle, np.zeros(2), w, 1.0, 1e-3
+    w = drive.crank_speed
+    pin = start.pin
+    length = mechanism.rod_length
+    share = mechanism.rod_centre
+    rod = start.A - pin
+    pin_velocity = w * np.array([-pin[1], pin[0]])
+    centre_velocity = (1 - share) * pin_velocity + share * np.array([0.0, start.lever * w])
+    crank_node = system.AddNode(
+        item.NodeRigidBody2D(
+            referenceCoordinates=[0.0, 0.0, drive.crank_angle], initialVelocities=[0.0, 0.0, w]
+        )
     )
-    _, rod_body = _body(
-        item,
-        system,
-        pin + share * rod,
-        np.arctan2(-rod[0], rod[1]),
-        centre_speed,
-        turn,
-        mechanism.rod_mass,
-        mechanism.rod_inertia,
+    crank = system.AddObject(
+        item.ObjectRigidBody2D(nodeNumber=crank_node, physicsMass=1.0, physicsInertia=1e-3)
+    )
+    centre_x, centre_y, _ = pin + share * rod
+    rod_node = system.AddNode(
+        item.NodeRigidBody2D(
+            referenceCoordinates=[centre_x, centre_y, np.arctan2(-rod[0], rod[1])],
+            initialVelocities=[*centre_velocity, start.turn],
+        )
+    )
+    rod_body = system.AddObject(
+        item.ObjectRigidBody2D(
+            nodeNumber=rod_node,
+            physicsMass=mechanism.rod_mass,
+            physicsInertia=mechanism.rod_inertia,
+        )
     )
 
     def at(body, y):
@@ -226,7 +303,7 @@ def _crank_and_rod(item, system, frame, mechanism, drive, start):
     ground = system.AddObject(item.ObjectGround())
     for ends in (
         (at(ground, 0.0), at(crank, 0.0)),
-        (at(crank, r), at(rod_body, -share * length)),
+        (at(crank, mechanism.crank_radius), at(rod_body, -share * length)),
         (
             at(rod_body, (1 - share) * length),
             system.AddMarker(item.MarkerNodePosition(nodeNumber=frame)),
@@ -243,24 +320,16 @@ def _crank_and_rod(item, system, frame, mechanism, drive, start):
     )
 
 
-def _body(item, system, place, angle, speed, spin, mass, inertia):
-    """A rigid body in the plane: its node and object."""
-    node = system.AddNode(
-        item.NodeRigidBody2D(
-            referenceCoordinates=[*place[:2], angle], initialVelocities=[*speed, spin]
-        )
-    )
-    return node, system.AddObject(
-        item.ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia)
-    )
-
-
 def _settings(exu, step, steps, spectral_radius):
+    """Solver settings of Exudyn: fixed steps, tight Newton, positions kept at every step."""
     settings = exu.SimulationSettings()
     integration = settings.timeIntegration
-    integration.numberOfSteps, integration.endTime, integration.verboseMode = steps, step * steps, 0
+    integration.numberOfSteps = steps
+    integration.endTime = step * steps
+    integration.verboseMode = 0
     integration.generalizedAlpha.spectralRadius = spectral_radius
-    integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-10
+    integration.newton.relativeTolerance = 1e-10
+    integration.newton.absoluteTolerance = 1e-10
     settings.solutionSettings.writeSolutionToFile = False
     settings.solutionSettings.sensorsWritePeriod = step
     return settings

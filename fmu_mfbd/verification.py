@@ -3,6 +3,7 @@ command line and the tests.
 """
 
 import itertools
+from importlib.util import find_spec
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -11,18 +12,20 @@ import scipy.linalg as la
 from ..models import MODELS
 from .dynamics.assembly import assemble
 from .dynamics.floating_frame import (
+    TURN,
     FlexibleBody,
+    FrameMotion,
     frame_arrow,
     frame_force,
     mode_coupling,
     rigid_body,
     whole,
 )
-from .dynamics.generalised_alpha import coefficients, predict
+from .dynamics.generalised_alpha import Coefficients, Motion, coefficients, predict
 from .dynamics.model import Inputs
 from .dynamics.piston_motion import Load, imbalance
-from .dynamics.slider_crank import Mechanism, height, motion
-from .exudyn_reference import Drive, exudyn_motion, own_motion
+from .dynamics.slider_crank import CrankMotion, LateralMotion, Mechanism, height, motion
+from .exudyn_reference import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
 from .finite_elements.element import consistent_mass, quadrature, rigid_motions, stiffness
 from .finite_elements.faces import face_load
 from .finite_elements.mesh import read_mesh, second_order
@@ -77,25 +80,6 @@ def figure(case, quantity, computed, reference, tolerance, kind, source, reason)
 
 def slider_crank_checks():
     """Rigid slider-crank at 3000 rpm, no gas, piston guided on the bore axis."""
-    mechanism = Mechanism(0.0288, 0.110, 0.0, 0.35, 6e-4, 30 / 110, 0.0)
-    body, still, nothing = (
-        rigid_body(0.315, (0.0, 0.0), 1e-4),
-        np.zeros(2),
-        Load(0.0, 0.0, 0.0, np.zeros(0)),
-    )
-    speed, found = 100 * np.pi, {}
-    for degrees in (30, 60, 90):
-        angle = np.radians(degrees)
-        guide, _, pin, _, torque = imbalance(
-            body, mechanism, nothing, still, still, still, angle, speed, 0.0
-        )
-        found[degrees] = (
-            height(mechanism, 0.0, angle)[0],
-            motion(mechanism, 0.0, 0.0, 0.0, angle, speed, 0.0)[0],
-            -guide[0],
-            pin,
-            torque,
-        )
     names = (
         "height of A [m]",
         "acceleration of A [m/s2]",
@@ -109,7 +93,7 @@ def slider_crank_checks():
         90: (None, None, 25.33294),
     }
     for degrees, row in references.items():
-        for name, reference, computed in zip(names, row, found[degrees]):
+        for name, reference, computed in zip(names, row, guided_piston(np.radians(degrees))):
             if reference is not None:
                 yield figure(
                     f"Slider-crank {degrees} deg",
@@ -123,17 +107,48 @@ def slider_crank_checks():
                 )
 
 
+def guided_piston(angle: float) -> tuple[float, ...]:
+    """Height, acceleration [m/s2], side force, pin force along y [N] and crank torque [N m] at a
+    crank angle.
+    """
+    mechanism = Mechanism(
+        crank_radius=0.0288,
+        rod_length=0.110,
+        offset=0.0,
+        rod_mass=0.35,
+        rod_inertia=6e-4,
+        rod_centre=30 / 110,
+        pin_mass=0.0,
+    )
+    body = rigid_body(0.315, (0.0, 0.0), 1e-4)
+    crank = CrankMotion(angle, 100 * np.pi, 0.0)
+    still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
+    out = imbalance(body, mechanism, Load(0.0, 0.0, 0.0, np.zeros(0)), still, crank)
+    link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), crank)
+    return (
+        height(mechanism, 0.0, angle).height,
+        link.axial_acceleration,
+        -out.residual[0],
+        out.pin_y,
+        out.torque,
+    )
+
+
 def element_checks():
     """Ten-node tetrahedron: rigid motions, mass properties, and FElupe where it is installed."""
     points, tets = box_mesh((2, 2, 3), (0.1, 0.2, 0.3))
-    found = floating_frame_integrals(
+    integrals = floating_frame_integrals(
         consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0))
     )
     mass = 2700.0 * 0.1 * 0.2 * 0.3
     for name, computed, reference in (
-        ("mass [kg]", found["mass"], mass),
-        ("first moment along x [kg m]", found["S"][0], mass * 0.05),
-        ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3),
+        ("mass [kg]", integrals["mass"], mass),
+        ("first moment along x [kg m]", integrals["S"][0], mass * 0.05),
+        (
+            "moment of inertia about the corner [kg m2]",
+            integrals["I0"],
+            mass * (0.1**2 + 0.2**2) / 3,
+        ),
     ):
         yield figure(
             "Box of TET10",
@@ -240,7 +255,7 @@ def craig_bampton_free(points, K, M, ends, modes):
     """Free-free frequencies [Hz] of a body with two rigid ends, from 12 constraint modes and
     `modes` fixed-interface modes.
 
-    Eq. (W1):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
+    Eq. (N4):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
     """
     fixed = np.concatenate(ends)
     body = Elastic(K, M, fixed)
@@ -248,7 +263,7 @@ def craig_bampton_free(points, K, M, ends, modes):
     for k, end in enumerate(ends):
         rows = (3 * end[:, None] + np.arange(3)).ravel()
         moves[rows, 6 * k : 6 * k + 6] = rigid_motions(points[end] - points[end].mean(axis=0))
-    moves[body.free] -= body.solve((K @ moves)[body.free])  # Eq. (W1)
+    moves[body.free] -= body.solve((K @ moves)[body.free])  # Eq. (N4)
     shapes = np.hstack([moves, body.full(craig_bampton(body, modes))])
     square = la.eigh(shapes.T @ (K @ shapes), shapes.T @ (M @ shapes), eigvals_only=True)
     return np.sqrt(np.abs(square)) / (2 * np.pi)
@@ -310,53 +325,86 @@ def beam_in_frame():
     return FlexibleBody(**arrays, stiffness=omega**2, damping=np.zeros_like(omega))
 
 
-def swing(body, angle_rate, bend, step, steps, spectral_radius=1.0):
-    """Free flexible pendulum about A, no gravity: history of (place, rate), place = [angle, modal
-    coordinates].
+def swing(
+    body: FlexibleBody,
+    angular_velocity: float,
+    bend: float,
+    step: float,
+    steps: int,
+    spectral_radius: float = 1.0,
+) -> list[Motion]:
+    """Free flexible pendulum about A, no gravity: its motion after each step, coordinates [angle,
+    modal coordinates].
 
-    It starts turning at angle_rate [rad/s], bent by `bend` [kg^1/2 m] in its lowest mode.
+    It starts turning at angular_velocity [rad/s], bent by `bend` [kg^1/2 m] in its lowest mode.
     """
+    n = 1 + len(body.stiffness)
+    start = Motion(np.zeros(n), np.zeros(n), np.zeros(n))
+    start.velocity[0] = angular_velocity
+    start.position[1] = bend
+    now = _pendulum_step(body, start, coefficients(0.0, spectral_radius))
     c = coefficients(step, spectral_radius)
-    place, rate = np.zeros(1 + len(body.stiffness)), np.zeros(1 + len(body.stiffness))
-    rate[0], place[1] = angle_rate, bend
-    place, rate, acceleration = _pendulum_step(
-        body, place, rate, np.zeros_like(place), coefficients(0.0, spectral_radius)
-    )
-    auxiliary, history = acceleration, [(place, rate)]
+    auxiliary = now.acceleration
+    history = [now]
     for _ in range(steps):
-        p, r, a = predict(c, place, rate, acceleration, auxiliary)
-        place, rate, acceleration = _pendulum_step(body, p, r, acceleration, c)
-        auxiliary = a + c.weight * acceleration
-        history.append((place, rate))
+        predicted = predict(c, now, auxiliary)
+        now = _pendulum_step(
+            body, Motion(predicted.position, predicted.velocity, now.acceleration), c
+        )
+        auxiliary = predicted.auxiliary + c.to_auxiliary * now.acceleration
+        history.append(now)
     return history
 
 
-def _pendulum_step(body, place, rate, guess, c):
-    """Newton iteration for the end accelerations of the pendulum (A at rest)."""
-    a = guess
+def _pendulum_step(body, predicted: Motion, c: Coefficients) -> Motion:
+    """Newton iteration for the end accelerations of the pendulum (A at rest), from those given with
+    the predicted motion.
+    """
+    now = _moved(predicted, predicted.acceleration, c)
     for _ in range(12):
-        p, r = place + c.place * a, rate + c.rate * a
-        residual = frame_force(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:])[2:]
+        frame = FrameMotion(
+            ax=0.0,
+            ay=0.0,
+            alpha=now.acceleration[0],
+            w=now.velocity[0],
+            q=now.position[1:],
+            dq=now.velocity[1:],
+            ddq=now.acceleration[1:],
+        )
+        force = frame_force(body, frame)
         matrix = whole(
-            frame_arrow(body, 0.0, 0.0, a[0], r[0], p[1:], r[1:], a[1:], c.rate, c.place),
-            mode_coupling(body, a[0], r[0], c.rate, c.place),
-        )[2:, 2:]
-        a = a - np.linalg.solve(matrix, residual)
-    return place + c.place * a, rate + c.rate * a, a
+            frame_arrow(body, frame, c.to_velocity, c.to_position),
+            mode_coupling(body, frame.alpha, frame.w, c.to_velocity, c.to_position),
+        )[TURN:, TURN:]
+        residual = np.append(force.moment, force.modal)
+        now = _moved(predicted, now.acceleration - np.linalg.solve(matrix, residual), c)
+    return now
 
 
-def energy(body, place, rate):
+def _moved(predicted, acceleration, c):
+    """The predicted motion with these end accelerations."""
+    return Motion(
+        predicted.position + c.to_position * acceleration,
+        predicted.velocity + c.to_velocity * acceleration,
+        acceleration,
+    )
+
+
+def energy(body: FlexibleBody, now: Motion) -> float:
     """Kinetic and elastic energy of a body that turns about A at rest [J].
 
-    Eq. (W2):  E = w^2 (I0 + 2 b.q + q.B q)/2 + w (g + G q).q' + q'.q'/2 + q.Omega^2 q/2
+    Eq. (N5):  E = w^2 (I0 + 2 b.q + q.B q)/2 + w (g + G q).q' + q'.q'/2 + q.Omega^2 q/2
     """
-    w, q, dq = rate[0], place[1:], rate[1:]
+    w = now.velocity[0]
+    q = now.position[1:]
+    dq = now.velocity[1:]
+    # Eq. (N5)
     return (
         w**2 * (body.I0 + 2 * body.b @ q + q @ body.B @ q) / 2
         + w * (body.g + body.G @ q) @ dq
         + dq @ dq / 2
         + q @ (body.stiffness * q) / 2
-    )  # Eq. (W2)
+    )
 
 
 def pendulum_checks():
@@ -365,7 +413,7 @@ def pendulum_checks():
     """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
-    levels = np.array([energy(body, *at) for at in swing(body, 30.0, 2e-3, period / 100, 2000)])
+    levels = np.array([energy(body, now) for now in swing(body, 30.0, 2e-3, period / 100, 2000)])
     yield figure(
         "Flexible pendulum, 20 periods",
         "energy drift [-]",
@@ -384,7 +432,10 @@ def order_check():
     """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
-    ends = [swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1][0][1:] for n in (40, 80, 160)]
+    ends = []
+    for n in (40, 80, 160):
+        last = swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1]
+        ends.append(last.position[1:])
     order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[2]))
     return figure(
         "Flexible pendulum, steps halved",
@@ -430,10 +481,10 @@ def film_loads(angle, height, skirt_length):
     heights, wide and narrow.
     """
     loads = []
-    for side, width, place, length in itertools.product(
+    for side, width, share, length in itertools.product(
         (np.pi / 2, 3 * np.pi / 2), (0.35, 0.7), (0.25, 0.5, 0.75), (0.2, 0.35)
     ):
-        middle = height[0] + place * (height[-1] - height[0])
+        middle = height[0] + share * (height[-1] - height[0])
         around = np.maximum(
             0.0, 1 - (np.remainder(angle - side + np.pi, 2 * np.pi) - np.pi) ** 2 / width**2
         )
@@ -523,11 +574,11 @@ def load_checks(body, mesh, read, shapes, extra):
         extra.T,
     ):
         full, reduced = body.solve(load), modes @ ((modes.T @ load) / omega**2)
-        for place, choose in (("crown", lambda u: u[pick]), ("skirt", lambda u: read @ u)):
+        for part, choose in (("crown", lambda u: u[pick]), ("skirt", lambda u: read @ u)):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
             yield figure(
                 f"piston, {name}",
-                f"deflection of the {place}, error [-]",
+                f"deflection of the {part}, error [-]",
                 error,
                 0.0,
                 1e-6,
@@ -583,9 +634,7 @@ def step_checks():
         for e in (1.0, -1.0)
     ]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    for name, product in zip(
-        ("film_thickness", "sliding_velocity"), model.directional_derivative(drag, push)
-    ):
+    for name, product in model.directional_derivative(drag, push)._asdict().items():
         difference = (ends[0][name] - ends[1][name]) / 2
         yield figure(
             "60 + 60 modes, one step",
@@ -601,7 +650,7 @@ def step_checks():
     yield figure(
         "60 + 60 modes, one step redone",
         "bytes that differ",
-        np.sum(first.place.tobytes() != again.place.tobytes()),
+        np.sum(first.position.tobytes() != again.position.tobytes()),
         0,
         0.0,
         "absolute",
@@ -614,9 +663,7 @@ def exudyn_checks():
     """Shipped piston with 20 modes on the crank, against Exudyn's floating-frame body where it is
     installed; steps of 10, 5 and 2.5 us over 2 ms, a motion of about 50 um.
     """
-    try:
-        import exudyn
-    except ImportError:
+    if find_spec("exudyn") is None:
         return
     mesh, M, held, *_ = shipped_body("piston")
     modes, omega = orthonormal_modes(held, craig_bampton(held, 20))
@@ -629,14 +676,33 @@ def exudyn_checks():
         stiffness=omega**2,
         damping=np.zeros_like(omega),
     )
-    mechanism = Mechanism(24.75e-3, 0.1, 1e-3, 0.14, 2.2e-4, 0.3, 0.0)
-    drive = Drive(0.3, 100 * np.pi, 2e7, 2e4, 5e3, 1e-3)
-    K, apart = stiffness(mesh.points, mesh.tets, 78e9, 0.33), []
+    mechanism = Mechanism(
+        crank_radius=24.75e-3,
+        rod_length=0.1,
+        offset=1e-3,
+        rod_mass=0.14,
+        rod_inertia=2.2e-4,
+        rod_centre=0.3,
+        pin_mass=0.0,
+    )
+    drive = Drive(
+        crank_angle=0.3,
+        crank_speed=100 * np.pi,
+        lateral_stiffness=2e7,
+        turning_stiffness=2e4,
+        gas_force=5e3,
+        duration=1e-3,
+    )
+    piston = CrankedPiston(body, mechanism, gas_shape, drive)
+    K = stiffness(mesh.points, mesh.tets, 78e9, 0.33)
+    full = FullPiston(mesh.points, K, M, modes)
+    apart = []
     for step, bound in ((1e-5, 0.0101e-6), (5e-6, 0.0059e-6), (2.5e-6, 0.0018e-6)):
-        run = drive, step, round(2e-3 / step), 0.8
-        own = own_motion(body, mechanism, gas_shape, *run)
-        other = exudyn_motion(mesh.points, K, M, modes, mechanism, gas_shape, *run)
-        difference, case = np.abs(own - other), f"Piston against Exudyn, {step * 1e6:g} us"
+        steps = round(2e-3 / step)
+        own = own_motion(piston, step, steps, 0.8)
+        other = exudyn_motion(full, piston, step, steps, 0.8)
+        difference = np.abs(own - other)
+        case = f"Piston against Exudyn, {step * 1e6:g} us"
         apart.append(difference[:, 0].max())
         yield figure(
             case,

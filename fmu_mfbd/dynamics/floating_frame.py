@@ -1,8 +1,10 @@
 """Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces
 and their exact tangent.
 
-References ---------- [Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge
-University Press, 2013.
+References
+----------
+[Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge University Press,
+2013.
 """
 
 from typing import NamedTuple
@@ -10,6 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+
+X = 0
+Y = 1
+TURN = 2
+"""Rows and columns of the frame's rigid motions: along its x and y, and about A; modes follow."""
+
+RIGID = 3
+"""Number of the frame's rigid motions."""
 
 
 class FlexibleBody(NamedTuple):
@@ -24,7 +34,12 @@ class FlexibleBody(NamedTuple):
         First moment about A [kg m].
     I0 : float
         Moment of inertia about A, about the axis z [kg m2].
-    T, b, B, g, G : ndarray, shapes (2, k), (k,), (k, k), (k,), (k, k)
+    T : ndarray, shape (2, k)
+        Change of the first moment with the modes [kg^1/2].
+    b, B : ndarray, shapes (k,), (k, k)
+        Change of half the moment of inertia with the modes [kg^1/2 m], [-].
+    g, G : ndarray, shapes (k,), (k, k)
+        Angular momentum of the modes' motion, undeformed and by the modes [kg^1/2 m], [-].
     stiffness : ndarray, shape (k,)
         omega^2 [rad2/s2].
     damping : ndarray, shape (k,)
@@ -43,86 +58,45 @@ class FlexibleBody(NamedTuple):
     damping: np.ndarray
 
 
-def rigid_body(mass, centre, inertia):
-    """Rigid body of given mass [kg], centre of mass (x, y) from A [m] and moment of inertia about A
-    [kg m2].
-    """
-    none, square = np.zeros(0), np.zeros((0, 0))
-    return FlexibleBody(
-        float(mass),
-        mass * np.asarray(centre, dtype=float),
-        float(inertia),
-        np.zeros((2, 0)),
-        none,
-        square,
-        none,
-        square,
-        none,
-        none,
-    )
-
-
-@compiled
-def _times(start, matrix, q):
-    """start + matrix q."""
-    out = matrix @ q
-    for k in range(len(out)):
-        out[k] += start[k]
-    return out
-
-
-@compiled
-def frame_force(body, ax, ay, alpha, w, q, rate, acceleration):
-    """Generalised force that a given motion needs: rows along the body frame's x and y, about A,
-    then one a mode.
-
-    Eq. (R1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                                             s = S + T q
-    Eq. (R2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
-    Eq. (R3):  T^T a + alpha (g + G q) - w^2 (b + B q) + 2 w G q' + q'' + D q' + Omega^2 q
-
-    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is
-    far below the body's lowest eigenfrequency. No gravity.
+class FrameMotion(NamedTuple):
+    """Motion of a body frame and of the body in it.
 
     Parameters
     ----------
-    body : FlexibleBody
     ax, ay : float
         Acceleration of A in the body frame [m/s2].
     alpha, w : float
         Angular acceleration [rad/s2] and velocity [rad/s] about +z.
-    q, rate, acceleration : ndarray, shape (k,)
+    q, dq, ddq : ndarray, shape (k,)
         Modal coordinates [kg^1/2 m] and their derivatives in time.
-
-    Returns
-    -------
-    ndarray, shape (3 + k,)
-        [N], [N], [N m], [kg^-1/2 N].
-
-    References ---------- [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in
-    tests/mfbd/test_floating_frame.py.
     """
-    out = np.empty(3 + len(q))
-    gq, bq, gr = _times(body.g, body.G, q), _times(body.b, body.B, q), body.G @ rate
-    sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
-    tx, ty = 2 * w * (body.T[0] @ rate), 2 * w * (body.T[1] @ rate)
-    out[0] = body.mass * ax - alpha * sy - w * w * sx - ty + body.T[0] @ acceleration  # Eq. (R1)
-    out[1] = body.mass * ay + alpha * sx - w * w * sy + tx + body.T[1] @ acceleration
-    inertia = body.I0 + body.b @ q + bq @ q
-    out[2] = (
-        -sy * ax + sx * ay + alpha * inertia + 2 * w * (bq @ rate) + gq @ acceleration
-    )  # Eq. (R2)
-    for i in range(len(q)):  # Eq. (R3)
-        out[3 + i] = (
-            body.T[0, i] * ax
-            + body.T[1, i] * ay
-            + alpha * gq[i]
-            - w * w * bq[i]
-            + 2 * w * gr[i]
-            + acceleration[i]
-            + body.damping[i] * rate[i]
-            + body.stiffness[i] * q[i]
-        )
-    return out
+
+    ax: float
+    ay: float
+    alpha: float
+    w: float
+    q: np.ndarray
+    dq: np.ndarray
+    ddq: np.ndarray
+
+
+class FrameForce(NamedTuple):
+    """Generalised force that a motion needs.
+
+    Parameters
+    ----------
+    x, y : float
+        Along the body frame's axes [N].
+    moment : float
+        About A, about +z [N m].
+    modal : ndarray, shape (k,)
+        [kg^-1/2 N]
+    """
+
+    x: float
+    y: float
+    moment: float
+    modal: np.ndarray
 
 
 class Arrow(NamedTuple):
@@ -144,84 +118,193 @@ class Arrow(NamedTuple):
     diagonal: np.ndarray
 
 
+def rigid_body(mass: float, centre: tuple[float, float], inertia: float) -> FlexibleBody:
+    """Rigid body of given mass [kg], centre of mass (x, y) from A [m] and moment of inertia about A
+    [kg m2].
+    """
+    none = np.zeros(0)
+    square = np.zeros((0, 0))
+    return FlexibleBody(
+        mass=float(mass),
+        S=mass * np.asarray(centre, dtype=float),
+        I0=float(inertia),
+        T=np.zeros((2, 0)),
+        b=none,
+        B=square,
+        g=none,
+        G=square,
+        stiffness=none,
+        damping=none,
+    )
+
+
 @compiled
-def frame_arrow(body, ax, ay, alpha, w, q, rate, acceleration, c1, c2):
+def _times(start, matrix, q):
+    """start + matrix q."""
+    out = matrix @ q
+    for k in range(len(out)):
+        out[k] += start[k]
+    return out
+
+
+@compiled
+def frame_force(body: FlexibleBody, motion: FrameMotion) -> FrameForce:
+    """Generalised force that a given motion needs, along the body frame's x and y, about A, and on
+    each mode.
+
+    Eq. (D1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                       s = S + T q
+    Eq. (D2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
+    Eq. (D3):  T^T a + alpha (g + G q) - w^2 (b + B q) + 2 w G q' + q'' + D q' + Omega^2 q
+               Z = [0, -1; 1, 0]
+
+    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is
+    far below the body's lowest eigenfrequency. No gravity.
+
+    Parameters
+    ----------
+    body : FlexibleBody
+    motion : FrameMotion
+
+    Returns
+    -------
+    FrameForce
+
+    References
+    ----------
+    [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in
+    tests/mfbd/test_floating_frame.py.
+    """
+    ax = motion.ax
+    ay = motion.ay
+    alpha = motion.alpha
+    w = motion.w
+    q = motion.q
+    dq = motion.dq
+    ddq = motion.ddq
+    gq = _times(body.g, body.G, q)
+    bq = _times(body.b, body.B, q)
+    coriolis = body.G @ dq
+    sx = body.S[X] + body.T[X] @ q
+    sy = body.S[Y] + body.T[Y] @ q
+    tx = 2 * w * (body.T[X] @ dq)
+    ty = 2 * w * (body.T[Y] @ dq)
+    # Eq. (D1)
+    x = body.mass * ax - alpha * sy - w * w * sx - ty + body.T[X] @ ddq
+    y = body.mass * ay + alpha * sx - w * w * sy + tx + body.T[Y] @ ddq
+    # Eq. (D2)
+    inertia = body.I0 + body.b @ q + bq @ q
+    moment = -sy * ax + sx * ay + alpha * inertia + 2 * w * (bq @ dq) + gq @ ddq
+    modal = np.empty(len(q))
+    for i in range(len(q)):
+        # Eq. (D3)
+        modal[i] = (
+            body.T[X, i] * ax
+            + body.T[Y, i] * ay
+            + alpha * gq[i]
+            - w * w * bq[i]
+            + 2 * w * coriolis[i]
+            + ddq[i]
+            + body.damping[i] * dq[i]
+            + body.stiffness[i] * q[i]
+        )
+    return FrameForce(x, y, moment, modal)
+
+
+@compiled
+def frame_arrow(body: FlexibleBody, motion: FrameMotion, c1: float, c2: float) -> Arrow:
     """Derivative of `frame_force` with the time integrator's coefficients folded in, without
     `mode_coupling`.
 
     Columns: a along the body's x and y (held in that frame), then the angle and the modal
-    coordinates, each with its acceleration changed by 1, its rate by c1 [s] and itself by c2 [s2].
+    coordinates, each with its acceleration changed by 1, its velocity by c1 and itself by c2.
 
     Parameters
     ----------
-    body, ax, ay, alpha, w, q, rate, acceleration
-        As for `frame_force`.
+    body : FlexibleBody
+    motion : FrameMotion
     c1, c2 : float
-        [s], [s2]
+        `Coefficients.to_velocity` [s], `Coefficients.to_position` [s2].
 
     Returns
     -------
     Arrow
         Of three rigid motions.
     """
+    ax = motion.ax
+    ay = motion.ay
+    alpha = motion.alpha
+    w = motion.w
+    q = motion.q
     k = len(q)
-    top, left, diagonal = np.empty((3, 3 + k)), np.empty((k, 3)), np.empty(k)
-    gq, bq, gr, br = (
-        _times(body.g, body.G, q),
-        _times(body.b, body.B, q),
-        body.G @ rate,
-        body.B @ rate,
-    )
-    ga, ba = body.G @ acceleration, bq @ rate
-    sx, sy = body.S[0] + body.T[0] @ q, body.S[1] + body.T[1] @ q
-    tx, ty = body.T[0] @ rate, body.T[1] @ rate
-    top[0, 0] = top[1, 1] = body.mass
-    top[0, 1] = top[1, 0] = 0.0
-    top[2, 0] = -sy
-    top[2, 1] = sx
-    top[0, 2] = -sy - 2 * c1 * (w * sx + ty)
-    top[1, 2] = sx - 2 * c1 * (w * sy - tx)
-    top[2, 2] = body.I0 + body.b @ q + bq @ q + 2 * c1 * ba
+    gq = _times(body.g, body.G, q)
+    bq = _times(body.b, body.B, q)
+    gv = body.G @ motion.dq
+    bv = body.B @ motion.dq
+    ga = body.G @ motion.ddq
+    sx = body.S[X] + body.T[X] @ q
+    sy = body.S[Y] + body.T[Y] @ q
+    tx = body.T[X] @ motion.dq
+    ty = body.T[Y] @ motion.dq
+
+    top = np.empty((RIGID, RIGID + k))
+    top[X, X] = body.mass
+    top[Y, Y] = body.mass
+    top[X, Y] = 0.0
+    top[Y, X] = 0.0
+    top[TURN, X] = -sy
+    top[TURN, Y] = sx
+    top[X, TURN] = -sy - 2 * c1 * (w * sx + ty)
+    top[Y, TURN] = sx - 2 * c1 * (w * sy - tx)
+    top[TURN, TURN] = body.I0 + body.b @ q + bq @ q + 2 * c1 * (bq @ motion.dq)
+
+    left = np.empty((k, RIGID))
+    diagonal = np.empty(k)
     for i in range(k):
-        x, y = body.T[0, i], body.T[1, i]
-        left[i, 0] = x
-        left[i, 1] = y
-        left[i, 2] = gq[i] + 2 * c1 * (gr[i] - w * bq[i])
-        top[0, 3 + i] = x * (1 - c2 * w * w) - y * (alpha * c2 + 2 * w * c1)
-        top[1, 3 + i] = y * (1 - c2 * w * w) + x * (alpha * c2 + 2 * w * c1)
-        top[2, 3 + i] = (
+        x = body.T[X, i]
+        y = body.T[Y, i]
+        left[i, X] = x
+        left[i, Y] = y
+        left[i, TURN] = gq[i] + 2 * c1 * (gv[i] - w * bq[i])
+        top[X, RIGID + i] = x * (1 - c2 * w * w) - y * (alpha * c2 + 2 * w * c1)
+        top[Y, RIGID + i] = y * (1 - c2 * w * w) + x * (alpha * c2 + 2 * w * c1)
+        top[TURN, RIGID + i] = (
             gq[i]
             + c2 * (x * ay - y * ax)
             + 2 * c1 * w * bq[i]
-            + c2 * (2 * alpha * bq[i] + 2 * w * br[i] - ga[i])
+            + c2 * (2 * alpha * bq[i] + 2 * w * bv[i] - ga[i])
         )
         diagonal[i] = 1 + c1 * body.damping[i] + c2 * body.stiffness[i]
     return Arrow(top, left, diagonal)
 
 
 @compiled
-def mode_coupling(body, alpha, w, c1, c2):
+def mode_coupling(body: FlexibleBody, alpha: float, w: float, c1: float, c2: float) -> np.ndarray:
     """What `frame_arrow` leaves out: Coriolis, Euler and centrifugal coupling of modes.
 
-    Eq. (R4):  (2 w c1 + alpha c2) G - w^2 c2 B
+    Eq. (D4):  (2 w c1 + alpha c2) G - w^2 c2 B
 
     Parameters
     ----------
-    body, alpha, w, c1, c2
-        As for `frame_arrow`.
+    body : FlexibleBody
+    alpha, w : float
+        Angular acceleration [rad/s2] and velocity [rad/s].
+    c1, c2 : float
+        [s], [s2]
 
     Returns
     -------
     ndarray, shape (k, k)
         [-], about 2 w c1: 1e-4 for a rocking piston.
     """
-    out, turn, spin = np.empty(body.G.shape), 2 * w * c1 + alpha * c2, w * w * c2
+    out = np.empty(body.G.shape)
+    turn = 2 * w * c1 + alpha * c2
+    spin = w * w * c2
     for i in range(len(out)):
         for j in range(len(out)):
-            out[i, j] = turn * body.G[i, j] - spin * body.B[i, j]  # Eq. (R4)
+            out[i, j] = turn * body.G[i, j] - spin * body.B[i, j]  # Eq. (D4)
     return out
 
 
-def whole(arrow, coupling):
+def whole(arrow: Arrow, coupling: np.ndarray) -> np.ndarray:
     """The tangent as one matrix, (m + k, m + k)."""
     return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])

@@ -3,10 +3,11 @@ motion here.
 
 References
 ----------
-[ChungHulbert1993] J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375.
-[ArnoldBruels2007] M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185-202.
+[Chung1993] J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375.
+[Arnold2007] M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185-202.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +20,11 @@ class Coefficients(NamedTuple):
 
     Parameters
     ----------
-    step, alpha_m, alpha_f, beta, gamma : float
-        [s]; [-].
-    weight, rate, place : float
+    step : float
+        h [s].
+    alpha_m, alpha_f, beta, gamma : float
+        [-]
+    to_auxiliary, to_velocity, to_position : float
         What an end acceleration of 1 adds to the end's auxiliary acceleration [-], velocity [s] and
         position [s2].
     """
@@ -31,21 +34,50 @@ class Coefficients(NamedTuple):
     alpha_f: float
     beta: float
     gamma: float
-    weight: float
-    rate: float
-    place: float
+    to_auxiliary: float
+    to_velocity: float
+    to_position: float
 
 
-def coefficients(step, spectral_radius):
+class Motion(NamedTuple):
+    """Coordinates and their derivatives in time at an instant.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : ndarray, shape (n,)
+        q, q', q''.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+class Prediction(NamedTuple):
+    """The end of a step if the end acceleration were zero.
+
+    Parameters
+    ----------
+    position, velocity, auxiliary : ndarray, shape (n,)
+        q, q' and the auxiliary acceleration a.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    auxiliary: np.ndarray
+
+
+@lru_cache(maxsize=16)  # a run takes steps of few lengths
+def coefficients(step: float, spectral_radius: float) -> Coefficients:
     """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
 
-    Eq. (G1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma +
-               1/2)^2 / 4
+    Eq. (N1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1)
+               gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma + 1/2)^2 / 4
 
     Parameters
     ----------
     step : float
-        Step [s], > 0.
+        Step [s], > 0; 0 leaves position and velocity as they are.
     spectral_radius : float
         rho at infinite frequency [-], 0 (annihilates it in one step) to 1 (keeps all energy).
 
@@ -55,51 +87,63 @@ def coefficients(step, spectral_radius):
 
     References
     ----------
-    [ChungHulbert1993]. Order 2 is checked in tests/verification/test_mfbd.py.
+    [Chung1993]. Order 2 is checked in tests/verification/test_mfbd.py.
     """
     rho = spectral_radius
-    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)  # Eq. (G1)
+    # Eq. (N1)
+    alpha_m = (2 * rho - 1) / (rho + 1)
+    alpha_f = rho / (rho + 1)
     gamma = 0.5 + alpha_f - alpha_m
-    beta, weight = (gamma + 0.5) ** 2 / 4, (1 - alpha_f) / (1 - alpha_m)
+    beta = (gamma + 0.5) ** 2 / 4
+    to_auxiliary = (1 - alpha_f) / (1 - alpha_m)
     return Coefficients(
-        step, alpha_m, alpha_f, beta, gamma, weight, weight * step * gamma, weight * step**2 * beta
+        step=step,
+        alpha_m=alpha_m,
+        alpha_f=alpha_f,
+        beta=beta,
+        gamma=gamma,
+        to_auxiliary=to_auxiliary,
+        to_velocity=to_auxiliary * step * gamma,
+        to_position=to_auxiliary * step**2 * beta,
     )
 
 
 @compiled
-def predict(c, place, rate, acceleration, auxiliary):
+def predict(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Prediction:
     """End position, velocity and auxiliary acceleration if the end acceleration were zero.
 
-    Eq. (G2):  (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) q''_1 + alpha_f q''_0
+    Eq. (N2):  (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) q''_1 + alpha_f q''_0
                q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)
                q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta) a_0 + beta a_1)
 
-    The equation of motion holds exactly at the end of the step, with the end-of-step forces;
-    `Coefficients.weight`, `.rate` and `.place` add the part of q''_1.
+    The equation of motion holds exactly at the end of the step, with the end-of-step forces; `c`
+    adds the part of q''_1 by `to_auxiliary`, `to_velocity` and `to_position`.
 
     Parameters
     ----------
     c : Coefficients
-    place, rate, acceleration, auxiliary : ndarray, shape (n,)
-        q_0, q'_0, q''_0, a_0.
+    before : Motion
+        q_0, q'_0, q''_0.
+    auxiliary : ndarray, shape (n,)
+        a_0.
 
     Returns
     -------
-    place, rate, auxiliary : ndarray, shape (n,)
+    Prediction
 
     References
     ----------
-    [ArnoldBruels2007]
+    [Arnold2007]
     """
-    end, speed, a = np.empty(len(place)), np.empty(len(place)), np.empty(len(place))
-    for k in range(len(place)):  # a loop: array expressions take the compiler seconds each
-        a[k] = (c.alpha_f * acceleration[k] - c.alpha_m * auxiliary[k]) / (
-            1 - c.alpha_m
-        )  # Eq. (G2)
-        end[k] = (
-            place[k]
-            + c.step * rate[k]
-            + c.step**2 * ((0.5 - c.beta) * auxiliary[k] + c.beta * a[k])
-        )
-        speed[k] = rate[k] + c.step * ((1 - c.gamma) * auxiliary[k] + c.gamma * a[k])
-    return end, speed, a
+    n = len(before.position)
+    position = np.empty(n)
+    velocity = np.empty(n)
+    a = np.empty(n)
+    for k in range(n):  # a loop: array expressions take the compiler seconds each
+        # Eq. (N2)
+        known = c.alpha_f * before.acceleration[k] - c.alpha_m * auxiliary[k]
+        a[k] = known / (1 - c.alpha_m)
+        mean = (0.5 - c.beta) * auxiliary[k] + c.beta * a[k]
+        position[k] = before.position[k] + c.step * before.velocity[k] + c.step**2 * mean
+        velocity[k] = before.velocity[k] + c.step * ((1 - c.gamma) * auxiliary[k] + c.gamma * a[k])
+    return Prediction(position, velocity, a)

@@ -8,13 +8,35 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..geometry.film import Bore, Skirt, Window, film_now, generalised, opening, sliding, window_at
+from ..geometry.film import (
+    Bore,
+    FilmForces,
+    FilmState,
+    NodalForces,
+    Skirt,
+    Window,
+    film_now,
+    generalised,
+    opening,
+    sliding,
+    window_at,
+)
 from .floating_frame import Arrow, FlexibleBody, mode_coupling
-from .generalised_alpha import predict
+from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .pin_friction import friction_moment
-from .piston_motion import Load, imbalance, settle, solve_coupled, tangent
-from .quasi_static import StaticModes, static_coordinates
-from .slider_crank import Mechanism, height, motion, rod_turn
+from .piston_motion import (
+    LATERAL,
+    RIGID,
+    ROCKING,
+    Load,
+    end_accelerations,
+    imbalance,
+    lateral_motion,
+    solve_coupled,
+    tangent,
+)
+from .quasi_static import STILL, Ride, StaticModes, static_coordinates
+from .slider_crank import CrankMotion, Mechanism, height, motion, rod_turn
 
 
 class Block(NamedTuple):
@@ -43,13 +65,14 @@ class System(NamedTuple):
     gas_force: np.ndarray
 
 
-class Balance(NamedTuple):
+class Instant(NamedTuple):
     """Motion, forces and film at an instant.
 
     Parameters
     ----------
-    place, rate, acceleration : ndarray, shape (n,)
-        [x_A, rocking angle, piston then block modal coordinates] and derivatives in time.
+    position, velocity, acceleration : ndarray, shape (n,)
+        Of all coordinates: [x_A [m], rocking angle [rad], piston then block modal coordinates
+        [kg^1/2 m]], and derivatives in time.
     auxiliary : ndarray, shape (n,)
         The time integrator's auxiliary acceleration.
     window : Window
@@ -57,29 +80,27 @@ class Balance(NamedTuple):
         On the piston, gas included.
     film_thickness, sliding_velocity : ndarray, shape (c, a)
         [m], [m/s]
-    position, velocity : float
-        Height of A [m] and its rate [m/s].
+    piston_position, piston_velocity : float
+        Height of A [m] and its velocity [m/s].
     pin_x, pin_y, pin_moment, torque : float
         Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank
         without its own inertia [N m].
     work_error : float
-        Power of the interface forces on the grid minus that in the coordinates, by the sum of all
-        terms' sizes [-]. Both describe the same work, so that anything above round-off is an error
-        in the transfer of forces.
-    evaluations, tangents, size : int, int, float
-        Of `settle`.
+        `work_error` [-].
+    evaluations, tangents, change : int, int, float
+        As of `piston_motion.Solution`.
     """
 
-    place: np.ndarray
-    rate: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
     acceleration: np.ndarray
     auxiliary: np.ndarray
     window: Window
     load: Load
     film_thickness: np.ndarray
     sliding_velocity: np.ndarray
-    position: float
-    velocity: float
+    piston_position: float
+    piston_velocity: float
     pin_x: float
     pin_y: float
     pin_moment: float
@@ -87,155 +108,213 @@ class Balance(NamedTuple):
     work_error: float
     evaluations: int
     tangents: int
-    size: float
+    change: float
 
 
 @compiled
-def balance(system, c, motion_before, crank, gas, pressure_force, friction_force):
-    """One step: accelerations at its end that balance the forces there, and everything that follows
-    from them.
+def end_of_step(
+    system: System,
+    c: Coefficients,
+    before: Motion,
+    auxiliary: np.ndarray,
+    crank: CrankMotion,
+    gas: float,
+    pressure_force: np.ndarray,
+    friction_force: np.ndarray,
+) -> Instant:
+    """One step: accelerations at its end that fulfil the equations of motion with the forces there,
+    and everything that follows from them.
 
     Parameters
     ----------
     system : System
     c : Coefficients
-    motion_before : tuple of ndarray, shape (n,)
-        Place, rate, acceleration and auxiliary acceleration at the start of the step.
-    crank : tuple of float
-        Angle [rad], speed [rad/s], acceleration [rad/s2].
+    before : Motion
+        Of all coordinates at the start of the step.
+    auxiliary : ndarray, shape (n,)
+        Auxiliary acceleration at the start of the step.
+    crank : CrankMotion
+        At its end.
     gas : float
         Gas force on the piston along -y [N].
     pressure_force, friction_force : ndarray, shape (c, a)
-        [N]
+        On the film grid at its end [N].
 
     Returns
     -------
-    Balance
+    Instant
     """
-    mechanism, skirt, bore, n = (
-        system.mechanism,
-        system.skirt,
-        system.bore,
-        2 + len(system.piston.stiffness),
-    )
-    before = predict(c, motion_before[0], motion_before[1], motion_before[2], motion_before[3])
-    Y0, _, lever0 = height(mechanism, 0.0, crank[0])
-    window = window_at(bore.lowest, bore.spacing, Y0, skirt.height)
-    forces = generalised(skirt, bore, window, pressure_force, friction_force)
-    push = forces.piston.copy()
+    mechanism = system.mechanism
+    skirt = system.skirt
+    bore = system.bore
+    n = RIGID + len(system.piston.stiffness)
+    forces = NodalForces(pressure_force, friction_force)
+    predicted = predict(c, before, auxiliary)
+    guided = height(mechanism, 0.0, crank.angle)  # the bore is read where A stands when x_A = 0
+    guided_velocity = guided.lever * crank.speed
+    window = window_at(bore.lowest, bore.spacing, guided.height, skirt.height)
+    film_forces = generalised(skirt, bore, window, forces)
+    push = film_forces.piston.copy()
     for k in range(len(push)):
         push[k] += gas * system.gas_force[k]
     load = Load(
-        forces.lateral, forces.axial - gas, forces.moment + skirt.pin_offset * gas, push[: n - 2]
+        lateral=film_forces.lateral,
+        axial=film_forces.axial - gas,
+        moment=film_forces.moment + skirt.pin_offset * gas,
+        modal=push[: n - RIGID],
     )
-    own, pin_x, pin_y, moment, torque, evaluations, tangents, size = settle(
+    own = end_accelerations(
         system.piston,
         mechanism,
         load,
-        before[0][:n],
-        before[1][:n],
-        motion_before[2][:n],
-        crank[0],
-        crank[1],
-        crank[2],
-        c.rate,
-        c.place,
+        Prediction(predicted.position[:n], predicted.velocity[:n], predicted.auxiliary[:n]),
+        before.acceleration[:n],
+        crank,
+        c.to_velocity,
+        c.to_position,
     )
-    end, speed, acceleration, auxiliary = _modes_after(
-        system, c, motion_before[0], before, own, push, forces.block, crank
+    end = _moving(system, c, predicted, own.acceleration, film_forces.block)
+    _follow_statically(system, c, before.position, end, push, film_forces.block, crank)
+    _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
+
+    now = height(mechanism, end.position[LATERAL], crank.angle)
+    axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
+    film = film_now(
+        skirt, bore, window, forces, axial_velocity, guided_velocity, end.position, end.velocity
     )
-    Y, slope, lever = height(mechanism, end[0], crank[0])
-    climb, guided = slope * speed[0] + lever * crank[1], lever0 * crank[1]
-    thickness, velocity, lift, power, terms = film_now(
-        skirt, bore, window, (pressure_force, friction_force), climb, guided, end, speed
-    )
-    work, sizes = (
-        forces.axial * climb + lift * guided,
-        abs(forces.axial * climb) + abs(lift * guided) + terms,
-    )
-    m = 2 + len(push)
-    for k in range(len(end)):
-        force = (
-            forces.lateral
-            if k == 0
-            else forces.moment
-            if k == 1
-            else forces.piston[k - 2]
-            if k < m
-            else forces.block[k - m]
-        )
-        work += force * speed[k]
-        sizes += abs(force * speed[k])
-    error = abs(power - work) / sizes if sizes > 0.0 else 0.0
-    return Balance(
-        end,
-        speed,
-        acceleration,
-        auxiliary,
-        window,
-        load,
-        thickness,
-        velocity,
-        Y,
-        climb,
-        pin_x,
-        pin_y - lift,
-        moment,
-        torque - lift * lever0,
-        error,
-        evaluations,
-        tangents,
-        size,
+    return Instant(
+        position=end.position,
+        velocity=end.velocity,
+        acceleration=end.acceleration,
+        auxiliary=predicted.auxiliary,
+        window=window,
+        load=load,
+        film_thickness=film.film_thickness,
+        sliding_velocity=film.sliding_velocity,
+        piston_position=now.height,
+        piston_velocity=axial_velocity,
+        pin_x=own.pin_x,
+        pin_y=own.pin_y - film.axial_force,
+        pin_moment=own.pin_moment,
+        torque=own.torque - film.axial_force * guided.lever,
+        work_error=work_error(film_forces, film, axial_velocity, guided_velocity, end.velocity),
+        evaluations=own.evaluations,
+        tangents=own.tangents,
+        change=own.change,
     )
 
 
 @compiled
-def _modes_after(system, c, place_before, before, own, push, block_force, crank):
-    """Places, rates, accelerations and auxiliary accelerations of everything at the end of a step.
+def _moving(system, c, predicted, own, block_force):
+    """Motion of all coordinates at the end of a step, static modes as if at rest.
 
-    `before` holds places, rates and auxiliary accelerations as predicted, `own` the accelerations
-    of the piston's moving part.
+    `own` are the accelerations of the piston's moving part.
     """
-    block, n, m = system.block, len(own), 2 + len(push)
-    place, rate, auxiliary = before
-    end, speed, acceleration = np.empty(len(place)), np.empty(len(place)), np.zeros(len(place))
-    for k in range(n):
-        acceleration[k] = own[k]
+    block = system.block
+    n = len(predicted.position)
+    first = n - len(block_force)
+    end = Motion(np.empty(n), np.empty(n), np.zeros(n))
+    for k in range(len(own)):
+        end.acceleration[k] = own[k]
     for k in range(len(block.stiffness)):
-        force = block_force[k] - block.damping[k] * rate[m + k] - block.stiffness[k] * place[m + k]
-        acceleration[m + k] = force / (1 + c.rate * block.damping[k] + c.place * block.stiffness[k])
-    for k in range(len(place)):
-        end[k], speed[k] = place[k] + c.place * acceleration[k], rate[k] + c.rate * acceleration[k]
-        auxiliary[k] += c.weight * acceleration[k]
-    if len(system.piston_static.stiffness):
-        ax, ay = in_frame(
-            own[0],
-            motion(system.mechanism, end[0], speed[0], own[0], crank[0], crank[1], crank[2])[0],
-            end[1],
-        )
-        q = static_coordinates(system.piston_static, push[n - 2 :], ax, ay, own[1], speed[1] ** 2)
-        _follow(end, speed, place_before, q, n, c.step)
-    moving = len(block.stiffness)
-    q = static_coordinates(system.block_static, block_force[moving:], 0.0, 0.0, 0.0, 0.0)
-    _follow(end, speed, place_before, q, m + moving, c.step)
-    return end, speed, acceleration, auxiliary
+        resistance = block.damping[k] * predicted.velocity[first + k]
+        spring = block.stiffness[k] * predicted.position[first + k]
+        inertia = 1 + c.to_velocity * block.damping[k] + c.to_position * block.stiffness[k]
+        end.acceleration[first + k] = (block_force[k] - resistance - spring) / inertia
+    for k in range(n):
+        end.position[k] = predicted.position[k] + c.to_position * end.acceleration[k]
+        end.velocity[k] = predicted.velocity[k] + c.to_velocity * end.acceleration[k]
+    return end
 
 
 @compiled
-def in_frame(ax, ay, angle):
+def _advance_auxiliary(c, auxiliary, acceleration):
+    """Add the end accelerations' part to the predicted auxiliary acceleration."""
+    for k in range(len(auxiliary)):
+        auxiliary[k] += c.to_auxiliary * acceleration[k]
+
+
+@compiled
+def _follow_statically(system, c, position_before, end, push, block_force, crank):
+    """Put the static modes of both bodies where their loads at the end of a step hold them.
+
+    `push` and `block_force` are the modal forces on piston and block.
+    """
+    moving = len(system.piston.stiffness)
+    if len(system.piston_static.stiffness):
+        ride = _frame_ride(system.mechanism, end, crank)
+        q = static_coordinates(system.piston_static, push[moving:], ride)
+        _follow(end.position, end.velocity, position_before, q, RIGID + moving, c.step)
+    moving = len(system.block.stiffness)
+    first = RIGID + len(push) + moving
+    q = static_coordinates(system.block_static, block_force[moving:], STILL)
+    _follow(end.position, end.velocity, position_before, q, first, c.step)
+
+
+@compiled
+def _frame_ride(mechanism, now, crank):
+    """How the piston's frame moves, as its static modes feel it."""
+    lateral = lateral_motion(now)
+    axial = motion(mechanism, lateral, crank).axial_acceleration
+    x, y = in_frame(lateral.acceleration, axial, now.position[ROCKING])
+    return Ride(x, y, now.acceleration[ROCKING], now.velocity[ROCKING] ** 2)
+
+
+@compiled
+def work_error(
+    forces: FilmForces,
+    film: FilmState,
+    axial_velocity: float,
+    guided_velocity: float,
+    velocity: np.ndarray,
+) -> float:
+    """Power of the interface forces on the grid minus that in the coordinates, by the sum of all
+    terms' sizes [-]. Both describe the same work, so that anything above round-off is an error in
+    the transfer of forces.
+
+    Parameters
+    ----------
+    forces : FilmForces
+    film : FilmState
+    axial_velocity, guided_velocity : float
+        Velocity of A, and of the height at which the bore is read [m/s].
+    velocity : ndarray, shape (n,)
+        Of all coordinates.
+    """
+    work = forces.axial * axial_velocity + film.axial_force * guided_velocity
+    size = abs(forces.axial * axial_velocity) + abs(film.axial_force * guided_velocity)
+    size += film.power_size
+    first = RIGID + len(forces.piston)
+    for k in range(len(velocity)):
+        if k == LATERAL:
+            force = forces.lateral
+        elif k == ROCKING:
+            force = forces.moment
+        elif k < first:
+            force = forces.piston[k - RIGID]
+        else:
+            force = forces.block[k - first]
+        work += force * velocity[k]
+        size += abs(force * velocity[k])
+    return abs(film.power - work) / size if size > 0.0 else 0.0
+
+
+@compiled
+def in_frame(ax: float, ay: float, angle: float) -> tuple[float, float]:
     """A vector's components in a frame turned by an angle [rad]."""
-    c, s = np.cos(angle), np.sin(angle)
+    c = np.cos(angle)
+    s = np.sin(angle)
     return c * ax + s * ay, -s * ax + c * ay
 
 
 @compiled
-def _follow(end, speed, place_before, q, first, step):
-    """Put static modes at their coordinates from `first` on; their rate is the mean one over the
-    step, 0 at the start.
+def _follow(position, velocity, position_before, q, first, step):
+    """Put static modes at their coordinates from `first` on; their velocity is the mean one over
+    the step, 0 at the start.
     """
     for k in range(len(q)):
-        end[first + k] = q[k]
-        speed[first + k] = (q[k] - place_before[first + k]) / step if step > 0.0 else 0.0
+        position[first + k] = q[k]
+        velocity[first + k] = (q[k] - position_before[first + k]) / step if step > 0.0 else 0.0
 
 
 class Linear(NamedTuple):
@@ -246,135 +325,234 @@ class Linear(NamedTuple):
     arrow : Arrow
     coupling : ndarray, shape (k, k)
         Together the tangent J (`floating_frame.mode_coupling`).
-    slope, climb_place, turn_place : float
-        dY/dx_A [-], the change of A's velocity along y with x_A [1/s], dpsi/dx_A [1/m].
+    slope : float
+        dY/dx_A [-].
+    axial_velocity_slope : float
+        Change of A's velocity along y with x_A [1/s].
+    rod_slope : float
+        dpsi/dx_A [1/m].
     friction_x, friction_y : float
         Change of the pin's friction moment with the pin force [m].
-    ride : ndarray, shape (2, 3)
-        Change of A's acceleration in the body frame (x, y) [-] and of w^2 [rad/s2] with x_A'' and
-        with the angular acceleration.
+    x_by_lateral, y_by_lateral : float
+        Change of A's acceleration in the body frame with x_A'' [-].
+    x_by_rocking, y_by_rocking, spin_by_rocking : float
+        Change of the same [m] and of w^2 [-] with the angular acceleration.
+    step, to_velocity, to_position : float
+        As of `Coefficients`.
     """
 
     arrow: Arrow
     coupling: np.ndarray
     slope: float
-    climb_place: float
-    turn_place: float
+    axial_velocity_slope: float
+    rod_slope: float
     friction_x: float
     friction_y: float
-    ride: np.ndarray
+    x_by_lateral: float
+    y_by_lateral: float
+    x_by_rocking: float
+    y_by_rocking: float
+    spin_by_rocking: float
+    step: float
+    to_velocity: float
+    to_position: float
 
 
 @compiled
-def linearise(system, load, place, rate, acceleration, crank, c1, c2):
+def linearise(
+    system: System, c: Coefficients, load: Load, now: Motion, crank: CrankMotion
+) -> Linear:
     """The piston's motion linearised about the end of a step.
 
     Parameters
     ----------
     system : System
+    c : Coefficients
+        Of the step.
     load : Load
-    place, rate, acceleration : ndarray, shape (2 + k,)
-        Of the piston.
-    crank : tuple of float
-        Angle [rad], speed [rad/s], acceleration [rad/s2].
-    c1, c2 : float
-        [s], [s2]
+    now : Motion
+        Of the piston's moving coordinates.
+    crank : CrankMotion
 
     Returns
     -------
     Linear
     """
-    piston, mechanism = system.piston, system.mechanism
-    angle, speed, turn = crank
-    _, pin_x, pin_y, _, _ = imbalance(
-        piston, mechanism, load, place, rate, acceleration, angle, speed, turn
-    )
-    rod = rod_turn(mechanism, place[0], rate[0], angle, speed)
-    friction = friction_moment(mechanism.friction, pin_x, pin_y, rate[1] - rod[0])
-    link = motion(mechanism, place[0], rate[0], acceleration[0], angle, speed, turn)
-    ride, (ax, ay) = np.zeros((2, 3)), in_frame(acceleration[0], link[0], place[1])
-    ride[0, 0], ride[0, 1] = in_frame(1.0, link[1] + c1 * link[2] + c2 * link[3], place[1])
-    ride[1, 0], ride[1, 1], ride[1, 2] = c2 * ay, -c2 * ax, 2 * rate[1] * c1
+    piston = system.piston
+    mechanism = system.mechanism
+    c1 = c.to_velocity
+    c2 = c.to_position
+    lateral = lateral_motion(now)
+    angle = now.position[ROCKING]
+    w = now.velocity[ROCKING]
+    pin = imbalance(piston, mechanism, load, now, crank)
+    rod = rod_turn(mechanism, lateral.position, lateral.velocity, crank.angle, crank.speed)
+    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, w - rod.velocity)
+    link = motion(mechanism, lateral, crank)
+    ax, ay = in_frame(lateral.acceleration, link.axial_acceleration, angle)
+    axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
+    x, y = in_frame(1.0, axial, angle)
     return Linear(
-        tangent(piston, mechanism, load, place, rate, acceleration, angle, speed, turn, c1, c2),
-        mode_coupling(piston, acceleration[1], rate[1], c1, c2),
-        link[4],
-        link[2] / 2,
-        rod[1],
-        friction[1],
-        friction[2],
-        ride,
+        arrow=tangent(piston, mechanism, load, now, crank, c1, c2),
+        coupling=mode_coupling(piston, now.acceleration[ROCKING], w, c1, c2),
+        slope=link.slope,
+        axial_velocity_slope=link.axial_by_velocity / 2,
+        rod_slope=rod.slope,
+        friction_x=friction.by_x,
+        friction_y=friction.by_y,
+        x_by_lateral=x,
+        y_by_lateral=y,
+        x_by_rocking=c2 * ay,
+        y_by_rocking=-c2 * ax,
+        spin_by_rocking=2 * w * c1,
+        step=c.step,
+        to_velocity=c1,
+        to_position=c2,
     )
+
+
+class FilmChange(NamedTuple):
+    """Change of the film's geometry.
+
+    Parameters
+    ----------
+    film_thickness, sliding_velocity : ndarray, shape (c, a)
+        [m], [m/s]
+    """
+
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+
+
+class Change(NamedTuple):
+    """Changes of coordinates and their velocities at the end of a step, shape (k,)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
 
 
 @compiled
-def response(system, window, c, linear, pressure_force, friction_force):
+def response(
+    system: System,
+    window: Window,
+    linear: Linear,
+    pressure_force: np.ndarray,
+    friction_force: np.ndarray,
+) -> FilmChange:
     """Change of film thickness and sliding velocity at the end of a step with the forces at its
     end.
 
-    Eq. (D1):  J d(acceleration) = dQ,   d(place) = c2 d(acceleration),  d(rate) = c1 d(acceleration);   static modes by Eq. (Q1)
+    Eq. (D7):  J d(acceleration) = dQ
+               d(position) = c2 d(acceleration),  d(velocity) = c1 d(acceleration)
+               static modes by Eq. (D6)
 
     Parameters
     ----------
     system : System
     window : Window
-    c : Coefficients
-        Of the step.
     linear : Linear
     pressure_force, friction_force : ndarray, shape (c, a)
         Direction [N].
 
     Returns
     -------
-    film_thickness, sliding_velocity : ndarray, shape (c, a)
-        [m], [m/s]
+    FilmChange
     """
-    skirt, bore, n = system.skirt, system.bore, 2 + len(system.piston.stiffness)
-    forces = generalised(skirt, bore, window, pressure_force, friction_force)
-    # the pin carries what the film does not
+    skirt = system.skirt
+    bore = system.bore
+    film_forces = generalised(skirt, bore, window, NodalForces(pressure_force, friction_force))
+    acceleration = solve_coupled(  # Eq. (D7)
+        linear.arrow, linear.coupling, _right_side(linear, film_forces)
+    )
+    lateral = acceleration[LATERAL]
+    axial_slope = (
+        linear.to_velocity * linear.slope + linear.to_position * linear.axial_velocity_slope
+    )
+    piston = _piston_change(system, linear, acceleration, film_forces.piston)
+    block = _block_change(system, linear, film_forces.block)
+    return FilmChange(
+        opening(
+            skirt,
+            bore,
+            window,
+            piston.position[LATERAL],
+            piston.position[ROCKING],
+            piston.position[RIGID:],
+            block.position,
+        ),
+        sliding(
+            skirt,
+            bore,
+            window,
+            axial_slope * lateral,
+            piston.velocity[ROCKING],
+            piston.velocity[RIGID:],
+            block.velocity,
+        ),
+    )
+
+
+@compiled
+def _right_side(linear, forces):
+    """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what the film does not."""
     rubbing = -linear.friction_x * forces.lateral - linear.friction_y * forces.axial
-    right = np.empty(n)
-    right[0] = forces.lateral + linear.slope * forces.axial - linear.turn_place * rubbing
-    right[1] = forces.moment + rubbing
-    for k in range(n - 2):
-        right[2 + k] = forces.piston[k]
-    change = solve_coupled(linear.arrow, linear.coupling, right)  # Eq. (D1)
-    climb = (c.rate * linear.slope + c.place * linear.climb_place) * change[0]
-    own, own_rate = _changes(c, change, 2 + len(forces.piston))
-    x, y, spin = ridden(linear.ride, change[0], change[1])
-    q = static_coordinates(system.piston_static, forces.piston[n - 2 :], x, y, change[1], spin)
-    _follow(own, own_rate, np.zeros(len(own)), q, n, c.step)
-    moving = len(system.block.stiffness)
-    sway = np.empty(moving)
-    for k in range(moving):
-        sway[k] = forces.block[k] / (
-            1 + c.rate * system.block.damping[k] + c.place * system.block.stiffness[k]
-        )
-    other, other_rate = _changes(c, sway, len(forces.block))
-    q = static_coordinates(system.block_static, forces.block[moving:], 0.0, 0.0, 0.0, 0.0)
-    _follow(other, other_rate, np.zeros(len(other)), q, moving, c.step)
-    return (
-        opening(skirt, bore, window, own[0], own[1], own[2:], other),
-        sliding(skirt, bore, window, climb, own_rate[1], own_rate[2:], other_rate),
-    )
+    modes = len(linear.arrow.diagonal)
+    right = np.empty(RIGID + modes)
+    right[LATERAL] = forces.lateral + linear.slope * forces.axial - linear.rod_slope * rubbing
+    right[ROCKING] = forces.moment + rubbing
+    for k in range(modes):
+        right[RIGID + k] = forces.piston[k]
+    return right
 
 
 @compiled
-def ridden(ride, lateral, turn):
-    """Changes of A's acceleration in the body frame and of w^2, see `Linear`."""
-    return (
-        ride[0, 0] * lateral + ride[1, 0] * turn,
-        ride[0, 1] * lateral + ride[1, 1] * turn,
-        ride[0, 2] * lateral + ride[1, 2] * turn,
-    )
-
-
-@compiled
-def _changes(c, acceleration, size):
-    """Changes of places and rates at the end of a step with changes of accelerations there; zeros
-    up to `size`.
+def _piston_change(system, linear, acceleration, force):
+    """Changes of the piston's coordinates, static modes included, with those of its accelerations
+    and modal forces.
     """
-    place, rate = np.zeros(size), np.zeros(size)
+    moving = len(system.piston.stiffness)
+    out = _changes(linear, acceleration, RIGID + len(force))
+    ride = ridden(linear, acceleration[LATERAL], acceleration[ROCKING])
+    q = static_coordinates(system.piston_static, force[moving:], ride)
+    before = np.zeros(len(out.position))
+    _follow(out.position, out.velocity, before, q, RIGID + moving, linear.step)
+    return out
+
+
+@compiled
+def _block_change(system, linear, force):
+    """Changes of the block's coordinates, static modes included, with those of its modal forces."""
+    block = system.block
+    moving = len(block.stiffness)
+    acceleration = np.empty(moving)
+    for k in range(moving):
+        damper = linear.to_velocity * block.damping[k]
+        spring = linear.to_position * block.stiffness[k]
+        inertia = 1 + damper + spring
+        acceleration[k] = force[k] / inertia
+    out = _changes(linear, acceleration, len(force))
+    q = static_coordinates(system.block_static, force[moving:], STILL)
+    _follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, linear.step)
+    return out
+
+
+@compiled
+def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
+    """Change of the frame's motion with changes of x_A'' [m/s2] and of the angular acceleration
+    [rad/s2].
+    """
+    x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
+    y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
+    return Ride(x, y, rocking, linear.spin_by_rocking * rocking)
+
+
+@compiled
+def _changes(linear, acceleration, size):
+    """Changes of positions and velocities at the end of a step with changes of accelerations there;
+    zeros up to `size`.
+    """
+    out = Change(np.zeros(size), np.zeros(size))
     for k in range(len(acceleration)):
-        place[k], rate[k] = c.place * acceleration[k], c.rate * acceleration[k]
-    return place, rate
+        out.position[k] = linear.to_position * acceleration[k]
+        out.velocity[k] = linear.to_velocity * acceleration[k]
+    return out

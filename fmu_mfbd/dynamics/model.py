@@ -3,12 +3,15 @@ at a time.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from .generalised_alpha import coefficients
-from .instant import balance, linearise, response
-from .piston_motion import imbalance
+from ..geometry.film import Window
+from .generalised_alpha import Coefficients, Motion, coefficients
+from .instant import FilmChange, Instant, System, end_of_step, linearise, response
+from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
+from .slider_crank import CrankMotion
 from .speed_table import crank_motion
 from .tables import gas_pressure
 
@@ -33,7 +36,7 @@ class State:
     crank_jerk : float
         By which the acceleration of a free crank changed over the last step [rad/s3]; 0 for
         another.
-    place, rate, acceleration, auxiliary : ndarray, shape (n,)
+    position, velocity, acceleration, auxiliary : ndarray, shape (n,)
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
         in time, and the time integrator's auxiliary acceleration.
     """
@@ -43,8 +46,8 @@ class State:
     crank_speed: float
     crank_acceleration: float
     crank_jerk: float
-    place: np.ndarray
-    rate: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
     acceleration: np.ndarray
     auxiliary: np.ndarray
 
@@ -91,25 +94,48 @@ class Crank:
     load_torque: float
     table: dict | None = None
 
-    def begin(self, angle, speed):
-        """Angle, speed and acceleration at time 0 [rad, rad/s, rad/s2]."""
-        return crank_motion(self.table, angle, 0.0, 0.0) if self.table else (angle, speed, 0.0)
+    def begin(self, angle: float, speed: float) -> CrankMotion:
+        """Motion of the crank at time 0, from its angle [rad] and the input's speed [rad/s]."""
+        if self.table:
+            return self._by_table(angle, 0.0, 0.0)
+        return CrankMotion(angle, speed, 0.0)
 
-    def turn(self, state, step, speed):
-        """Angle, speed and acceleration a step [s] after a state, `speed` being the input's at its
+    def turn(self, state: State, step: float, speed: float) -> CrankMotion:
+        """Motion of the crank a step [s] after a state, `speed` [rad/s] being the input's at its
         end.
 
-        Eq. (M3), free:  phi + h w + h^2 w'/2 + h^3 w''/6,   w + h w' + h^2 w''/2,   w' + h w''        order 2 in the step
+        Eq. (K8):  free, order 2 in the step:  phi + h w + h^2 w'/2 + h^3 w''/6
+                   w + h w' + h^2 w''/2,  w' + h w''
         """
         if self.table:
-            return crank_motion(self.table, state.crank_angle, state.time, step)
+            return self._by_table(state.crank_angle, state.time, step)
         if self.free:
-            turn = state.crank_acceleration + step * state.crank_jerk  # Eq. (M3)
-            end = state.crank_speed + step * (state.crank_acceleration + turn) / 2
-            mean = state.crank_speed + step * (2 * state.crank_acceleration + turn) / 6
-            return state.crank_angle + step * mean, end, turn
-        turn = (speed - state.crank_speed) / step
-        return state.crank_angle + step * (state.crank_speed + speed) / 2, speed, turn
+            # Eq. (K8)
+            before = state.crank_acceleration
+            after = before + step * state.crank_jerk
+            speed = state.crank_speed + step * (before + after) / 2
+            mean_speed = state.crank_speed + step * (2 * before + after) / 6
+            return CrankMotion(state.crank_angle + step * mean_speed, speed, after)
+        return CrankMotion(
+            angle=state.crank_angle + step * (state.crank_speed + speed) / 2,
+            speed=speed,
+            acceleration=(speed - state.crank_speed) / step,
+        )
+
+    def _by_table(self, angle, time, step):
+        """Motion a step [s] after the crank stood at an angle [rad] at a time [s]."""
+        angle, speed, acceleration = crank_motion(self.table, angle, time, step)
+        return CrankMotion(angle, speed, acceleration)
+
+
+class LastStep(NamedTuple):
+    """What a derivative at the end of the last step starts from."""
+
+    coefficients: Coefficients
+    load: Load
+    state: State
+    crank: CrankMotion
+    window: Window
 
 
 class PistonInBore:
@@ -128,17 +154,28 @@ class PistonInBore:
         Gas pressure over crank angle (`tables.gas_table`), added to the input.
     """
 
-    def __init__(self, system, crank, gas_area, spectral_radius, gas_table=None):
-        self.system, self.crank = system, crank
-        self.gas_area, self.spectral_radius, self.gas_table = gas_area, spectral_radius, gas_table
-        self.moving = 2 + len(
-            system.piston.stiffness
-        )  # coordinates of the piston that have inertia
-        self.coordinates = 2 + system.skirt.radial.modes + system.bore.radial.modes
-        self.residual_evaluations = self.jacobian_evaluations = 0
+    def __init__(
+        self,
+        system: System,
+        crank: Crank,
+        gas_area: float,
+        spectral_radius: float,
+        gas_table: dict | None = None,
+    ):
+        self.system = system
+        self.crank = crank
+        self.gas_area = gas_area
+        self.spectral_radius = spectral_radius
+        self.gas_table = gas_table
+        self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
+        self.coordinates = RIGID + system.skirt.radial.modes + system.bore.radial.modes
+        self.residual_evaluations = 0
+        self.jacobian_evaluations = 0
 
-    def start(self, crank_angle, lateral, angle, inputs):
-        """State at rest, undeformed, at the given place, with the accelerations that the forces of
+    def start(
+        self, crank_angle: float, lateral: float, angle: float, inputs: Inputs
+    ) -> tuple[State, dict]:
+        """State at rest, undeformed, at a given position, with the accelerations that the forces of
         `inputs` ask for.
 
         Parameters
@@ -152,18 +189,21 @@ class PistonInBore:
         State, dict
             And its outputs.
         """
-        place = np.zeros(self.coordinates)
-        place[:2] = lateral, angle
-        return self.start_moving(crank_angle, place, np.zeros(self.coordinates), inputs)
+        position = np.zeros(self.coordinates)
+        position[LATERAL] = lateral
+        position[ROCKING] = angle
+        return self.start_moving(crank_angle, position, np.zeros(self.coordinates), inputs)
 
-    def start_moving(self, crank_angle, place, rate, inputs):
+    def start_moving(
+        self, crank_angle: float, position: np.ndarray, velocity: np.ndarray, inputs: Inputs
+    ) -> tuple[State, dict]:
         """State at a given motion, with the accelerations that the forces of `inputs` ask for.
 
         Parameters
         ----------
         crank_angle : float
             [rad]
-        place, rate : ndarray, shape (n,)
+        position, velocity : ndarray, shape (n,)
             As in `State`.
         inputs : Inputs
 
@@ -173,28 +213,25 @@ class PistonInBore:
             And its outputs.
         """
         crank = self.crank.begin(crank_angle, inputs.crank_speed)
+        at_rest = np.zeros_like(position)
+        start = Motion(position, velocity, at_rest)
+        now = coefficients(0.0, self.spectral_radius)
         for _ in range(START_PASSES):
-            state, outputs = self._settle(
-                coefficients(0.0, self.spectral_radius),
-                (place, rate, 0 * place, 0 * place),
-                0.0,
-                crank,
-                inputs,
-            )
-            # Eq. (M2) holds the piston's accelerations, which change with the crank's
-            change = state.crank_acceleration - crank[2]
+            state, outputs = self._solve(now, start, at_rest, 0.0, crank, inputs)
+            # Eq. (K9) holds the piston's accelerations, which change with the crank's
+            change = state.crank_acceleration - crank.acceleration
             if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
                 break
-            crank = (*crank[:2], state.crank_acceleration)
+            crank = crank._replace(acceleration=state.crank_acceleration)
         return replace(state, auxiliary=state.acceleration), outputs
 
-    def advance(self, state, inputs, step):
+    def advance(self, state: State, inputs: Inputs, step: float) -> tuple[State, dict]:
         """One step of the generalised-alpha method; equations hold at its end, with the forces
         given for its end.
 
         The crank follows its table; without one it turns with constant acceleration over the step,
         which the input's change asks for; free, it goes on as its torques asked for up to the start
-        of the step (Eq. (M3)).
+        of the step (Eq. (K8)).
 
         Parameters
         ----------
@@ -212,79 +249,100 @@ class PistonInBore:
         ------
         NotConverged
         """
-        c = coefficients(step, self.spectral_radius)
-        end, outputs = self._settle(
-            c,
-            (state.place, state.rate, state.acceleration, state.auxiliary),
+        end, outputs = self._solve(
+            coefficients(step, self.spectral_radius),
+            Motion(state.position, state.velocity, state.acceleration),
+            state.auxiliary,
             state.time + step,
             self.crank.turn(state, step, inputs.crank_speed),
             inputs,
         )
         if self.crank.free:
-            end = replace(
-                end, crank_jerk=(end.crank_acceleration - state.crank_acceleration) / step
-            )
+            jerk = (end.crank_acceleration - state.crank_acceleration) / step
+            end = replace(end, crank_jerk=jerk)
         return end, outputs
 
-    def _settle(self, c, before, time, crank, inputs):
-        """State and outputs whose accelerations balance the forces, a step after the motion
-        `before`.
+    def _solve(self, c, before, auxiliary, time, crank, inputs):
+        """State and outputs that fulfil the equations of motion a step after the motion `before`
+        with its auxiliary acceleration.
         """
-        gas = self.gas_area * (
-            inputs.gas_pressure
-            + (gas_pressure(self.gas_table, crank[0]) if self.gas_table else 0.0)
-        )
-        now = balance(
-            self.system, c, before, crank, gas, inputs.pressure_force, inputs.friction_force
+        pressure = inputs.gas_pressure
+        if self.gas_table:
+            pressure = pressure + gas_pressure(self.gas_table, crank.angle)
+        now = end_of_step(
+            self.system,
+            c,
+            before,
+            auxiliary,
+            crank,
+            self.gas_area * pressure,
+            inputs.pressure_force,
+            inputs.friction_force,
         )
         if not now.evaluations:
             raise NotConverged(
-                f"piston motion at crank angle {crank[0]:.6g} rad: relative change of "
-                f"the accelerations stays at {now.size:.3g}"
+                f"piston motion at crank angle {crank.angle:.6g} rad: relative change of "
+                f"the accelerations stays at {now.change:.3g}"
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        state = State(time, *crank, 0.0, now.place, now.rate, now.acceleration, now.auxiliary)
-        self._last, self._linear = (c, now.load, state, crank, now.window), None
+        state = State(
+            time=time,
+            crank_angle=crank.angle,
+            crank_speed=crank.speed,
+            crank_acceleration=crank.acceleration,
+            crank_jerk=0.0,
+            position=now.position,
+            velocity=now.velocity,
+            acceleration=now.acceleration,
+            auxiliary=now.auxiliary,
+        )
+        self._last = LastStep(c, now.load, state, crank, now.window)
+        self._linear = None
         outputs = self._outputs(now, crank)
         if self.crank.free:
-            outputs["crank_torque"], freed = self._release(now.load, state, outputs["crank_torque"])
+            freed = self._release(crank, outputs["crank_torque"])
+            outputs["crank_torque"] = -self.crank.load_torque
             state = replace(state, crank_acceleration=freed)
         return state, outputs
 
-    def _release(self, load, state, torque):
-        """Torque on a free crank (minus its load) and the acceleration at which its torques
-        balance.
+    def _of_piston(self, state):
+        """Motion of the piston's moving coordinates alone."""
+        n = self.moving
+        return Motion(state.position[:n], state.velocity[:n], state.acceleration[:n])
 
-        Eq. (M2):  torque(w') + load_torque = 0,   torque linear in w'
+    def _release(self, crank, torque):
+        """Acceleration [rad/s2] at which the torques on a free crank fulfil its equation.
+
+        Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
         """
-        n, crank = self.moving, (state.crank_angle, state.crank_speed)
-        now = state.place[:n], state.rate[:n], state.acceleration[:n]
-        turns = state.crank_acceleration + 1.0, state.crank_acceleration
-        more, same = (
-            imbalance(self.system.piston, self.system.mechanism, load, *now, *crank, turn)[4]
-            for turn in turns
-        )
-        inertia = more - same + self.crank.inertia
-        return -self.crank.load_torque, state.crank_acceleration - (
-            torque + self.crank.load_torque
-        ) / inertia  # Eq. (M2)
+        inertia = self._torque(crank._replace(acceleration=crank.acceleration + 1.0))
+        inertia = inertia - self._torque(crank) + self.crank.inertia
+        return crank.acceleration - (torque + self.crank.load_torque) / inertia  # Eq. (K9)
 
-    def _outputs(self, now, crank):
+    def _torque(self, crank):
+        """Torque of the drive if the crank turned like this after the last step [N m]."""
+        last = self._last
+        piston = self._of_piston(last.state)
+        return imbalance(self.system.piston, self.system.mechanism, last.load, piston, crank).torque
+
+    def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Everything the outside sees (units in `variables.py`), by name."""
+        position = now.position
+        velocity = now.velocity
         outputs = {
             "film_thickness": now.film_thickness,
             "sliding_velocity": now.sliding_velocity,
-            "crank_angle": crank[0],
-            "rotation_speed": crank[1],
-            "piston_position": now.position,
-            "piston_velocity": now.velocity,
-            "lateral_displacement": now.place[0],
-            "rocking_angle": now.place[1],
-            "lateral_velocity": now.rate[0],
-            "rocking_velocity": now.rate[1],
+            "crank_angle": crank.angle,
+            "rotation_speed": crank.speed,
+            "piston_position": now.piston_position,
+            "piston_velocity": now.piston_velocity,
+            "lateral_displacement": position[LATERAL],
+            "rocking_angle": position[ROCKING],
+            "lateral_velocity": velocity[LATERAL],
+            "rocking_velocity": velocity[ROCKING],
             "side_force": -now.load.lateral,
-            "crank_torque": now.torque + self.crank.inertia * crank[2],
+            "crank_torque": now.torque + self.crank.inertia * crank.acceleration,
             "pin_force_x": now.pin_x,
             "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
@@ -292,12 +350,16 @@ class PistonInBore:
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
-        modal = {"modal_coordinate": now.place[2:].copy(), "modal_velocity": now.rate[2:].copy()}
-        return outputs | (modal if self.coordinates > 2 else {})
+        if self.coordinates > RIGID:
+            outputs["modal_coordinate"] = position[RIGID:].copy()
+            outputs["modal_velocity"] = velocity[RIGID:].copy()
+        return outputs
 
-    def directional_derivative(self, pressure_force, friction_force):
+    def directional_derivative(
+        self, pressure_force: np.ndarray, friction_force: np.ndarray
+    ) -> FilmChange:
         """Change of film thickness and sliding velocity at the end of the last step with the forces
-        at its end (Eq. (D1)).
+        at its end (Eq. (D7)).
 
         Parameters
         ----------
@@ -306,21 +368,12 @@ class PistonInBore:
 
         Returns
         -------
-        film_thickness, sliding_velocity : ndarray, shape (c, a)
-            [m], [m/s]
+        FilmChange
+            film_thickness, sliding_velocity [m], [m/s], shape (c, a).
         """
-        c, load, state, crank, window = self._last
+        last = self._last
         if self._linear is None:
-            n = self.moving
-            self._linear = linearise(
-                self.system,
-                load,
-                state.place[:n],
-                state.rate[:n],
-                state.acceleration[:n],
-                crank,
-                c.rate,
-                c.place,
-            )
+            piston = self._of_piston(last.state)
+            self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
             self.jacobian_evaluations += 1
-        return response(self.system, window, c, self._linear, pressure_force, friction_force)
+        return response(self.system, last.window, self._linear, pressure_force, friction_force)

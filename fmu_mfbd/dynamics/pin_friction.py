@@ -26,11 +26,30 @@ class PinFriction(NamedTuple):
     viscous: float
 
 
-@compiled
-def friction_moment(friction, pin_x, pin_y, slip):
+class PinMoment(NamedTuple):
     """Moment of the pin on the piston, and how it changes.
 
-    Eq. (J1):  M = -lever |F| tanh(slip/w_0) - viscous slip
+    Parameters
+    ----------
+    moment : float
+        About +z [N m].
+    by_x, by_y : float
+        Slopes against the pin force along x and y [m].
+    by_slip : float
+        Slope against the relative angular velocity [N m s/rad].
+    """
+
+    moment: float
+    by_x: float
+    by_y: float
+    by_slip: float
+
+
+@compiled
+def friction_moment(friction: PinFriction, pin_x: float, pin_y: float, slip: float) -> PinMoment:
+    """Moment of the pin on the piston, and how it changes.
+
+    Eq. (K7):  M = -lever |F| tanh(slip/w_0) - viscous slip
 
     Regularised dry friction: below about w_0 the pin creeps instead of sticking.
 
@@ -44,11 +63,11 @@ def friction_moment(friction, pin_x, pin_y, slip):
 
     Returns
     -------
-    moment, by_x, by_y, by_slip : float
-        About +z [N m]; slopes against pin_x, pin_y [m] and slip [N m s/rad].
+    PinMoment
     """
-    size, share = np.hypot(pin_x, pin_y), np.tanh(slip / friction.speed)
-    moment = -friction.lever * size * share - friction.viscous * slip  # Eq. (J1)
-    by_force = -friction.lever * share / size if size > 0.0 else 0.0
+    size = np.hypot(pin_x, pin_y)
+    share = np.tanh(slip / friction.speed)
+    moment = -friction.lever * size * share - friction.viscous * slip  # Eq. (K7)
+    by_size = -friction.lever * share / size if size > 0.0 else 0.0
     by_slip = -friction.lever * size * (1 - share * share) / friction.speed - friction.viscous
-    return moment, by_force * pin_x, by_force * pin_y, by_slip
+    return PinMoment(moment, by_size * pin_x, by_size * pin_y, by_slip)

@@ -24,19 +24,42 @@ class StaticModes(NamedTuple):
     g: np.ndarray
 
 
-def standing(stiffness):
+class Ride(NamedTuple):
+    """Motion of the body frame that loads its static modes.
+
+    Parameters
+    ----------
+    x, y : float
+        Acceleration of A in the body frame [m/s2].
+    alpha : float
+        Angular acceleration [rad/s2].
+    spin : float
+        Square of the angular velocity [rad2/s2].
+    """
+
+    x: float
+    y: float
+    alpha: float
+    spin: float
+
+
+STILL = Ride(0.0, 0.0, 0.0, 0.0)
+"""A frame that does not move."""
+
+
+def standing(stiffness: np.ndarray) -> StaticModes:
     """Static modes of a body whose frame does not move."""
     nothing = np.zeros(len(stiffness))
     return StaticModes(stiffness, np.zeros((2, len(stiffness))), nothing, nothing)
 
 
 @compiled
-def static_coordinates(modes, force, ax, ay, alpha, spin):
+def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.ndarray:
     """Modal coordinates under the forces of the moment.
 
-    Eq. (Q1):  Omega^2 q = f - T^T a - alpha g + w^2 b
+    Eq. (D6):  Omega^2 q = f - T^T a - alpha g + w^2 b
 
-    Eq. (R3) without the mode's own motion; the frame in turn does not feel these modes. Linear, so
+    Eq. (D3) without the mode's own motion; the frame in turn does not feel these modes. Linear, so
     that changes of the loads give the change of q. Good for loads far slower than the modes: the
     error is about (load's frequency / mode's frequency)^2.
 
@@ -45,10 +68,7 @@ def static_coordinates(modes, force, ax, ay, alpha, spin):
     modes : StaticModes
     force : ndarray, shape (s,)
         [kg^-1/2 N]
-    ax, ay : float
-        Acceleration of A in the body frame [m/s2].
-    alpha, spin : float
-        Angular acceleration [rad/s2] and square of the angular velocity [rad2/s2].
+    ride : Ride
 
     Returns
     -------
@@ -57,12 +77,7 @@ def static_coordinates(modes, force, ax, ay, alpha, spin):
     """
     out = np.empty(len(force))
     for k in range(len(force)):
-        load = (
-            force[k]
-            - modes.T[0, k] * ax
-            - modes.T[1, k] * ay
-            - alpha * modes.g[k]
-            + spin * modes.b[k]
-        )
-        out[k] = load / modes.stiffness[k]  # Eq. (Q1)
+        translation = force[k] - modes.T[0, k] * ride.x - modes.T[1, k] * ride.y
+        load = translation - ride.alpha * modes.g[k] + ride.spin * modes.b[k]
+        out[k] = load / modes.stiffness[k]  # Eq. (D6)
     return out

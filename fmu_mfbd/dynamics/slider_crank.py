@@ -44,8 +44,110 @@ class Mechanism(NamedTuple):
     friction: PinFriction = PinFriction(0.0, 1.0, 0.0)
 
 
+class CrankMotion(NamedTuple):
+    """How the crank turns at an instant.
+
+    Parameters
+    ----------
+    angle : float
+        phi [rad], 0 with the crank pin at the top.
+    speed, acceleration : float
+        w = phi' [rad/s], w' [rad/s2].
+    """
+
+    angle: float
+    speed: float
+    acceleration: float
+
+
+class LateralMotion(NamedTuple):
+    """How A moves across the bore at an instant.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : float
+        x_A from its concentric place [m], [m/s], [m/s2].
+    """
+
+    position: float
+    velocity: float
+    acceleration: float
+
+
+class Height(NamedTuple):
+    """Height of A and its slopes.
+
+    Parameters
+    ----------
+    height : float
+        Y above the crank axis [m].
+    slope : float
+        dY/dx_A [-].
+    lever : float
+        dY/dphi [m/rad].
+    """
+
+    height: float
+    slope: float
+    lever: float
+
+
+class Link(NamedTuple):
+    """Acceleration of A along y, and the rod's share of the equations of motion.
+
+    Parameters
+    ----------
+    axial_acceleration : float
+        Y'' [m/s2].
+    axial_by_acceleration, axial_by_velocity, axial_by_position : float
+        Its slopes against x_A'' [-], x_A' [1/s] and x_A [1/s2].
+    slope, curvature : float
+        dY/dx_A [-], d2Y/dx_A2 [1/m].
+    rod_force : float
+        Inertia force of the rod on x_A [N].
+    rod_force_by_acceleration, rod_force_by_velocity, rod_force_by_position : float
+        Its slopes against x_A'' [kg], x_A' [kg/s] and x_A [kg/s2].
+    rod_moment : float
+        Inertia moment of the rod on phi [N m].
+    """
+
+    axial_acceleration: float
+    axial_by_acceleration: float
+    axial_by_velocity: float
+    axial_by_position: float
+    slope: float
+    curvature: float
+    rod_force: float
+    rod_force_by_acceleration: float
+    rod_force_by_velocity: float
+    rod_force_by_position: float
+    rod_moment: float
+
+
+class RodTurn(NamedTuple):
+    """How the rod turns; its angle psi about +z is 0 where it stands upright.
+
+    Parameters
+    ----------
+    velocity : float
+        psi' [rad/s].
+    slope, curvature : float
+        dpsi/dx_A [1/m], d2psi/dx_A2 [1/m2].
+    velocity_slope : float
+        dpsi'/dx_A [1/(m s)].
+    lever : float
+        dpsi/dphi [-].
+    """
+
+    velocity: float
+    slope: float
+    curvature: float
+    velocity_slope: float
+    lever: float
+
+
 @compiled
-def height(mechanism, lateral, crank_angle):
+def height(mechanism: Mechanism, lateral: float, crank_angle: float) -> Height:
     """Height of A above the crank axis and its slopes.
 
     Eq. (K1):  Y = r cos phi + f(xi),  f = sqrt(L^2 - xi^2),  xi = offset + x_A + r sin phi
@@ -60,118 +162,138 @@ def height(mechanism, lateral, crank_angle):
 
     Returns
     -------
-    Y, dY/dx_A, dY/dphi : float
-        [m], [-], [m/rad]
+    Height
     """
-    r, length = mechanism.crank_radius, mechanism.rod_length
+    r = mechanism.crank_radius
     xi = mechanism.offset + lateral + r * np.sin(crank_angle)
-    f = np.sqrt(length**2 - xi**2)
+    f = np.sqrt(mechanism.rod_length**2 - xi**2)
+    Y = r * np.cos(crank_angle) + f  # Eq. (K1)
     slope = -xi / f
-    return (
-        r * np.cos(crank_angle) + f,
-        slope,
-        -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle),
-    )  # Eq. (K1)
+    lever = -r * np.sin(crank_angle) + slope * r * np.cos(crank_angle)
+    return Height(Y, slope, lever)
 
 
 @compiled
-def motion(
-    mechanism,
-    lateral,
-    lateral_rate,
-    lateral_acceleration,
-    crank_angle,
-    crank_speed,
-    crank_acceleration,
-):
+def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> Link:
     """Acceleration of A along y and the rod's share of the equations of motion.
 
-    Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2          f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5
-    Eq. (K3):  rod angle psi = -asin(xi/L);  centre of mass G = (1-k) P + k A, P the crank pin, k = rod_centre
-               rod force on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1);  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
+    Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2
+               f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5        derivatives of f(xi), Eq. (K1)
+    Eq. (K3):  psi = -asin(xi/L),  psi'' = psi1 xi'' + psi2 xi'^2
+               psi1 = -1/f,  psi2 = -xi/f^3,  psi3 = -1/f^3 - 3 xi^2/f^5         the rod's angle
+    Eq. (K4):  on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1)
+    Eq. (K5):  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
+               G = (1 - k) P + k A  the rod's centre of mass, P the crank pin, k = rod_centre
 
     Parameters
     ----------
     mechanism : Mechanism
-    lateral, lateral_rate, lateral_acceleration : float
-        x_A [m] and its derivatives in time.
-    crank_angle, crank_speed, crank_acceleration : float
-        [rad], [rad/s], [rad/s2]
+    lateral : LateralMotion
+    crank : CrankMotion
 
     Returns
     -------
-    ndarray, shape (11,)
-        Y'' [m/s2] and its slopes against x_A'', x_A', x_A; dY/dx_A and its slope; rod force on x_A
-        [N] and its slopes against x_A'', x_A', x_A; rod moment on phi [N m].
+    Link
     """
-    r, length, k = mechanism.crank_radius, mechanism.rod_length, mechanism.rod_centre
-    mass, inertia = mechanism.rod_mass, mechanism.rod_inertia
-    sine, cosine, w = np.sin(crank_angle), np.cos(crank_angle), crank_speed
-    px = r * sine * w**2 - r * cosine * crank_acceleration  # acceleration of the crank pin
-    py = -r * cosine * w**2 - r * sine * crank_acceleration
-    xi = mechanism.offset + lateral + r * sine
-    speed, rate = lateral_rate + r * cosine * w, lateral_acceleration - px
-    f = np.sqrt(length**2 - xi**2)
-    f1, f2, f3 = -xi / f, -(length**2) / f**3, -3 * length**2 * xi / f**5
-    lift = py + f1 * rate + f2 * speed**2  # Eq. (K2)
-    lift_acceleration, lift_rate, lift_place = f1, 2 * f2 * speed, f2 * rate + f3 * speed**2
+    r = mechanism.crank_radius
+    length = mechanism.rod_length
+    k = mechanism.rod_centre
+    mass = mechanism.rod_mass
+    inertia = mechanism.rod_inertia
+    sine = np.sin(crank.angle)
+    cosine = np.cos(crank.angle)
+    w = crank.speed
 
-    p1, p2, p3 = -1 / f, -xi / f**3, -1 / f**3 - 3 * xi**2 / f**5  # Eq. (K3)
-    turn = p1 * rate + p2 * speed**2
-    turn_rate, turn_place = 2 * p2 * speed, p2 * rate + p3 * speed**2
-    gx = k * lateral_acceleration + (1 - k) * px
-    gy = k * lift + (1 - k) * py
-    force = k * mass * (gx + f1 * gy) + inertia * p1 * turn
-    force_acceleration = k * mass * (k + f1 * k * lift_acceleration) + inertia * p1 * p1
-    force_rate = k * mass * f1 * k * lift_rate + inertia * p1 * turn_rate
-    force_place = k * mass * (f2 * gy + f1 * k * lift_place) + inertia * (
-        p2 * turn + p1 * turn_place
-    )
-    moment = (
-        mass
-        * (
-            -(1 - k) * r * cosine * gx
-            + (-(1 - k) * r * sine + k * (-r * sine + f1 * r * cosine)) * gy
-        )
-        + inertia * p1 * r * cosine * turn
-    )
-    return np.array(
-        [
-            lift,
-            lift_acceleration,
-            lift_rate,
-            lift_place,
-            f1,
-            f2,
-            force,
-            force_acceleration,
-            force_rate,
-            force_place,
-            moment,
-        ]
+    # acceleration of the crank pin
+    px = r * sine * w**2 - r * cosine * crank.acceleration
+    py = -r * cosine * w**2 - r * sine * crank.acceleration
+
+    # how far A stands beside the crank pin
+    xi = mechanism.offset + lateral.position + r * sine
+    xi_velocity = lateral.velocity + r * cosine * w
+    xi_acceleration = lateral.acceleration - px
+
+    # Eq. (K2)
+    f = np.sqrt(length**2 - xi**2)
+    f1 = -xi / f
+    f2 = -(length**2) / f**3
+    f3 = -3 * length**2 * xi / f**5
+    axial = py + f1 * xi_acceleration + f2 * xi_velocity**2
+    axial_by_velocity = 2 * f2 * xi_velocity
+    axial_by_position = f2 * xi_acceleration + f3 * xi_velocity**2
+
+    # Eq. (K3)
+    psi1 = -1 / f
+    psi2 = -xi / f**3
+    psi3 = -1 / f**3 - 3 * xi**2 / f**5
+    turn = psi1 * xi_acceleration + psi2 * xi_velocity**2
+    turn_by_velocity = 2 * psi2 * xi_velocity
+    turn_by_position = psi2 * xi_acceleration + psi3 * xi_velocity**2
+
+    # Eq. (K4)
+    gx = k * lateral.acceleration + (1 - k) * px
+    gy = k * axial + (1 - k) * py
+    force = k * mass * (gx + f1 * gy) + inertia * psi1 * turn
+    force_by_acceleration = k * mass * (k + f1 * k * f1) + inertia * psi1 * psi1
+    force_by_velocity = k * mass * f1 * k * axial_by_velocity + inertia * psi1 * turn_by_velocity
+    centre_by_position = k * mass * (f2 * gy + f1 * k * axial_by_position)
+    turning_by_position = inertia * (psi2 * turn + psi1 * turn_by_position)
+
+    # Eq. (K5)
+    gx_by_phi = -(1 - k) * r * cosine
+    gy_by_phi = -(1 - k) * r * sine + k * (-r * sine + f1 * r * cosine)
+    moment = mass * (gx_by_phi * gx + gy_by_phi * gy) + inertia * psi1 * r * cosine * turn
+
+    return Link(
+        axial_acceleration=axial,
+        axial_by_acceleration=f1,
+        axial_by_velocity=axial_by_velocity,
+        axial_by_position=axial_by_position,
+        slope=f1,
+        curvature=f2,
+        rod_force=force,
+        rod_force_by_acceleration=force_by_acceleration,
+        rod_force_by_velocity=force_by_velocity,
+        rod_force_by_position=centre_by_position + turning_by_position,
+        rod_moment=moment,
     )
 
 
 @compiled
-def rod_turn(mechanism, lateral, lateral_rate, crank_angle, crank_speed):
-    """Angular velocity of the rod and its slopes (Eq. (K3)).
+def rod_turn(
+    mechanism: Mechanism,
+    lateral: float,
+    lateral_velocity: float,
+    crank_angle: float,
+    crank_speed: float,
+) -> RodTurn:
+    """Angular velocity of the rod and its slopes.
+
+    Eq. (K6):  psi' = psi1 xi',  xi' = x_A' + r cos(phi) w        psi1 as in Eq. (K3)
 
     Parameters
     ----------
     mechanism : Mechanism
-    lateral, lateral_rate : float
-        x_A [m] and its rate [m/s].
+    lateral, lateral_velocity : float
+        x_A [m] and its velocity [m/s].
     crank_angle, crank_speed : float
         [rad], [rad/s]
 
     Returns
     -------
-    psi', dpsi/dx_A, d2psi/dx_A2, dpsi'/dx_A, dpsi/dphi : float
-        [rad/s], [1/m], [1/m2], [1/(m s)], [-]; psi about +z, 0 where the rod stands upright.
+    RodTurn
     """
     r = mechanism.crank_radius
     xi = mechanism.offset + lateral + r * np.sin(crank_angle)
     f = np.sqrt(mechanism.rod_length**2 - xi**2)
-    p1, p2, lever = -1 / f, -xi / f**3, r * np.cos(crank_angle)
-    speed = lateral_rate + lever * crank_speed
-    return p1 * speed, p1, p2, p2 * speed, p1 * lever
+    psi1 = -1 / f
+    psi2 = -xi / f**3
+    xi_by_phi = r * np.cos(crank_angle)
+    xi_velocity = lateral_velocity + xi_by_phi * crank_speed
+    return RodTurn(
+        velocity=psi1 * xi_velocity,  # Eq. (K6)
+        slope=psi1,
+        curvature=psi2,
+        velocity_slope=psi2 * xi_velocity,
+        lever=psi1 * xi_by_phi,
+    )

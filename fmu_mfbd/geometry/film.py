@@ -59,6 +59,35 @@ class Bore(NamedTuple):
     shape: np.ndarray
 
 
+class NodalForces(NamedTuple):
+    """Forces at the cells of the film grid.
+
+    Parameters
+    ----------
+    pressure, friction : ndarray, shape (c, a)
+        Pushing the surfaces apart; along y on the skirt [N].
+    """
+
+    pressure: np.ndarray
+    friction: np.ndarray
+
+
+class Resultants(NamedTuple):
+    """Resultants of the film's forces on the piston.
+
+    Parameters
+    ----------
+    lateral, axial : float
+        Along x and y [N].
+    moment : float
+        About A, about +z [N m].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+
+
 class FilmForces(NamedTuple):
     """Generalised forces of the film.
 
@@ -66,7 +95,7 @@ class FilmForces(NamedTuple):
     ----------
     lateral, axial, moment : float
         On the piston along x and y, and about A [N], [N], [N m].
-    piston, block : ndarray
+    piston, block : ndarray, shapes (k,), (k',)
         Modal forces [kg^-1/2 N].
     """
 
@@ -84,7 +113,7 @@ class Window(NamedTuple):
     ----------
     first, knots : int
         First knot of the splines in use and how many.
-    place : ndarray of int, shape (a,)
+    knot : ndarray of int, shape (a,)
         First of the four knots of each grid row, counted from `first`.
     value, slope : ndarray, shape (a, 4)
         Weights of these knots for the spline [-] and its slope in height [1/m].
@@ -92,12 +121,46 @@ class Window(NamedTuple):
 
     first: int
     knots: int
-    place: np.ndarray
+    knot: np.ndarray
     value: np.ndarray
     slope: np.ndarray
 
 
-def bore_splines(heights, radial, axial, kind=None, shape=None):
+class FilmState(NamedTuple):
+    """The film's geometry at an instant, and the power of the forces on it.
+
+    Parameters
+    ----------
+    film_thickness, sliding_velocity : ndarray, shape (c, a)
+        [m], [m/s]
+    axial_force : float
+        Force on the piston along y by pressure on a bore that is not straight: sum F dh/dY [N].
+    power, power_size : float
+        sum F dh/dt + sum f v, and the sum of the absolute values of its terms [W].
+    """
+
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+    axial_force: float
+    power: float
+    power_size: float
+
+
+class LineWork(NamedTuple):
+    """A line's share of `FilmState.axial_force` [N], `.power` and `.power_size` [W]."""
+
+    axial_force: float
+    power: float
+    power_size: float
+
+
+def bore_splines(
+    heights: np.ndarray,
+    radial: np.ndarray,
+    axial: np.ndarray,
+    kind: np.ndarray | None = None,
+    shape: np.ndarray | None = None,
+) -> Bore:
     """Cubic spline through tabulated bore modes.
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
@@ -118,86 +181,128 @@ def bore_splines(heights, radial, axial, kind=None, shape=None):
     -------
     Bore
     """
-    s, c = len(heights), radial.shape[0]
+    s = len(heights)
+    straight = [1.0, -2.0, 1.0]
     rule = np.zeros((s + 2, s + 2))
-    rule[0, :3] = rule[-1, -3:] = 1.0, -2.0, 1.0
+    rule[0, :3] = straight
+    rule[-1, -3:] = straight
     for i in range(s):
         rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
     inverse = np.linalg.inv(rule)[:, 1:-1]
+    if shape is not None and shape.any():
+        widening = np.ascontiguousarray(inverse @ shape.T)
+    else:
+        widening = np.zeros((0, len(radial)))
     spacing = float(heights[1] - heights[0])
-    fields = (modal_field(np.einsum("rs,csk->crk", inverse, v), kind) for v in (radial, axial))
-    widening = (
-        np.ascontiguousarray(inverse @ shape.T)
-        if shape is not None and shape.any()
-        else np.zeros((0, c))
+    return Bore(
+        lowest=float(heights[0]) - spacing,
+        spacing=spacing,
+        radial=modal_field(np.einsum("rs,csk->crk", inverse, radial), kind),
+        axial=modal_field(np.einsum("rs,csk->crk", inverse, axial), kind),
+        shape=widening,
     )
-    return Bore(float(heights[0]) - spacing, spacing, *fields, widening)
 
 
 @compiled
-def window_at(lowest, spacing, height_of_A, rows):
-    """Window for grid rows at rising heights `rows` above A, A above the crank axis [m]."""
+def window_at(lowest: float, spacing: float, height_of_A: float, rows: np.ndarray) -> Window:
+    """Where the skirt's grid rows stand on the bore's splines.
+
+    Eq. (H5):  b_0 = (1 - t)^3/6,  b_1 = (4 - 6 t^2 + 3 t^3)/6
+               b_2 = (1 + 3 t + 3 t^2 - 3 t^3)/6,  b_3 = t^3/6       t: from one knot to the next
+
+    Parameters
+    ----------
+    lowest, spacing : float
+        As of `Bore` [m].
+    height_of_A : float
+        Above the crank axis [m].
+    rows : ndarray, shape (a,)
+        Heights of the grid rows above A, rising [m].
+
+    Returns
+    -------
+    Window
+    """
     a = len(rows)
     first = int(np.floor((height_of_A + rows[0] - lowest) / spacing)) - 1
-    place, value, slope = np.empty(a, np.int64), np.empty((a, 4)), np.empty((a, 4))
+    knot = np.empty(a, np.int64)
+    value = np.empty((a, 4))
+    slope = np.empty((a, 4))
     for j in range(a):
         x = (height_of_A + rows[j] - lowest) / spacing
         k = int(np.floor(x))
-        t, place[j] = x - k, k - 1 - first
-        value[j, 0], slope[j, 0] = (1 - t) ** 3 / 6, -((1 - t) ** 2) / (2 * spacing)
-        value[j, 1], slope[j, 1] = (
+        t = x - k
+        knot[j] = k - 1 - first
+        # Eq. (H5)
+        values = (
+            (1 - t) ** 3 / 6,
             (4 - 6 * t * t + 3 * t**3) / 6,
-            (3 * t * t - 4 * t) / (2 * spacing),
-        )
-        value[j, 2], slope[j, 2] = (
             (1 + 3 * t + 3 * t * t - 3 * t**3) / 6,
-            (1 + 2 * t - 3 * t * t) / (2 * spacing),
+            t**3 / 6,
         )
-        value[j, 3], slope[j, 3] = t**3 / 6, t * t / (2 * spacing)
-    return Window(first, place[a - 1] + 4, place, value, slope)
+        slopes = (
+            -((1 - t) ** 2) / (2 * spacing),
+            (3 * t * t - 4 * t) / (2 * spacing),
+            (1 + 2 * t - 3 * t * t) / (2 * spacing),
+            t * t / (2 * spacing),
+        )
+        for m in range(4):
+            value[j, m] = values[m]
+            slope[j, m] = slopes[m]
+    return Window(first, knot[a - 1] + 4, knot, value, slope)
 
 
 @compiled
-def on_rows(window, weight, knots):
+def on_rows(window: Window, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:
     """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots,
-    c).
+    c); `weight`: of the four knots of each row, `window.value` or `window.slope`.
     """
-    out = np.empty((len(window.place), knots.shape[1]))
-    for j in range(len(window.place)):
-        k = window.place[j]
-        for i in range(knots.shape[1]):
-            out[j, i] = (
-                weight[j, 0] * knots[k, i]
-                + weight[j, 1] * knots[k + 1, i]
-                + weight[j, 2] * knots[k + 2, i]
-                + weight[j, 3] * knots[k + 3, i]
-            )
+    a = len(window.knot)
+    c = knots.shape[1]
+    out = np.empty((a, c))
+    for j in range(a):
+        k = window.knot[j]
+        for i in range(c):
+            total = weight[j, 0] * knots[k, i]
+            for m in range(1, 4):
+                total += weight[j, m] * knots[k + m, i]
+            out[j, i] = total
     return out
 
 
 @compiled
-def on_knots(window, force):
+def on_knots(window: Window, force: np.ndarray) -> np.ndarray:
     """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose
     of `on_rows`.
     """
     out = np.zeros((window.knots, force.shape[1]))
-    for j in range(len(window.place)):
-        for t in range(4):
-            w, k = window.value[j, t], window.place[j] + t
+    for j in range(len(window.knot)):
+        for m in range(4):
+            weight = window.value[j, m]
+            k = window.knot[j] + m
             for i in range(force.shape[1]):
-                out[k, i] += w * force[j, i]
+                out[k, i] += weight * force[j, i]
     return out
 
 
 @compiled
-def opening(skirt, bore, window, lateral, angle, piston, block):
+def opening(
+    skirt: Skirt,
+    bore: Bore,
+    window: Window,
+    lateral: float,
+    angle: float,
+    piston: np.ndarray,
+    block: np.ndarray,
+) -> np.ndarray:
     """What motion and deformation add to the film thickness.
 
-    Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore at Y_0(crank angle) + y')
+    Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore)
+               the bore read at Y_0(crank angle) + y'
 
-    Linear in the small motions: with the coordinates' rates it gives the rate. The bore is read at
-    the height that A has when x_A = 0: the true one differs by less than x_A r/L, micrometres on a
-    field that varies over millimetres.
+    Linear in the small motions: with the coordinates' velocities it gives the rate of change. The
+    bore is read at the height that A has when x_A = 0: the true one differs by less than x_A r/L,
+    micrometres on a field that varies over millimetres.
 
     Parameters
     ----------
@@ -206,7 +311,7 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
     window : Window
     lateral, angle : float
         x_A [m] and rocking angle [rad].
-    piston, block : ndarray
+    piston, block : ndarray, shapes (k,), (k',)
         Modal coordinates [kg^1/2 m].
 
     Returns
@@ -214,8 +319,9 @@ def opening(skirt, bore, window, lateral, angle, piston, block):
     ndarray, shape (c, a)
         [m]
     """
+    inner = read(skirt.radial, 0, skirt.gap.shape[1], piston)
     outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
-    return _opening(skirt, lateral, angle, read(skirt.radial, 0, skirt.gap.shape[1], piston), outer)
+    return _opening(skirt, lateral, angle, inner, outer)
 
 
 @compiled
@@ -226,14 +332,21 @@ def _opening(skirt, lateral, angle, inner, outer):
     for i in range(c):
         sine = np.sin(skirt.angle[i])
         for j in range(a):
-            out[i, j] = (
-                (angle * skirt.height[j] - lateral) * sine - inner[j, i] + outer[j, i]
-            )  # Eq. (H1)
+            rigid = (angle * skirt.height[j] - lateral) * sine
+            out[i, j] = rigid - inner[j, i] + outer[j, i]  # Eq. (H1)
     return out
 
 
 @compiled
-def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rate):
+def sliding(
+    skirt: Skirt,
+    bore: Bore,
+    window: Window,
+    axial_velocity: float,
+    angular_velocity: float,
+    piston: np.ndarray,
+    block: np.ndarray,
+) -> np.ndarray:
     """Axial velocity of the skirt minus that of the bore.
 
     Eq. (H2):  v = Y_A' + angle' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
@@ -243,10 +356,10 @@ def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rat
     skirt : Skirt
     bore : Bore
     window : Window
-    height_rate, angle_rate : float
-        Of A [m/s] and of the rocking angle [rad/s].
-    piston_rate, block_rate : ndarray
-        [kg^1/2 m/s]
+    axial_velocity, angular_velocity : float
+        Of A [m/s], of the rocking angle [rad/s].
+    piston, block : ndarray, shapes (k,), (k',)
+        Modal velocities [kg^1/2 m/s].
 
     Returns
     -------
@@ -254,20 +367,19 @@ def sliding(skirt, bore, window, height_rate, angle_rate, piston_rate, block_rat
         [m/s]
     """
     c, a = skirt.gap.shape
-    inner = read(skirt.axial, 0, a, piston_rate)
-    outer = on_rows(window, window.value, read(bore.axial, window.first, window.knots, block_rate))
+    inner = read(skirt.axial, 0, a, piston)
+    outer = on_rows(window, window.value, read(bore.axial, window.first, window.knots, block))
     out = np.empty((c, a))
     for i in range(c):
-        rigid = height_rate + angle_rate * (
-            skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset
-        )
+        arm = skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset
+        rigid = axial_velocity + angular_velocity * arm
         for j in range(a):
             out[i, j] = rigid + inner[j, i] - outer[j, i]  # Eq. (H2)
     return out
 
 
 @compiled
-def generalised(skirt, bore, window, pressure_force, friction_force):
+def generalised(skirt: Skirt, bore: Bore, window: Window, forces: NodalForces) -> FilmForces:
     """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
     Parameters
@@ -275,43 +387,62 @@ def generalised(skirt, bore, window, pressure_force, friction_force):
     skirt : Skirt
     bore : Bore
     window : Window
-    pressure_force, friction_force : ndarray, shape (c, a)
-        [N]: pushing the surfaces apart; along y on the skirt.
+    forces : NodalForces
 
     Returns
     -------
     FilmForces
     """
-    lateral, axial, moment = resultants(skirt, pressure_force, friction_force)
-    push, drag = by_rows(pressure_force), by_rows(friction_force)
-    piston, block = (
-        spread(skirt.axial, 0, drag),
-        spread(bore.radial, window.first, on_knots(window, push)),
-    )
+    rigid = resultants(skirt, forces)
+    push = by_rows(forces.pressure)
+    drag = by_rows(forces.friction)
+    piston = spread(skirt.axial, 0, drag)
     subtract(piston, spread(skirt.radial, 0, push))
+    block = spread(bore.radial, window.first, on_knots(window, push))
     subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
-    return FilmForces(lateral, axial, moment, piston, block)
+    return FilmForces(rigid.lateral, rigid.axial, rigid.moment, piston, block)
 
 
 @compiled
-def resultants(skirt, pressure_force, friction_force):
-    """Forces of the film on the piston along x and y, and moment about A."""
-    lateral, axial, moment = 0.0, 0.0, 0.0
-    for i in range(pressure_force.shape[0]):
-        push, lift, drag = 0.0, 0.0, 0.0
-        for j in range(pressure_force.shape[1]):
-            push += pressure_force[i, j]
-            lift += pressure_force[i, j] * skirt.height[j]
-            drag += friction_force[i, j]
+def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
+    """Resultants of the film's forces on the piston, and moment about A.
+
+    Eq. (G1):  lateral = -sum F sin theta,  axial = sum f
+               moment = sum (F y' sin theta + f (R sin theta - pin offset))
+
+    Parameters
+    ----------
+    skirt : Skirt
+    forces : NodalForces
+
+    Returns
+    -------
+    Resultants
+    """
+    pressure = forces.pressure
+    friction = forces.friction
+    height = skirt.height
+    lateral = 0.0
+    axial = 0.0
+    moment = 0.0
+    for i in range(pressure.shape[0]):
+        push = 0.0
+        tilting = 0.0
+        drag = 0.0
+        for j in range(pressure.shape[1]):
+            push += pressure[i, j]
+            tilting += pressure[i, j] * height[j]
+            drag += friction[i, j]
+        # Eq. (G1)
         sine = np.sin(skirt.angle[i])
         lateral -= push * sine
         axial += drag
-        moment += lift * sine + drag * (skirt.radius * sine - skirt.pin_offset)
-    return lateral, axial, moment
+        moment += tilting * sine + drag * (skirt.radius * sine - skirt.pin_offset)
+    return Resultants(lateral, axial, moment)
 
 
 @compiled
-def by_rows(field):
+def by_rows(field: np.ndarray) -> np.ndarray:
     """The transpose (a, c), contiguous."""
     out = np.empty((field.shape[1], field.shape[0]))
     for i in range(field.shape[0]):
@@ -321,14 +452,23 @@ def by_rows(field):
 
 
 @compiled
-def subtract(a, b):
+def subtract(a: np.ndarray, b: np.ndarray) -> None:
     """a -= b, in a loop: array expressions take the compiler seconds each."""
     for k in range(len(a)):
         a[k] -= b[k]
 
 
 @compiled
-def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate):
+def film_now(
+    skirt: Skirt,
+    bore: Bore,
+    window: Window,
+    forces: NodalForces,
+    axial_velocity: float,
+    guided_velocity: float,
+    position: np.ndarray,
+    velocity: np.ndarray,
+) -> FilmState:
     """Film thickness and sliding velocity at an instant, and the power of the interface forces at
     the grid points.
 
@@ -337,59 +477,66 @@ def film_now(skirt, bore, window, forces, height_rate, guided_rate, place, rate)
     skirt : Skirt
     bore : Bore
     window : Window
-    forces : tuple of ndarray, shape (c, a)
-        Pressure and friction forces [N].
-    height_rate, guided_rate : float
+    forces : NodalForces
+    axial_velocity, guided_velocity : float
         Velocity of A, and of the height at which the bore is read [m/s].
-    place, rate : ndarray
-        [x_A, rocking angle, piston then block modal coordinates] and rates.
+    position, velocity : ndarray, shape (2 + k + k',)
+        [x_A, rocking angle, piston then block modal coordinates] and velocities.
 
     Returns
     -------
-    film_thickness, sliding_velocity : ndarray, shape (c, a)
-        [m], [m/s]
-    lift : float
-        Force on the piston along y by pressure on a bore that is not straight: sum F dh/dY [N].
-    power, size : float
-        sum F dh/dt + sum f v, and the sum of the absolute values of its terms [W].
+    FilmState
     """
-    pressure_force, friction_force = forces
-    n = 2 + skirt.radial.modes
-    velocity = sliding(skirt, bore, window, height_rate, rate[1], rate[2:n], rate[n:])
-    inner, inner_rate = read_both(skirt.radial, 0, skirt.gap.shape[1], place[2:n], rate[2:n])
-    surface, surface_rate = read_both(bore.radial, window.first, window.knots, place[n:], rate[n:])
-    opening_rate = _opening(
-        skirt, rate[0], rate[1], inner_rate, on_rows(window, window.value, surface_rate)
-    )
+    x = position[0]
+    angle = position[1]
+    q = position[2:]
+    dx = velocity[0]
+    turning = velocity[1]
+    dq = velocity[2:]
+    k = skirt.radial.modes
+    a = skirt.gap.shape[1]
+    sliding_velocity = sliding(skirt, bore, window, axial_velocity, turning, dq[:k], dq[k:])
+    inner, inner_velocity = read_both(skirt.radial, 0, a, q[:k], dq[:k])
+    surface, surface_velocity = read_both(bore.radial, window.first, window.knots, q[k:], dq[k:])
+    outer_velocity = on_rows(window, window.value, surface_velocity)
+    opening_rate = _opening(skirt, dx, turning, inner_velocity, outer_velocity)
     if len(bore.shape):
-        for k in range(window.knots):
+        for row in range(window.knots):
             for i in range(surface.shape[1]):
-                surface[k, i] += bore.shape[window.first + k, i]
-    thickness = _opening(skirt, place[0], place[1], inner, on_rows(window, window.value, surface))
+                surface[row, i] += bore.shape[window.first + row, i]
+    outer = on_rows(window, window.value, surface)
+    thickness = _opening(skirt, x, angle, inner, outer)
     slope = by_rows(on_rows(window, window.slope, surface))  # of the bore, under the moving skirt
-    lift, power, size = 0.0, 0.0, 0.0
+    axial_force = 0.0
+    power = 0.0
+    power_size = 0.0
     for i in range(len(thickness)):
         for j in range(thickness.shape[1]):
             thickness[i, j] += skirt.gap[i, j]
         line = _work(
-            pressure_force[i],
-            friction_force[i],
+            forces.pressure[i],
+            forces.friction[i],
             opening_rate[i],
-            velocity[i],
+            sliding_velocity[i],
             slope[i],
-            guided_rate,
+            guided_velocity,
         )
-        lift, power, size = lift + line[0], power + line[1], size + line[2]
-    return thickness, velocity, lift, power, size
+        axial_force += line.axial_force
+        power += line.power
+        power_size += line.power_size
+    return FilmState(thickness, sliding_velocity, axial_force, power, power_size)
 
 
 @compiled
-def _work(push, drag, opening_rate, velocity, slope, guided_rate):
-    """A line's share of lift, power and size, see `film_now`."""
-    lift, power, size = 0.0, 0.0, 0.0
+def _work(push, drag, opening_rate, sliding_velocity, slope, guided_velocity):
+    """A line's share of axial force and power, see `film_now`."""
+    axial_force = 0.0
+    power = 0.0
+    power_size = 0.0
     for j in range(len(push)):
-        first, second = push[j] * (opening_rate[j] + guided_rate * slope[j]), drag[j] * velocity[j]
-        lift += push[j] * slope[j]
-        power += first + second
-        size += abs(first) + abs(second)
-    return lift, power, size
+        normal = push[j] * (opening_rate[j] + guided_velocity * slope[j])
+        tangential = drag[j] * sliding_velocity[j]
+        axial_force += push[j] * slope[j]
+        power += normal + tangential
+        power_size += abs(normal) + abs(tangential)
+    return LineWork(axial_force, power, power_size)

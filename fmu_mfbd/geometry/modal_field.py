@@ -13,6 +13,12 @@ import numpy as np
 
 from ...master.fmi.compiled import compiled
 
+EVEN = 0
+ODD_Z = 1
+ODD_X = 2
+ODD_BOTH = 3
+"""Symmetry classes: odd across z = 0, odd across x = 0, odd across both."""
+
 SIGNS = np.array(
     [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
 )
@@ -49,31 +55,55 @@ class ModalField(NamedTuple):
     part: int
 
 
-def modal_field(values, kind=None):
+class FourCoordinates(NamedTuple):
+    """Coordinates of the four modes of a group, or their velocities [kg^1/2 m], [kg^1/2 m/s]."""
+
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalField:
     """Pack values (angles, rows, k) by the modes' symmetry classes; kind None (or angles not
     divisible by 4): no symmetry.
     """
     angles, rows, k = values.shape
     if kind is None or angles % 4:
-        kind, classes, part = np.zeros(k, np.int64), 1, values
+        kind = np.zeros(k, np.int64)
+        classes = 1
+        part = values
     else:
-        classes, part = 4, (values[mirrors(angles)] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
+        classes = 4
+        part = (values[mirrors(angles)] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
+    order, groups = _fours(kind, classes)
     lines = part.transpose(2, 1, 0).reshape(k, rows * len(part))
-    mode = [np.flatnonzero(kind == number) for number in range(classes)]
-    groups = np.repeat(np.arange(classes), [-(-len(m) // 4) for m in mode])
-    mode = np.concatenate([np.append(m, np.full(-len(m) % 4, -1)) for m in mode])
-    table = np.vstack([lines, np.zeros(rows * len(part))])[mode]  # -1: the last line, of zeros
+    lines = np.vstack([lines, np.zeros(rows * len(part))])
     return ModalField(
-        table.astype(np.float32),
-        mode.astype(np.int64),
-        groups.astype(np.int64),
-        k,
-        classes,
-        len(part),
+        table=lines[order].astype(np.float32),  # -1: the last line, of zeros
+        mode=order.astype(np.int64),
+        kind=groups.astype(np.int64),
+        modes=k,
+        classes=classes,
+        part=len(part),
     )
 
 
-def mirrors(angles):
+def _fours(kind, classes):
+    """Modes in the order of the table, -1 where a group has a place left over, and each group's
+    class.
+    """
+    order = []
+    groups = []
+    for number in range(classes):
+        members = np.flatnonzero(kind == number)
+        spare = -len(members) % 4
+        order.append(np.append(members, np.full(spare, -1)))
+        groups.append(np.full((len(members) + spare) // 4, number))
+    return np.concatenate(order), np.concatenate(groups)
+
+
+def mirrors(angles: int) -> np.ndarray:
     """Indices of theta_i, pi - theta_i, -theta_i, pi + theta_i for the first quarter of the angles,
     shape (4, angles / 4).
     """
@@ -82,7 +112,7 @@ def mirrors(angles):
 
 
 @compiled
-def read(field, first, rows, coordinates):
+def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> np.ndarray:
     """Displacement on some rows of the grid.
 
     Eq. (H4):  u(theta, row) = sum_k value_k(theta, row) q_k
@@ -100,66 +130,68 @@ def read(field, first, rows, coordinates):
     ndarray, shape (rows, angles)
         [m]
     """
-    start, count = first * field.part, rows * field.part
-    sums, q = np.zeros((field.classes, count)), _places(field, coordinates)
+    start = first * field.part
+    count = rows * field.part
+    sums = np.zeros((field.classes, count))
+    ordered = _in_table_order(field, coordinates)
     for g in range(len(field.kind)):
         a, b, c, d = _four(field, g, start, count)
-        line, qa, qb, qc, qd = (
-            sums[field.kind[g]],
-            q[4 * g],
-            q[4 * g + 1],
-            q[4 * g + 2],
-            q[4 * g + 3],
-        )
+        q = _four_coordinates(ordered, g)
+        line = sums[field.kind[g]]
         for p in range(count):
-            line[p] += (qa * a[p] + qb * b[p]) + (qc * c[p] + qd * d[p])  # Eq. (H4)
+            # Eq. (H4)
+            line[p] += (q.a * a[p] + q.b * b[p]) + (q.c * c[p] + q.d * d[p])
     return _unfold(field, sums, rows)
 
 
 @compiled
-def read_both(field, first, rows, place, rate):
-    """Displacement and its rate in one pass over the table, which is what a reading costs; both as
-    `read` gives them.
+def read_both(
+    field: ModalField, first: int, rows: int, position: np.ndarray, velocity: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and its velocity in one pass over the table, which is what a reading costs; both
+    as `read` gives them.
     """
-    start, count = first * field.part, rows * field.part
-    sums, rates = np.zeros((field.classes, count)), np.zeros((field.classes, count))
-    q, r = _places(field, place), _places(field, rate)
+    start = first * field.part
+    count = rows * field.part
+    sums = np.zeros((field.classes, count))
+    fast_sums = np.zeros((field.classes, count))
+    ordered = _in_table_order(field, position)
+    fast_ordered = _in_table_order(field, velocity)
     for g in range(len(field.kind)):
         a, b, c, d = _four(field, g, start, count)
-        line, qa, qb, qc, qd = (
-            sums[field.kind[g]],
-            q[4 * g],
-            q[4 * g + 1],
-            q[4 * g + 2],
-            q[4 * g + 3],
-        )
-        fast, ra, rb, rc, rd = (
-            rates[field.kind[g]],
-            r[4 * g],
-            r[4 * g + 1],
-            r[4 * g + 2],
-            r[4 * g + 3],
-        )
+        q = _four_coordinates(ordered, g)
+        v = _four_coordinates(fast_ordered, g)
+        line = sums[field.kind[g]]
+        fast = fast_sums[field.kind[g]]
         for p in range(count):
-            line[p] += (qa * a[p] + qb * b[p]) + (qc * c[p] + qd * d[p])  # Eq. (H4)
-            fast[p] += (ra * a[p] + rb * b[p]) + (rc * c[p] + rd * d[p])
-    return _unfold(field, sums, rows), _unfold(field, rates, rows)
+            # Eq. (H4)
+            line[p] += (q.a * a[p] + q.b * b[p]) + (q.c * c[p] + q.d * d[p])
+            fast[p] += (v.a * a[p] + v.b * b[p]) + (v.c * c[p] + v.d * d[p])
+    return _unfold(field, sums, rows), _unfold(field, fast_sums, rows)
 
 
 @compiled
 def _four(field, group, start, count):
     """Values of the four modes of a group on some points."""
-    table, k, stop = field.table, 4 * group, start + count
+    k = 4 * group
+    stop = start + count
     return (
-        table[k, start:stop],
-        table[k + 1, start:stop],
-        table[k + 2, start:stop],
-        table[k + 3, start:stop],
+        field.table[k, start:stop],
+        field.table[k + 1, start:stop],
+        field.table[k + 2, start:stop],
+        field.table[k + 3, start:stop],
     )
 
 
 @compiled
-def _places(field, coordinates):
+def _four_coordinates(ordered, group):
+    """Coordinates of the four modes of a group."""
+    k = 4 * group
+    return FourCoordinates(ordered[k], ordered[k + 1], ordered[k + 2], ordered[k + 3])
+
+
+@compiled
+def _in_table_order(field, coordinates):
     """Modal coordinates in the order of the table."""
     out = np.zeros(len(field.mode))
     for s in range(len(out)):
@@ -177,12 +209,11 @@ def _unfold(field, sums, rows):
     out = np.empty((rows, 4 * part))
     for r in range(rows):
         for i in range(part):
-            a, b, c, d = (
-                sums[0, r * part + i],
-                sums[1, r * part + i],
-                sums[2, r * part + i],
-                sums[3, r * part + i],
-            )
+            p = r * part + i
+            a = sums[EVEN, p]
+            b = sums[ODD_Z, p]
+            c = sums[ODD_X, p]
+            d = sums[ODD_BOTH, p]
             out[r, i] = (a + b) + (c + d)
             out[r, 2 * part - 1 - i] = (a - b) + (c - d)
             out[r, 4 * part - 1 - i] = (a + b) - (c + d)
@@ -191,7 +222,30 @@ def _unfold(field, sums, rows):
 
 
 @compiled
-def spread(field, first, force):
+def _fold(field, force):
+    """Sums of each symmetry class from forces (rows, angles): the transpose of `_unfold`."""
+    part = field.part
+    rows = len(force)
+    sums = np.empty((field.classes, rows * part))
+    for r in range(rows):
+        for i in range(part):
+            p = r * part + i
+            if field.classes == 1:
+                sums[EVEN, p] = force[r, i]
+                continue
+            a = force[r, i]
+            b = force[r, 2 * part - 1 - i]
+            c = force[r, 4 * part - 1 - i]
+            d = force[r, 2 * part + i]
+            sums[EVEN, p] = (a + b) + (c + d)
+            sums[ODD_Z, p] = (a - b) + (c - d)
+            sums[ODD_X, p] = (a + b) - (c + d)
+            sums[ODD_BOTH, p] = (a - b) - (c - d)
+    return sums
+
+
+@compiled
+def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
     """Modal forces of forces at the points of some rows: the transpose of `read`.
 
     Parameters
@@ -207,34 +261,25 @@ def spread(field, first, force):
     ndarray, shape (k,)
         [kg^-1/2 N]
     """
-    part, rows = field.part, len(force)
-    start, count = first * part, rows * part
-    sums = np.empty((field.classes, count))
-    for r in range(rows):
-        for i in range(part):
-            p = r * part + i
-            if field.classes == 1:
-                sums[0, p] = force[r, i]
-                continue
-            a, b, c, d = (
-                force[r, i],
-                force[r, 2 * part - 1 - i],
-                force[r, 4 * part - 1 - i],
-                force[r, 2 * part + i],
-            )
-            sums[0, p], sums[1, p] = (a + b) + (c + d), (a - b) + (c - d)
-            sums[2, p], sums[3, p] = (a + b) - (c + d), (a - b) - (c - d)
+    start = first * field.part
+    count = len(force) * field.part
+    sums = _fold(field, force)
     out = np.empty(field.modes)
     for g in range(len(field.kind)):
         a, b, c, d = _four(field, g, start, count)
-        line, ta, tb, tc, td = sums[field.kind[g]], 0.0, 0.0, 0.0, 0.0
+        line = sums[field.kind[g]]
+        on_a = 0.0
+        on_b = 0.0
+        on_c = 0.0
+        on_d = 0.0
         for p in range(count):
             f = line[p]
-            ta += f * a[p]
-            tb += f * b[p]
-            tc += f * c[p]
-            td += f * d[p]
-        for s, total in enumerate((ta, tb, tc, td)):
+            on_a += f * a[p]
+            on_b += f * b[p]
+            on_c += f * c[p]
+            on_d += f * d[p]
+        totals = (on_a, on_b, on_c, on_d)
+        for s in range(4):
             if field.mode[4 * g + s] >= 0:
-                out[field.mode[4 * g + s]] = total
+                out[field.mode[4 * g + s]] = totals[s]
     return out

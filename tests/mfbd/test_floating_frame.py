@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     FlexibleBody,
+    FrameMotion,
     frame_arrow,
     frame_force,
     mode_coupling,
     rigid_body,
     whole,
 )
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance, solve_coupled, tangent
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
@@ -95,11 +97,10 @@ def test_frame_force_is_the_differentiated_lagrangian(lump):
     r, a = r * 10, a * 100
     reference = lagrange(lambda z, r: kinetic_energy(points, M, modes, z, r), z, r, a)
     c, s = np.cos(z[2]), np.sin(z[2])
-    force = frame_force(
-        body, c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:]
-    )
-    force[3:] -= body.stiffness * z[3:]
-    force[:2] = c * force[0] - s * force[1], s * force[0] + c * force[1]
+    moving = FrameMotion(c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:])
+    own = frame_force(body, moving)
+    modal = own.modal - body.stiffness * z[3:]
+    force = np.array([c * own.x - s * own.y, s * own.x + c * own.y, own.moment, *modal])
     # central differences over 1e-6: error about 1e-9 of the largest term
     np.testing.assert_allclose(force, reference, atol=1e-7 * np.abs(reference).max())
 
@@ -116,12 +117,12 @@ def test_frame_tangent_is_the_derivative(lump):
         d = np.zeros(3 + k)
         d[column] = step
         a = base + d
-        return frame_force(
-            body, a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:]
-        )
+        moving = FrameMotion(a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
+        out = frame_force(body, moving)
+        return np.array([out.x, out.y, out.moment, *out.modal])
 
     matrix = whole(
-        frame_arrow(body, base[0], base[1], base[2], w, z, r, base[3:], c1, c2),
+        frame_arrow(body, FrameMotion(base[0], base[1], base[2], w, z, r, base[3:]), c1, c2),
         mode_coupling(body, base[2], w, c1, c2),
     )
     for column in range(3 + k):
@@ -136,15 +137,15 @@ def test_frame_tangent_is_the_derivative(lump):
 SKEW = Mechanism(0.0288, 0.110, 0.0011, 0.35, 6e-4, 30 / 110, 0.06)
 
 
-def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
-    """Kinetic energy of rod, pin and rigid piston, from positions alone (velocities by complex
-    steps, extended precision).
+def crank_energy(mechanism, body, position, velocity):
+    """Kinetic energy of rod, pin and rigid piston at [x_A, rocking angle, crank angle], from
+    positions alone (velocities by complex steps, extended precision).
     """
     step = np.longdouble(1e-30)
     t = np.clongdouble(1j) * step
-    place, tilt, turn = x + t * xdot, angle + t * spin, phi + t * w
+    x, tilt, turn = position + t * velocity
     P = np.array([-mechanism.crank_radius * np.sin(turn), mechanism.crank_radius * np.cos(turn)])
-    A = np.array([mechanism.offset + place, 0])
+    A = np.array([mechanism.offset + x, 0])
     A = np.array([A[0], P[1] + np.sqrt(mechanism.rod_length**2 - (A[0] - P[0]) ** 2)])
     centre = body.S / body.mass
     C = A + np.array(
@@ -162,7 +163,7 @@ def crank_energy(mechanism, body, x, xdot, angle, spin, phi, w):
     inertia = body.I0 - body.S @ body.S / body.mass
     return 0.5 * (
         body.mass * v(C) @ v(C)
-        + inertia * spin**2
+        + inertia * velocity[1] ** 2
         + mechanism.pin_mass * v(A) @ v(A)
         + mechanism.rod_mass * v(G) @ v(G)
         + mechanism.rod_inertia * v(rod) ** 2
@@ -177,33 +178,36 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
-    residual, _, _, _, torque = imbalance(
-        body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), z, r, a, phi, w, 5e3
+    out = imbalance(
+        body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), Motion(z, r, a), CrankMotion(phi, w, 5e3)
     )
 
-    def energy(place, rate):
-        return crank_energy(SKEW, body, place[0], rate[0], place[1], rate[1], place[2], rate[2])
+    def energy(position, velocity):
+        return crank_energy(SKEW, body, position, velocity)
 
-    place, rate, acceleration = np.array([*z, phi]), np.array([*r, w]), np.array([*a, 5e3])
-    reference = richardson(energy, place, rate, acceleration)
+    reference = richardson(energy, np.array([*z, phi]), np.array([*r, w]), np.array([*a, 5e3]))
     np.testing.assert_allclose(
-        [*residual, torque], reference.astype(float), rtol=1e-9, atol=1e-9 * np.abs(reference).max()
+        [*out.residual, out.torque],
+        reference.astype(float),
+        rtol=1e-9,
+        atol=1e-9 * np.abs(reference).max(),
     )
 
 
-def richardson(energy, place, rate, acceleration):
+def richardson(energy, position, velocity, acceleration):
     """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion,
-    minus dT/dplace.
+    minus dT/dposition.
     """
-    place, rate, acceleration = (
-        np.asarray(v, dtype=np.longdouble) for v in (place, rate, acceleration)
+    position, velocity, acceleration = (
+        np.asarray(v, dtype=np.longdouble) for v in (position, velocity, acceleration)
     )
-    unit = np.eye(len(place))
+    unit = np.eye(len(position))
     weights = ((1, 8 / 12), (2, -1 / 12))
     scale = np.array([1e-4, 1e-3, 1e-3])
 
     def momentum(t):
-        z, r = place + rate * t + acceleration * t * t / 2, rate + acceleration * t
+        z = position + velocity * t + acceleration * t * t / 2
+        r = velocity + acceleration * t
         return np.array([(energy(z, r + 50 * u) - energy(z, r - 50 * u)) / 100 for u in unit])
 
     dt = 1e-5
@@ -211,7 +215,8 @@ def richardson(energy, place, rate, acceleration):
     slope = np.array(
         [
             sum(
-                w * (energy(place + k * s * u, rate) - energy(place - k * s * u, rate))
+                w
+                * (energy(position + k * s * u, velocity) - energy(position - k * s * u, velocity))
                 for k, w in weights
             )
             / s
@@ -229,23 +234,22 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     body = lump[3]
     rng = np.random.default_rng(5)
     n = 2 + len(body.stiffness)
-    place, rate, a = (
-        1e-4 * rng.standard_normal(n),
-        rng.standard_normal(n),
-        100 * rng.standard_normal(n),
+    now = Motion(
+        1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
     load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
-    c1, c2, phi, w = 3e-5, 8e-10, 0.8, 314.0
-    arrow = tangent(body, mechanism, load, place, rate, a, phi, w, 2e3, c1, c2)
-    coupling = mode_coupling(body, a[1], rate[1], c1, c2)
+    c1, c2, crank = 3e-5, 8e-10, CrankMotion(0.8, 314.0, 2e3)
+    arrow = tangent(body, mechanism, load, now, crank, c1, c2)
+    coupling = mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2)
     matrix = whole(arrow, coupling)
     right = rng.standard_normal(n)
     np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)
 
     def residual(change):
-        return imbalance(
-            body, mechanism, load, place + c2 * change, rate + c1 * change, a + change, phi, w, 2e3
-        )[0]
+        moved = Motion(
+            now.position + c2 * change, now.velocity + c1 * change, now.acceleration + change
+        )
+        return imbalance(body, mechanism, load, moved, crank).residual
 
     for k in range(n):
         change = 10.0 * np.eye(n)[k]
@@ -261,10 +265,8 @@ def test_pin_friction_works_between_piston_and_rod(lump):
     """
     body, rng = lump[3], np.random.default_rng(6)
     n = 2 + len(body.stiffness)
-    place, rate, a = (
-        1e-4 * rng.standard_normal(n),
-        rng.standard_normal(n),
-        100 * rng.standard_normal(n),
+    now = Motion(
+        1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
     load, phi, w = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2)), 0.8, 314.0
 
@@ -272,33 +274,38 @@ def test_pin_friction_works_between_piston_and_rod(lump):
         return -np.arcsin((SKEW.offset + x + SKEW.crank_radius * np.sin(turn)) / SKEW.rod_length)
 
     eps = 1e-7
-    by_x = (rod_angle(place[0] + eps, phi) - rod_angle(place[0] - eps, phi)) / (2 * eps)
-    by_phi = (rod_angle(place[0], phi + eps) - rod_angle(place[0], phi - eps)) / (2 * eps)
-    slip = rate[1] - by_x * rate[0] - by_phi * w
+    x = now.position[0]
+    by_x = (rod_angle(x + eps, phi) - rod_angle(x - eps, phi)) / (2 * eps)
+    by_phi = (rod_angle(x, phi + eps) - rod_angle(x, phi - eps)) / (2 * eps)
+    slip = now.velocity[1] - by_x * now.velocity[0] - by_phi * w
     with_it, without = (
-        imbalance(body, m, load, place, rate, a, phi, w, 2e3) for m in (RUBBING, SKEW)
+        imbalance(body, m, load, now, CrankMotion(phi, w, 2e3)) for m in (RUBBING, SKEW)
     )
-    moment = with_it[3]
-    size = np.hypot(with_it[1], with_it[2])
+    moment = with_it.pin_moment
+    size = np.hypot(with_it.pin_x, with_it.pin_y)
     assert (
         moment == pytest.approx(-2e-3 * size * np.tanh(slip / 30.0) - 4e-3 * slip, rel=1e-8)
         and moment * slip < 0.0
     )
     # differences of the angle over 1e-7: round-off 1e-9
-    np.testing.assert_allclose(with_it[0][:2] - without[0][:2], [moment * by_x, -moment], rtol=1e-7)
-    assert with_it[4] - without[4] == pytest.approx(moment * by_phi, rel=1e-7)
+    np.testing.assert_allclose(
+        with_it.residual[:2] - without.residual[:2], [moment * by_x, -moment], rtol=1e-7
+    )
+    assert with_it.torque - without.torque == pytest.approx(moment * by_phi, rel=1e-7)
 
 
 def test_height_slopes():
     for phi in (0.3, 2.0, 5.0):
-        Y, across, along = height(SKEW, 2e-4, phi)
+        at = height(SKEW, 2e-4, phi)
         eps = 1e-6
-        assert across == pytest.approx(
-            (height(SKEW, 2e-4 + eps, phi)[0] - height(SKEW, 2e-4 - eps, phi)[0]) / (2 * eps),
+        assert at.slope == pytest.approx(
+            (height(SKEW, 2e-4 + eps, phi).height - height(SKEW, 2e-4 - eps, phi).height)
+            / (2 * eps),
             abs=1e-9,
         )
-        assert along == pytest.approx(
-            (height(SKEW, 2e-4, phi + eps)[0] - height(SKEW, 2e-4, phi - eps)[0]) / (2 * eps),
+        assert at.lever == pytest.approx(
+            (height(SKEW, 2e-4, phi + eps).height - height(SKEW, 2e-4, phi - eps).height)
+            / (2 * eps),
             abs=1e-9,
         )
 

@@ -4,10 +4,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import coefficients
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import Mechanism, height
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.fmu_mfbd.geometry.film import (
+    NodalForces,
     Skirt,
     bore_splines,
     film_now,
@@ -52,7 +53,7 @@ def test_virtual_work_for_any_force_and_motion(seed):
     push, drag = rng.standard_normal((2, 8, 5))
     x, turn, climb = rng.standard_normal(3)
     q, p = rng.standard_normal(3), rng.standard_normal(2)
-    Q = generalised(skirt, bore, window, push, drag)
+    Q = generalised(skirt, bore, window, NodalForces(push, drag))
     # pressure works on x, angle and modes; friction on climb, angle and modes
     grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(
         drag * sliding(skirt, bore, window, climb, turn, q, p)
@@ -68,24 +69,29 @@ def test_film_rate_is_the_derivative_of_the_film(seed):
     moving skirt and uneven bore included.
     """
     rng, skirt, bore, _ = film(seed)
-    place, rate, A, climb = 1e-5 * rng.standard_normal(7), 1e-2 * rng.standard_normal(7), 0.05, 3.0
+    position = 1e-5 * rng.standard_normal(7)
+    velocity = 1e-2 * rng.standard_normal(7)
+    A = 0.05
+    climb = 3.0
     nothing, unit = np.zeros((8, 5)), np.zeros((8, 5))
     unit[rng.integers(8), rng.integers(5)] = 1.0
 
     def at(t):
         window = window_at(bore.lowest, bore.spacing, A + climb * t, skirt.height)
-        return film_now(skirt, bore, window, (unit, nothing), climb, climb, place + rate * t, rate)
+        forces = NodalForces(unit, nothing)
+        now = position + velocity * t
+        return film_now(skirt, bore, window, forces, climb, climb, now, velocity)
 
     dt = 1e-7
-    difference = np.sum((at(dt)[0] - at(-dt)[0]) * unit) / (2 * dt)
-    assert abs(at(0.0)[3] - difference) <= 1e-6 * max(abs(difference), 1e-3)
+    difference = np.sum((at(dt).film_thickness - at(-dt).film_thickness) * unit) / (2 * dt)
+    assert abs(at(0.0).power - difference) <= 1e-6 * max(abs(difference), 1e-3)
 
 
 @settings(max_examples=50, deadline=None)
 @given(small, st.floats(-20, 20))
 def test_the_rod_keeps_its_length(lateral, crank_angle):
     mechanism = Mechanism(0.025, 0.1, 1e-3, 0.1, 1e-4, 0.3, 0.0)
-    Y = height(mechanism, lateral, crank_angle)[0]
+    Y = height(mechanism, lateral, crank_angle).height
     pin = -0.025 * np.sin(crank_angle), 0.025 * np.cos(crank_angle)
     assert np.isclose(np.hypot(1e-3 + lateral - pin[0], Y - pin[1]), 0.1, rtol=1e-14)
 
@@ -96,14 +102,12 @@ def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
     """Inertia alone gives back in half a turn what it took in the other: torque(phi) + torque(-phi)
     = 0 without offsets.
     """
-    mechanism, nothing, still = (
-        Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1),
-        Load(0.0, 0.0, 0.0, np.zeros(0)),
-        np.zeros(2),
-    )
+    mechanism = Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1)
+    nothing = Load(0.0, 0.0, 0.0, np.zeros(0))
+    still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
     body = rigid_body(0.3, (0.0, 0.01), 2e-4)
     there, back = (
-        imbalance(body, mechanism, nothing, still, still, still, phi, speed, 0.0)[4]
+        imbalance(body, mechanism, nothing, still, CrankMotion(phi, speed, 0.0)).torque
         for phi in (angle, -angle)
     )
     assert abs(there + back) <= 1e-12 * 0.6 * 0.025**2 * speed**2
