@@ -263,8 +263,8 @@ def full_cells(
         iteration += 1
         if iteration == LIMIT:
             raise NotConverged(
-                f"cavitation did not converge in {LIMIT} iterations: {switching.switched} cells still "
-                f"switch, first [{switching.i + 1},{switching.j + 1}] with "
+                f"cavitation did not converge in {LIMIT} iterations: {switching.switched} cells "
+                f"still switch, first [{switching.i + 1},{switching.j + 1}] with "
                 f"u = {unknown[switching.i, switching.j]:g}"
             )
         stations = switching.lowest, switching.highest

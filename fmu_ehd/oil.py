@@ -198,7 +198,7 @@ class Piezoviscosity:
 
 
 class Barus1893(Piezoviscosity):
-    """Eq. (O4): q = (1 - exp(-alpha p)) / alpha.
+    """Eq. (O4), with q = (1 - exp(-alpha p)) / alpha by Eq. (O6).
 
     Parameters
     ----------

@@ -246,7 +246,7 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
 
 @compiled(inline="always")
 def _inflow_part(k, t, pressure, fraction):
-    """Known part of the flow over an edge into a full film, Eq. (E5): what the edge drives in."""
+    """Known part of the flow over an edge into a full film by Eq. (E5), what the edge drives in."""
     return k * pressure + max(t, 0.0) * fraction + min(t, 0.0)
 
 

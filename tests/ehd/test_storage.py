@@ -26,9 +26,8 @@ def test_a_content_quadratic_in_time_has_its_exact_rate(ratio):
 
 @pytest.mark.parametrize("ratio", [0.01, 1.0, 5.0, 100.0])
 def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
-    assert rate_of_change(lambda t: 5.0 - 0.3 * t, (0.0, 0.1, 0.1 + 0.1 * ratio)) == pytest.approx(
-        -0.3
-    )
+    ends = (0.0, 0.1, 0.1 + 0.1 * ratio)
+    assert rate_of_change(lambda t: 5.0 - 0.3 * t, ends) == pytest.approx(-0.3)
 
 
 def test_the_first_step_is_backward_euler():
@@ -134,7 +133,7 @@ def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
     film, velocity = motored_film(SHAPE, 0.0)
     state, _ = model.start(film, velocity)
     rng = np.random.default_rng(2)
-    for k in range(200):
+    for _ in range(200):
         sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(
             SHAPE
         )  # down to 15 um of overlap
