@@ -1,9 +1,16 @@
 """Direct solution of five-point systems by block-tridiagonal elimination along the axial direction.
 
-Eq. (B1):  south[i,j] x[i,j-1] + north[i,j] x[i,j+1] + west[i,j] x[i-1,j] + east[i,j] x[i+1,j] + centre[i,j] x[i,j] = b[i,j]
-Eq. (B2):  S_j = D_j - diag(back_j) S_{j-1}^-1 diag(ahead_{j-1})                D_j: rows and columns of one axial station j
+Eq. (B1):  centre[i,j] x[i,j] + south[i,j] x[i,j-1] + north[i,j] x[i,j+1]
+           + west[i,j] x[i-1,j] + east[i,j] x[i+1,j] = b[i,j]
+
+Rows and columns of one axial station j make up D_j:
+
+Eq. (B2):  S_j = D_j - diag(back_j) S_{j-1}^-1 diag(ahead_{j-1})
 Eq. (B3):  z_j = S_j^-1 (b_j - back_j z_{j-1}),   x_j = z_j - S_j^-1 (ahead_j x_{j+1})
-Eq. (B4):  S = [F 0; G E]  ->  S^-1 = [F^-1 0; -E^-1 G F^-1 E^-1]               E diagonal
+
+With E diagonal:
+
+Eq. (B4):  S = [F 0; G E]  ->  S^-1 = [F^-1 0; -E^-1 G F^-1 E^-1]
 
 The matrix of the film balance is a column-dominant M-matrix, for which elimination without pivoting
 is stable [Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an
@@ -20,24 +27,47 @@ References
 [Higham2002] N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..master.fmi.compiled import compiled
+from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
 TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 
 
+class Factors(NamedTuple):
+    """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
+
+    columns : ndarray, shape (n_a, n_c, n_c)
+        The first m rows of a station are the columns of S_j^-1 of its m coupled cells.
+    diagonals : ndarray, shape (n_a, n_c)
+        1/E of the other cells, 0 for the coupled ones.
+    orders : ndarray of int, shape (n_a, n_c)
+        Coupled cells, then the others.
+    counts : ndarray of int, shape (n_a,)
+        m.
+    """
+
+    columns: Array
+    diagonals: Array
+    orders: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+
 @compiled(inline="always")
-def _single_pivot(a, k, place):
-    """One Gauss-Jordan step of the whole matrix with the pivot of row k in column `place`."""
-    d = 1.0 / a[k, place]
-    a[k, place] = 1.0
+def _single_pivot(a, k, column):
+    """One Gauss-Jordan step of the whole matrix with the pivot of row k in `column`."""
+    d = 1.0 / a[k, column]
+    a[k, column] = 1.0
     for c in range(a.shape[1]):
         a[k, c] *= d
     for r in range(a.shape[0]):
         if r != k:
-            f = a[r, place]
-            a[r, place] = 0.0
+            f = a[r, column]
+            a[r, column] = 0.0
             for c in range(a.shape[1]):
                 a[r, c] -= f * a[k, c]
 
@@ -59,7 +89,7 @@ def _invert_four(pivot):
 
 
 @compiled
-def invert_in_place(a, places):
+def invert_in_place(a: Array, pivots: NDArray[np.int64]):
     """Invert the square part of [F X] and multiply the rest by it: [F^-1 F^-1 X], by Gauss-Jordan
     elimination without pivoting.
 
@@ -70,7 +100,7 @@ def invert_in_place(a, places):
     ----------
     a : ndarray, shape (m, n), n >= m
         Overwritten; F is a column- or row-dominant M-matrix.
-    places : ndarray of int, shape (m,)
+    pivots : ndarray of int, shape (m,)
         Columns of `a` that are F.
     """
     m, n = a.shape
@@ -79,8 +109,8 @@ def invert_in_place(a, places):
     for k in range(0, whole, 4):
         for i in range(4):
             for j in range(4):
-                pivot[i, j] = a[k + i, places[k + j]]
-                a[k + i, places[k + j]] = 1.0 if i == j else 0.0
+                pivot[i, j] = a[k + i, pivots[k + j]]
+                a[k + i, pivots[k + j]] = 1.0 if i == j else 0.0
         _invert_four(pivot)
         p00, p01, p02, p03 = pivot[0, 0], pivot[0, 1], pivot[0, 2], pivot[0, 3]
         p10, p11, p12, p13 = pivot[1, 0], pivot[1, 1], pivot[1, 2], pivot[1, 3]
@@ -92,7 +122,7 @@ def invert_in_place(a, places):
             a[k + 1, c] = p10 * y0 + p11 * y1 + p12 * y2 + p13 * y3
             a[k + 2, c] = p20 * y0 + p21 * y1 + p22 * y2 + p23 * y3
             a[k + 3, c] = p30 * y0 + p31 * y1 + p32 * y2 + p33 * y3
-        q0, q1, q2, q3 = places[k], places[k + 1], places[k + 2], places[k + 3]
+        q0, q1, q2, q3 = pivots[k], pivots[k + 1], pivots[k + 2], pivots[k + 3]
         for r in range(0, m - 1, 2):
             if r < k or r > k + 3:
                 f0, f1, f2, f3 = a[r, q0], a[r, q1], a[r, q2], a[r, q3]
@@ -109,19 +139,26 @@ def invert_in_place(a, places):
             for c in range(n):
                 a[r, c] -= f0 * a[k, c] + f1 * a[k + 1, c] + f2 * a[k + 2, c] + f3 * a[k + 3, c]
     for k in range(whole, m):
-        _single_pivot(a, k, places[k])
+        _single_pivot(a, k, pivots[k])
 
 
 @compiled
-def _sort_cells(ahead, west, east, station, before, order):
+def _sort_cells(stencil, ahead, station, before, order):
     """Cells of a station into `order`: those whose column has more than a diagonal, then the
     others; how many of the first.
     """
-    n = west.shape[0]
-    m, last = 0, n
+    n = stencil.shape[1]
+    m = 0
+    last = n
     for c in range(n):
-        up = before >= 0 and ahead[c, before] != 0.0
-        if up or west[(c + 1) % n, station] != 0.0 or east[(c - 1) % n, station] != 0.0:
+        east_of_c = (c + 1) % n
+        west_of_c = (c - 1) % n
+        coupled = (
+            (before >= 0 and stencil[ahead, c, before] != 0.0)
+            or stencil[WEST, east_of_c, station] != 0.0
+            or stencil[EAST, west_of_c, station] != 0.0
+        )
+        if coupled:
             order[m] = c
             m += 1
         else:
@@ -131,88 +168,78 @@ def _sort_cells(ahead, west, east, station, before, order):
 
 
 @compiled
-def _schur(
-    order, m, centre, back, ahead, west, east, station, before, previous, place, diagonal, own, s
-):
-    """Columns of the coupled cells of S_j, Eq. (B2): row a of `s` is column order[a], along it [F'
-    -(E^-1 G)'] of Eq. (B4).
+def _schur(stencil, ascending, k, before, factors, row_of, s):
+    """Columns of the coupled cells of S_j, Eq. (B2), at the k-th station: row a of `s` is the
+    column of the a-th coupled cell, along it [F' -(E^-1 G)'] of Eq. (B4).
 
-    `previous`, `diagonal`: of S_{j-1}^-1; `place` says which row of `previous` is the column of a
-    cell, -1 where that has nothing but its diagonal. `own`: 1/E of this station, 0 for coupled
-    cells.
+    `before`: the station eliminated before, -1 for none. `row_of` says which row of its columns of
+    S_{j-1}^-1 is that of a cell, -1 where the column has nothing but its diagonal.
     """
-    n = west.shape[0]
-    scale, weight = np.empty(n), np.empty(n)
+    columns, diagonals, orders, counts = factors
+    n = stencil.shape[1]
+    station = k if ascending else stencil.shape[2] - 1 - k
+    back = SOUTH if ascending else NORTH
+    ahead = NORTH if ascending else SOUTH
+    scale = np.empty(n)
+    weight = np.empty(n)
     for r in range(n):
-        scale[r] = 1.0 if own[r] == 0.0 else -own[r]
-        weight[r] = scale[r] * back[r, station]
-    for a in range(m):
-        c = order[a]
-        u, p = (-ahead[c, before], place[c]) if before >= 0 else (0.0, -1)
+        own = diagonals[k, r]
+        scale[r] = 1.0 if own == 0.0 else -own
+        weight[r] = scale[r] * stencil[back, r, station]
+    for a in range(counts[k]):
+        c = orders[k, a]
+        u = 0.0
+        p = -1
+        if before >= 0:
+            u = -stencil[ahead, c, before]
+            p = row_of[c]
         if p >= 0:
             for r in range(n):
-                s[a, r] = u * previous[p, r] * weight[r]  # Eq. (B2)
+                s[a, r] = u * columns[k - 1, p, r] * weight[r]  # Eq. (B2)
         else:
             for r in range(n):
                 s[a, r] = 0.0
-            s[a, c] = u * diagonal[c] * weight[c] if before >= 0 else 0.0
-        lower, upper = (c - 1) % n, (c + 1) % n
-        s[a, c] += centre[c, station]
-        s[a, upper] += west[upper, station] * scale[upper]
-        s[a, lower] += east[lower, station] * scale[lower]
+            s[a, c] = u * diagonals[k - 1, c] * weight[c] if before >= 0 else 0.0
+        lower = (c - 1) % n
+        upper = (c + 1) % n
+        s[a, c] += stencil[CENTRE, c, station]
+        s[a, upper] += stencil[WEST, upper, station] * scale[upper]
+        s[a, lower] += stencil[EAST, lower, station] * scale[lower]
 
 
 @compiled
-def factorise(
-    centre, back, ahead, west, east, ascending, first, columns, diagonals, orders, counts
-):
+def factorise(stencil: Array, ascending: bool, first: int, factors: Factors):
     """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
 
     Parameters
     ----------
-    centre, back, ahead, west, east : ndarray, shape (n_c, n_a)
-        Coefficients of Eq. (B1); back and ahead are south and north if stations are eliminated with
-        ascending j.
+    stencil : ndarray, shape (5, n_c, n_a)
+        Coefficients of Eq. (B1), axis as in `grid`.
     ascending : bool
+        Stations are eliminated with ascending j: back and ahead are south and north.
     first : int
         Number of stations, in the order of elimination, that are taken as factorised already (their
         columns unchanged).
-    columns : ndarray, shape (n_a, n_c, n_c)
-        Overwritten: the first m rows of a station are the columns of S_j^-1 of its m coupled cells.
-    diagonals : ndarray, shape (n_a, n_c)
-        Overwritten: 1/E of the other cells, 0 for the coupled ones.
-    orders : ndarray of int, shape (n_a, n_c)
-        Overwritten: coupled cells, then the others.
-    counts : ndarray of int, shape (n_a,)
-        Overwritten: m.
+    factors : Factors
+        Overwritten.
     """
-    n, stations = centre.shape
-    place = np.empty(n, np.int64)
+    columns, diagonals, orders, counts = factors
+    _, n, stations = stencil.shape
+    ahead = NORTH if ascending else SOUTH
+    row_of = np.empty(n, np.int64)
     for k in range(first, stations):
         j = k if ascending else stations - 1 - k
-        before = (j - 1 if ascending else j + 1) if k > 0 else -1
+        before = -1
+        if k > 0:
+            before = j - 1 if ascending else j + 1
         for a in range(n):
-            place[orders[k - 1, a]] = a if a < counts[k - 1] else -1
-        counts[k] = m = _sort_cells(ahead, west, east, j, before, orders[k])
+            row_of[orders[k - 1, a]] = a if a < counts[k - 1] else -1
+        m = _sort_cells(stencil, ahead, j, before, orders[k])
+        counts[k] = m
         for a in range(n):
             c = orders[k, a]
-            diagonals[k, c] = 0.0 if a < m else 1.0 / centre[c, j]
-        _schur(
-            orders[k],
-            m,
-            centre,
-            back,
-            ahead,
-            west,
-            east,
-            j,
-            before,
-            columns[k - 1],
-            place,
-            diagonals[k - 1],
-            diagonals[k],
-            columns[k],
-        )
+            diagonals[k, c] = 0.0 if a < m else 1.0 / stencil[CENTRE, c, j]
+        _schur(stencil, ascending, k, before, factors, row_of, columns[k])
         invert_in_place(columns[k, :m], orders[k])  # Eq. (B4)
 
 
@@ -244,19 +271,19 @@ def _multiply(columns, diagonals, orders, m, k, b, out):
 
 
 @compiled
-def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right):
+def substitute(factors: Factors, stencil: Array, ascending: bool, right: Array):
     """Solve Eq. (B1) with the factorisation at hand, Eq. (B3).
 
     Parameters
     ----------
-    columns, diagonals, orders, counts : ndarray
-        From `factorise`.
-    back, ahead : ndarray, shape (n_c, n_a)
-    ascending : bool
+    factors, stencil, ascending
         As in `factorise`.
     right : ndarray, shape (m, n_c, n_a)
         Right-hand sides b, overwritten by the solutions.
     """
+    columns, diagonals, orders, counts = factors
+    back = stencil[SOUTH] if ascending else stencil[NORTH]
+    ahead = stencil[NORTH] if ascending else stencil[SOUTH]
     m, n, stations = right.shape
     x = np.empty((stations, n))
     b = np.empty(n)
@@ -274,7 +301,7 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
         for k in range(stations - 2, -1, -1):
             j = k if ascending else stations - 1 - k
             for i in range(n):
-                b[i] = ahead[i, j] * x[k + 1, i]
+                b[i] = ahead[i, j] * x[k + 1, i]  # Eq. (B3)
             _multiply(columns, diagonals, orders, counts[k], k, b, y)
             for i in range(n):
                 x[k, i] -= y[i]
@@ -285,13 +312,19 @@ def substitute(columns, diagonals, orders, counts, back, ahead, ascending, right
 
 
 @compiled
-def substitute_together(columns, diagonals, orders, counts, back, ahead, ascending, right, work):
+def substitute_together(
+    factors: Factors, stencil: Array, ascending: bool, right: Array, work: Array
+):
     """As `substitute`, all right-hand sides through a station at once, by matrix products; `work`
     as large as `right`.
     """
+    columns, diagonals, orders, counts = factors
+    back = stencil[SOUTH] if ascending else stencil[NORTH]
+    ahead = stencil[NORTH] if ascending else stencil[SOUTH]
     m, n, stations = right.shape
     x = work.reshape((stations, n, m))
-    b, y = np.empty((n, m)), np.empty((n, m))
+    b = np.empty((n, m))
+    y = np.empty((n, m))
     for i in range(n):
         for q in range(m):
             for k in range(stations):
@@ -339,50 +372,48 @@ class BlockTridiagonal:
         (n_circumferential, n_axial). Work grows as n_axial n_circumferential^3.
     """
 
-    def __init__(self, shape):
+    def __init__(self, shape: tuple[int, int]):
         across, stations = shape
-        self._factors = (
+        self._factors = Factors(
             np.empty((stations, across, across)),
             np.empty((stations, across)),
             np.zeros((stations, across), np.int64),
             np.zeros(stations, np.int64),
         )
-        self._couplings = None
-        self._ascending = None
+        self._stencil = np.empty((5, *shape))
+        self._ascending: bool | None = None
         self._work = np.empty(0)
 
-    def factorise(self, stencil, stations=None):
+    def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise, as far as needed.
 
         Parameters
         ----------
-        stencil : tuple of ndarray, each shape (n_c, n_a)
-            centre, south, north, west, east of Eq. (B1).
+        stencil : ndarray, shape (5, n_c, n_a)
+            Coefficients of Eq. (B1), axis as in `grid`; kept until the next call.
         stations : tuple of int, optional
             First and last axial station in which a column changed since the last call; None: all of
             them.
         """
-        centre, south, north, west, east = stencil
-        ascending = np.count_nonzero(north) <= np.count_nonzero(
-            south
-        )  # downstream: cavitated cells see nothing ahead
+        # downstream: cavitated cells see nothing ahead
+        ascending = bool(np.count_nonzero(stencil[NORTH]) <= np.count_nonzero(stencil[SOUTH]))
         first = 0
         if stations is not None and ascending == self._ascending:
-            first = stations[0] if ascending else centre.shape[1] - 1 - stations[1]
-        back, ahead = (south, north) if ascending else (north, south)
-        factorise(centre, back, ahead, west, east, ascending, first, *self._factors)
-        self._couplings, self._ascending = (back, ahead), ascending
+            lowest, highest = stations
+            first = lowest if ascending else stencil.shape[-1] - 1 - highest
+        factorise(stencil, ascending, first, self._factors)
+        self._stencil = stencil
+        self._ascending = ascending
 
-    def solve(self, right):
+    def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
+        ascending = self._ascending is True
         if right.shape[0] < TOGETHER:
-            substitute(*self._factors, *self._couplings, self._ascending, right)
-        else:
-            if (
-                self._work.size < right.size
-            ):  # kept: memory that is returned and asked for again costs more than the solution
-                self._work = np.empty(right.size)
-            substitute_together(
-                *self._factors, *self._couplings, self._ascending, right, self._work[: right.size]
-            )
+            substitute(self._factors, self._stencil, ascending, right)
+            return right
+        if self._work.size < right.size:
+            # kept: memory that is returned and asked for again costs more than the solution
+            self._work = np.empty(right.size)
+        work = self._work[: right.size]
+        substitute_together(self._factors, self._stencil, ascending, right, work)
         return right

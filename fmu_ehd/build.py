@@ -1,7 +1,9 @@
 """Options of the lubrication FMU that are fixed when it is built."""
 
 import tomllib
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
@@ -10,14 +12,15 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.quantities import to_si
 from ..models import MODELS
 from .oil import vogel_constants
-from .variables import CHOICES, CONDITIONS, OIL
+from .options import BuildOptions
+from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES
 
 SMALLEST, LARGEST = 4, 1000  # cells along one side
-POSSIBLE_INPUTS = [v.name for v in CONDITIONS] + ["oil_temperature"]
+POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]
 
 
-class Options(BaseModel):
-    """Build options.
+class CaseOptions(BaseModel):
+    """Build options as the case file gives them.
 
     Parameters
     ----------
@@ -61,13 +64,15 @@ class Options(BaseModel):
         return names
 
 
-def prepare(options, folder, progress):
+def prepare(
+    options: Mapping[str, Any], folder: Path, progress: Callable[[str], None]
+) -> tuple[dict[str, Any], list[Path]]:
     """Check the build options and read the oil and the mask; the lubrication FMU needs no offline
     work.
 
     Parameters
     ----------
-    options : dict
+    options : mapping
         From the case file.
     folder : pathlib.Path
         Folder of the case.
@@ -77,8 +82,7 @@ def prepare(options, folder, progress):
     Returns
     -------
     options : dict
-        Complete, JSON-able: grid, no_fields, inputs, oil (start values in SI by parameter), mask
-        (list of rows or None).
+        Content of build.json, `options.BuildOptions`.
     files : list of pathlib.Path
         Empty.
 
@@ -88,22 +92,23 @@ def prepare(options, folder, progress):
         With every fault: key, value, what is allowed.
     """
     try:
-        chosen = Options(**options)
+        chosen = CaseOptions(**options)
     except ValidationError as error:
-        raise BadInput(
-            [f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors()]
-        ) from None
+        sentences = [
+            f"{'.'.join(map(str, fault['loc']))} = {fault['input']!r}: {fault['msg']}"
+            for fault in error.errors()
+        ]
+        raise BadInput(sentences) from None
     faults = []
     oil = _oil(chosen, Path(folder), faults)
     mask = _mask(chosen, Path(folder), faults)
     if faults:
         raise BadInput(faults)
-    return dict(
-        grid=list(chosen.grid), no_fields=chosen.no_fields, inputs=chosen.inputs, oil=oil, mask=mask
-    ), []
+    built = BuildOptions(chosen.grid, chosen.no_fields, tuple(chosen.inputs), oil, mask)
+    return built.written(), []
 
 
-def _oil(chosen, folder, faults):
+def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
     if chosen.oil is None:
         return {}
@@ -119,24 +124,25 @@ def _oil(chosen, folder, faults):
     return oil_values(chosen.oil, library[chosen.oil], faults)
 
 
-def oil_values(name, entry, faults):
+def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[str, float | str]:
     """Start values of an oil's parameters in SI from its library entry.
 
     Parameters
     ----------
     name : str
         Of the oil.
-    entry : dict
+    entry : mapping
         Its table in the library.
     faults : list of str
-        Every fault found is appended.
+        Every fault is appended.
 
     Returns
     -------
     dict
         Parameter -> float or str.
     """
-    known, values = {v.name: v for v in OIL}, {}
+    known = {v.name: v for v in OIL_VARIABLES}
+    values: dict[str, float | str] = {}
     for key, value in entry.items():
         if key in ("title", "sources"):
             continue
@@ -144,14 +150,12 @@ def oil_values(name, entry, faults):
             faults.append(f"oil {name}: {key} has no source")
         try:
             if key == "points":
-                temperatures, viscosities = (
-                    [to_si(point[k], unit) for point in value]
-                    for k, unit in ((0, "K"), (1, "Pa.s"))
-                )
-                constants = vogel_constants(viscosities, temperatures)
-                values |= dict(
-                    zip(("vogel_viscosity", "vogel_b", "vogel_c"), map(float, constants))
-                )
+                temperatures = [to_si(temperature, "K") for temperature, _ in value]
+                viscosities = [to_si(viscosity, "Pa.s") for _, viscosity in value]
+                k, b, c = vogel_constants(viscosities, temperatures)
+                values["vogel_viscosity"] = float(k)
+                values["vogel_b"] = float(b)
+                values["vogel_c"] = float(c)
             elif key in CHOICES:
                 values[key] = value
             elif key in known:
@@ -168,7 +172,7 @@ def oil_values(name, entry, faults):
     return values
 
 
-def _mask(chosen, folder, faults):
+def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int]] | None:
     """Rows of the mask, None without one."""
     if chosen.mask is None:
         return None
@@ -177,11 +181,10 @@ def _mask(chosen, folder, faults):
     except (OSError, ValueError) as error:
         faults.append(f"mask = {chosen.mask!r}: {error}")
         return None
-    if mask.shape != tuple(chosen.grid):
-        faults.append(
-            f"mask = {chosen.mask!r}: {mask.shape[0]} x {mask.shape[1]} values, the grid has "
-            f"{chosen.grid[0]} x {chosen.grid[1]} cells"
-        )
+    if mask.shape != chosen.grid:
+        given = " x ".join(map(str, mask.shape))
+        wanted = " x ".join(map(str, chosen.grid))
+        faults.append(f"mask = {chosen.mask!r}: {given} values, the grid has {wanted} cells")
     elif not np.isin(mask, (0.0, 1.0)).all():
         faults.append(f"mask = {chosen.mask!r}: only 1 (film) and 0 (cut-out) are allowed")
     elif not mask.any():

@@ -1,49 +1,98 @@
 """Cavitation models, and the search for the cells where the film is full.
 
 Eq. (C1):  solve M(pattern) u = b(pattern), then take pattern = (u > 0), until the pattern repeats
-Eq. (C2):  jfo:       u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u           oil is conserved
-Eq. (C3):  reynolds:  p = max(u, 0), f = 1; balance where p > 0, surplus of oil u < 0 dropped where p = 0
-Eq. (C4):  gumbel:    p = max(u, 0), f = 1; balance with p = u everywhere
-Eq. (C5):  full_film: p = u, f = 1
+
+jfo, oil is conserved:
+
+Eq. (C2):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u
+
+reynolds, balance where p > 0, surplus of oil u < 0 dropped where p = 0:
+
+Eq. (C3):  p = max(u, 0), f = 1
+
+gumbel, balance with p = u everywhere:
+
+Eq. (C4):  p = max(u, 0), f = 1
+
+full_film:
+
+Eq. (C5):  p = u, f = 1
 
 The balance is piecewise linear in u, so a repeated pattern is its exact solution (semismooth
 Newton). Should the pattern wander, cells are switched singly in a fixed order, which ends for every
-M-matrix [Murty1974]. Only jfo conserves oil; the others are there for comparison, and their
-mass_imbalance says what they lose.
+M-matrix [Murty1974]. Only jfo [Jakobsson1957], [Olsson1965] conserves oil; the others are there for
+comparison, and their mass_imbalance says what they lose.
 
-References ---------- [Jakobsson1957] B. Jakobsson, L. Floberg, The finite journal bearing
-considering vaporization, Chalmers 1957; K.-O. Olsson, Cavitation in dynamically loaded bearings,
-Chalmers 1965 (C2). [Murty1974] K. G. Murty, Note on a Bard-type scheme for solving the
-complementarity problem, Opsearch 11 (1974) 123-130.
+References
+----------
+[Jakobsson1957] B. Jakobsson, L. Floberg, The finite journal bearing considering vaporization,
+Chalmers 1957.
+[Murty1974] K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem,
+Opsearch 11 (1974) 123-130.
+[Olsson1965] K.-O. Olsson, Cavitation in dynamically loaded bearings, Chalmers 1965.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..master.fmi.compiled import compiled
+from .grid import EAST, NORTH, SOUTH, WEST, Array, Flags
+from .sparse import LinearSolver
 
-FRACTION_ROUNDOFF = (
-    1e-13  # a cell this little over-full stays cavitated: rounding of film_fraction - 1
-)
-PRESSURE_ROUNDOFF = (
-    1e-12  # a full cell with this share of the largest pressure below zero stays full
-)
+# a cell this little over-full stays cavitated: rounding of film_fraction - 1
+FRACTION_ROUNDOFF = 1e-13
+# a full cell with this share of the largest pressure below zero stays full
+PRESSURE_ROUNDOFF = 1e-12
 PRESSURE_NEGLIGIBLE = 1e-9  # [Pa] the same where there is no pressure at all
 ALL_AT_ONCE = 25  # iterations in which all cells switch together
 LIMIT = 1000  # iterations in all
 
 
 class NotConverged(RuntimeError):
-    """A step that has no solution, or none was found; the message says what, where and by how
-    much.
+    """A step that has no solution, or none that was reached; the message says what, where and by
+    how much.
     """
 
 
+class Switching(NamedTuple):
+    """What a solution says of the pattern it was made with.
+
+    pattern : ndarray of bool, shape (n_c, n_a), to go on with;
+    switched : cells that want to switch, -1: the solution is not finite;
+    lowest, highest : first and last axial station of the switched cells;
+    i, j : the first cell that wants to switch, or that is not finite.
+    """
+
+    pattern: Flags
+    switched: int
+    lowest: int
+    highest: int
+    i: int
+    j: int
+
+
+class FullCells(NamedTuple):
+    """Signed unknown and full cells of one step.
+
+    unknown : ndarray, shape (n_c, n_a), u: pressure [Pa] in full cells, film_fraction - 1 [-]
+    elsewhere;
+    full : ndarray of bool, shape (n_c, n_a);
+    iterations : number of factorisations.
+    """
+
+    unknown: Array
+    full: Flags
+    iterations: int
+
+
 @compiled
-def split(unknown, full):
+def split(unknown: Array, full: Flags):
     """The unknown where the film is full and zero elsewhere, and the other way round."""
-    inside, outside = np.zeros_like(unknown), np.zeros_like(unknown)
+    inside = np.zeros_like(unknown)
+    outside = np.zeros_like(unknown)
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             if full[i, j]:
@@ -73,23 +122,28 @@ class Cavitation:
     switching: bool
     clipping: bool
 
-    def first_guess(self, full):
+    def first_guess(self, full: Flags) -> Flags:
         """Pattern to start from: `full` itself, or all cells where none ever switches."""
         return full if self.switching else np.ones_like(full)
 
-    def interpret(self, unknown, full):
+    def interpret(self, unknown: Array, full: Flags) -> tuple[Array, Array]:
         """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
         if self.conserving:
-            return split(unknown, full)  # Eq. (C2)
-        kept = full & (unknown > 0.0) if self.clipping else full
-        return np.where(kept, unknown, 0.0), np.zeros_like(unknown)  # Eqs. (C3) to (C5)
+            # Eq. (C2), Eq. (E4)
+            return split(unknown, full)
+        # Eq. (C3), Eq. (C4), Eq. (C5)
+        return np.where(self._pressed(unknown, full), unknown, 0.0), np.zeros_like(unknown)
 
-    def shares(self, unknown, full):
+    def shares(self, unknown: Array, full: Flags) -> tuple[Array, Array]:
         """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
-        kept = full & (unknown > 0.0) if self.clipping else full
-        return kept.astype(float), (~full).astype(float) if self.conserving else np.zeros_like(
-            unknown
-        )
+        of_pressure = self._pressed(unknown, full).astype(float)
+        if self.conserving:
+            return of_pressure, (~full).astype(float)
+        return of_pressure, np.zeros_like(unknown)
+
+    def _pressed(self, unknown: Array, full: Flags) -> Flags:
+        """Cells whose unknown is a pressure that counts."""
+        return full & (unknown > 0.0) if self.clipping else full
 
 
 CAVITATION = {
@@ -104,55 +158,68 @@ CAVITATION = {
 
 
 @compiled
-def without_pressure(full, centre, south, north, west, east):
+def without_pressure(full: Flags, stencil: Array):
     """Take the pressure of cells outside the pattern out of their neighbours' balance, Eq. (C3); in
     place.
 
     Parameters
     ----------
     full : ndarray of bool, shape (n_c, n_a)
-    centre, south, north, west, east : ndarray, shape (n_c, n_a)
-        Stencil of the full film.
+    stencil : ndarray, shape (5, n_c, n_a)
+        Of the full film.
     """
     n_c, n_a = full.shape
     for i in range(n_c):
         for j in range(n_a):
             if not full[i, j]:
-                north[i, max(j - 1, 0)] *= 1.0 if j == 0 else 0.0
-                south[i, min(j + 1, n_a - 1)] *= 1.0 if j == n_a - 1 else 0.0
-                east[(i - 1) % n_c, j] = 0.0
-                west[(i + 1) % n_c, j] = 0.0
+                if j > 0:
+                    stencil[NORTH, i, j - 1] *= 0.0
+                if j < n_a - 1:
+                    stencil[SOUTH, i, j + 1] *= 0.0
+                stencil[EAST, (i - 1) % n_c, j] = 0.0
+                stencil[WEST, (i + 1) % n_c, j] = 0.0
 
 
 @compiled
 def _switch(full, unknown, fixed, conserving, singly):
-    """New pattern, number of switched cells (-1: not finite), their first and last axial station,
-    and their first cell.
-    """
-    highest = 0.0
+    """`Switching` of a pattern by its solution: of all cells that want to, or of the first."""
+    highest_pressure = 0.0
     for row in unknown:
         for u in row:
-            highest = max(highest, u)
-    tolerance = max(PRESSURE_ROUNDOFF * highest, PRESSURE_NEGLIGIBLE)
+            highest_pressure = max(highest_pressure, u)
+    tolerance = max(PRESSURE_ROUNDOFF * highest_pressure, PRESSURE_NEGLIGIBLE)
     over = FRACTION_ROUNDOFF if conserving else tolerance
     pattern = full.copy()
-    count, south, north, first = 0, full.shape[1], -1, (-1, -1)
+    count = 0
+    lowest = full.shape[1]
+    highest = -1
+    first_i = -1
+    first_j = -1
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             u = unknown[i, j]
             if not np.isfinite(u):
-                return pattern, -1, (south, north), (i, j)
+                return Switching(pattern, -1, lowest, highest, i, j)
             if not fixed[i, j] and (u < -tolerance if full[i, j] else u > over):
                 if count == 0:
-                    first = (i, j)
+                    first_i = i
+                    first_j = j
                 if count == 0 or not singly:
                     pattern[i, j] = not full[i, j]
-                    south, north = min(south, j), max(north, j)
+                    lowest = min(lowest, j)
+                    highest = max(highest, j)
                 count += 1
-    return pattern, count, (south, north), first
+    return Switching(pattern, count, lowest, highest, first_i, first_j)
 
 
-def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
+def full_cells(
+    model: Cavitation,
+    assemble: Callable[[Flags], tuple[Array, Array]],
+    solver: LinearSolver,
+    full: Flags,
+    fixed: Flags,
+    all_at_once: int = ALL_AT_ONCE,
+) -> FullCells:
     """Pattern of full cells and signed unknown of one step, Eq. (C1).
 
     Parameters
@@ -160,9 +227,8 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
     model : Cavitation
     assemble : callable
         pattern -> (stencil, right-hand side), e.g. `reynolds.assemble`.
-    solver : object
-        `factorise(stencil, stations)`, `solve(right)`; left with the factorisation of the settled
-        pattern.
+    solver : sparse.LinearSolver
+        Left with the factorisation of the last pattern.
     full : ndarray of bool, shape (n_c, n_a)
         First guess.
     fixed : ndarray of bool, shape (n_c, n_a)
@@ -172,11 +238,7 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
 
     Returns
     -------
-    unknown : ndarray, shape (n_c, n_a)
-        u: pressure [Pa] in full cells, film_fraction - 1 [-] elsewhere.
-    full : ndarray of bool, shape (n_c, n_a)
-    iterations : int
-        Number of factorisations.
+    FullCells
 
     Raises
     ------
@@ -184,22 +246,26 @@ def settle(model, assemble, solver, full, fixed, all_at_once=ALL_AT_ONCE):
         With the number of cells that still switch and the first of them.
     """
     stations = None
-    for iteration in range(LIMIT):
+    iteration = 0
+    while True:
         stencil, right = assemble(full)
         solver.factorise(stencil, stations)
         unknown = solver.solve(right[None])[0]
-        pattern, count, stations, first = _switch(
-            full, unknown, fixed, model.conserving, iteration >= all_at_once
-        )
-        if count < 0:
+        switching = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
+        if switching.switched < 0:
             raise NotConverged(
-                f"the film solution is not finite, first at [{first[0] + 1},{first[1] + 1}]: film thickness or "
-                "viscosity out of all proportion"
+                "the film solution is not finite, first at "
+                f"[{switching.i + 1},{switching.j + 1}]: film thickness or viscosity out of all "
+                "proportion"
             )
-        if count == 0 or not model.switching:  # Eq. (C1)
-            return unknown, full, iteration + 1
-        full = pattern
-    raise NotConverged(
-        f"cavitation did not settle in {LIMIT} iterations: {count} cells still switch, first "
-        f"[{first[0] + 1},{first[1] + 1}] with u = {unknown[first]:g}"
-    )
+        if switching.switched == 0 or not model.switching:  # Eq. (C1)
+            return FullCells(unknown, full, iteration + 1)
+        iteration += 1
+        if iteration == LIMIT:
+            raise NotConverged(
+                f"cavitation did not converge in {LIMIT} iterations: {switching.switched} cells "
+                f"still switch, first [{switching.i + 1},{switching.j + 1}] with "
+                f"u = {unknown[switching.i, switching.j]:g}"
+            )
+        stations = switching.lowest, switching.highest
+        full = switching.pattern

@@ -1,6 +1,8 @@
 """A soft layer on the skirt that yields where it is pressed.
 
-Eq. (L1):  w = c (p + p_a),   c = d (1 + nu) (1 - 2 nu) / [E (1 - nu)]          thin bonded layer, no lateral strain
+Thin bonded layer without lateral strain:
+
+Eq. (L1):  w = c (p + p_a),   c = d (1 + nu) (1 - 2 nu) / [E (1 - nu)]
 Eq. (L2):  film = h + w,   p_a = p_a(h + w)
 
 Each point yields by itself: valid where the layer is thin against the width of the pressure, d << 1
@@ -16,18 +18,45 @@ References
 [Johnson1985] K. L. Johnson, Contact Mechanics, Cambridge 1985, section 5.8.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..master.fmi.compiled import compiled
+from .asperity import Contact
+from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 
 LIMIT = 40  # Newton iterations
-TOLERANCE = (
-    1e-11  # last change of the deflection over the deflection: what is left is second order in it
-)
+TOLERANCE = 1e-11  # last change over the deflection: what is left is second order in it
 NEGLIGIBLE = 1e-19  # [m]
 
 
-def compliance(thickness, modulus, poisson):
+class PressureTangent(NamedTuple):
+    """Pressure as a linear function of the reduced pressure q of a step, arrays of shape (n_c,
+    n_a): p = pressure + ratio (q - reduced).
+
+    pressure : last p [Pa]; ratio : dp/dq [-]; reduced : last q [Pa].
+    """
+
+    pressure: Array
+    ratio: Array | float
+    reduced: Array
+
+
+class Softness(NamedTuple):
+    """A deflection that follows the pressure, w - w_0 = weight q + offset.
+
+    stencil : ndarray, shape (5, n_c, n_a), derivative of the film balance to the film, from
+    `reynolds.linearise`;
+    weight, offset : ndarray, shape (n_c, n_a) [m/Pa], [m].
+    """
+
+    stencil: Array
+    weight: Array
+    offset: Array
+
+
+def compliance(thickness: float, modulus: float, poisson: float) -> float:
     """Compliance c of the layer [m/Pa], Eq. (L1).
 
     Parameters
@@ -39,12 +68,18 @@ def compliance(thickness, modulus, poisson):
     poisson : float
         nu [-], 0 to 0.45.
     """
-    return (
-        thickness * (1.0 + poisson) * (1.0 - 2.0 * poisson) / (modulus * (1.0 - poisson))
-    )  # Eq. (L1)
+    constrained = thickness * (1.0 + poisson) * (1.0 - 2.0 * poisson)
+    return constrained / (modulus * (1.0 - poisson))  # Eq. (L1)
 
 
-def linear_deflection(c, deflection, asperity_pressure, asperity_slope, pressure, ratio, reduced):
+def yielding(c: float, contact: Contact) -> Array:
+    """k of Eq. (L3) [-], by which the asperities relieve the layer."""
+    return 1.0 / (1.0 - c * contact.pressure_slope)
+
+
+def linear_deflection(
+    c: float, deflection: Array, contact: Contact, tangent: PressureTangent
+) -> tuple[Array, Array]:
     """Change of the deflection as a linear function of the (reduced) pressure of the step, Eq.
     (L3).
 
@@ -52,49 +87,56 @@ def linear_deflection(c, deflection, asperity_pressure, asperity_slope, pressure
     ----------
     c : float
         [m/Pa].
-    deflection, asperity_pressure, asperity_slope : ndarray, shape (n_c, n_a)
-        w_0 [m], p_a [Pa] and dp_a/dh [Pa/m] there.
-    pressure, ratio, reduced : ndarray, shape (n_c, n_a)
-        Last p [Pa], dp/dq [-] and q [Pa]: p = pressure + ratio (q - reduced).
+    deflection : ndarray, shape (n_c, n_a)
+        w_0 [m].
+    contact : asperity.Contact
+        At h + w_0.
+    tangent : PressureTangent
 
     Returns
     -------
     weight, offset : ndarray, shape (n_c, n_a)
         w - w_0 = weight q + offset [m/Pa], [m].
     """
-    k = 1.0 / (1.0 - c * asperity_slope)
-    return k * c * ratio, k * (
-        c * (pressure - ratio * reduced + asperity_pressure) - deflection
-    )  # Eq. (L3)
+    k = yielding(c, contact)
+    at_zero = tangent.pressure - tangent.ratio * tangent.reduced
+    weight = k * c * tangent.ratio  # Eq. (L3)
+    offset = k * (c * (at_zero + contact.pressure) - deflection)
+    return weight, offset
 
 
 @compiled
-def soften(full, slopes, weight, offset, centre, south, north, west, east, right):
+def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
     """Add a deflection that follows the pressure, Eq. (L3), to the film balance; in place.
 
     Parameters
     ----------
     full : ndarray of bool, shape (n_c, n_a)
         Cells whose unknown is a pressure.
-    slopes : ndarray, shape (5, n_c, n_a)
-        Derivative of the balance to the film, from `reynolds.linearise`.
-    weight, offset : ndarray, shape (n_c, n_a)
-        From `linear_deflection`.
-    centre, south, north, west, east, right : ndarray, shape (n_c, n_a)
+    softness : Softness
+    stencil, right : ndarray, shape (5, n_c, n_a), (n_c, n_a)
         From `reynolds.assemble`.
     """
+    slopes, weight, offset = softness
     n_c, n_a = full.shape
-    parts = (centre, south, north, west, east)
     for i in range(n_c):
         for j in range(n_a):
-            for k in range(5):
-                a = (i - 1) % n_c if k == 3 else (i + 1) % n_c if k == 4 else i
-                b = max(j - 1, 0) if k == 1 else min(j + 1, n_a - 1) if k == 2 else j
+            for k in (CENTRE, SOUTH, NORTH, WEST, EAST):
+                a = i
+                b = j
+                if k == WEST:
+                    a = (i - 1) % n_c
+                elif k == EAST:
+                    a = (i + 1) % n_c
+                elif k == SOUTH:
+                    b = max(j - 1, 0)
+                elif k == NORTH:
+                    b = min(j + 1, n_a - 1)
                 if full[a, b]:
-                    parts[k][i, j] += slopes[k, i, j] * weight[a, b]
+                    stencil[k, i, j] += slopes[k, i, j] * weight[a, b]
                 right[i, j] -= slopes[k, i, j] * offset[a, b]
 
 
-def settled(change, deflection):
+def has_converged(change: Array, deflection: Array) -> bool:
     """Whether the last change of the deflection is round-off."""
-    return np.abs(change).max() <= TOLERANCE * np.abs(deflection).max() + NEGLIGIBLE
+    return bool(np.abs(change).max() <= TOLERANCE * np.abs(deflection).max() + NEGLIGIBLE)

@@ -7,8 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import cavitation, reynolds
-from .coating import soften
-from .sparse import linear_solver
+from .coating import Softness, soften
+from .films import STORED, FilmSlopes
+from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
+from .reynolds import Balance, Faces, Filling, Storage
+from .sparse import LinearSolver, linear_solver
+from .storage import EulerStep
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -33,12 +37,12 @@ class FilmSolution:
         Number of factorisations.
     """
 
-    unknown: np.ndarray
-    pressure: np.ndarray
-    film_fraction: np.ndarray
-    content: np.ndarray
-    full: np.ndarray
-    edge_flow: np.ndarray
+    unknown: Array
+    pressure: Array
+    film_fraction: Array
+    content: Array
+    full: Flags
+    edge_flow: Array
     mass_imbalance: float
     iterations: int
 
@@ -47,14 +51,12 @@ class FilmSolution:
 class _Step:
     """What the last step leaves behind for its balance and its tangent."""
 
-    film: tuple
-    velocity_c: np.ndarray
-    velocity_a: np.ndarray
-    faces: tuple
-    content: np.ndarray
-    rate: float
-    edges: object
-    full: np.ndarray
+    film: Array
+    entrainment: Entrainment
+    faces: Faces
+    storage: Storage
+    edges: Edges
+    full: Flags
 
 
 class FilmStep:
@@ -68,39 +70,55 @@ class FilmStep:
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cells without a film (cut-outs), which hold the pressure and film fraction of the lower
         edge.
-    solver : object, optional
-        Linear solver with `factorise` and `solve`; `sparse.linear_solver` by default.
+    solver : sparse.LinearSolver, optional
+        `sparse.linear_solver` by default.
     """
 
-    def __init__(self, grid, model="jfo", open_cells=None, solver=None):
+    def __init__(
+        self,
+        grid: Grid,
+        model: str = "jfo",
+        open_cells: Flags | None = None,
+        solver: LinearSolver | None = None,
+    ):
         self.grid = grid
         self.model = cavitation.CAVITATION[model]
         self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
         self.solver = solver or linear_solver(grid.shape)
+        self._cells = grid.cells
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
         self._right = np.empty(0)
+        self._step: _Step | None = None
+        self._solution: FilmSolution | None = None
+        self._solved_pressure = np.empty(0)
+        self._stencil = np.empty(0)
 
-    def solve(self, film, velocity_c, velocity_a, edges, content, full, step, softness=None):
+    def solve(
+        self,
+        film: Array,
+        entrainment: Entrainment,
+        edges: Edges,
+        start: EulerStep,
+        full: Flags,
+        softness: Softness | None = None,
+    ) -> FilmSolution:
         """Solve Eqs. (E1)-(E5) for one step.
 
         Parameters
         ----------
-        film : films.FlowFilm
-            At the end of the step.
-        velocity_c, velocity_a : ndarray, shape (n_c, n_a)
-            Entrainment velocity along i and j at the end of the step [m/s].
+        film : ndarray, shape (7, n_c, n_a)
+            Quantities of `films` at the end of the step.
+        entrainment : grid.Entrainment
+            At the end of the step [m/s].
         edges : grid.Edges
             At the end of the step.
-        content : ndarray, shape (n_c, n_a)
-            c_e that the step starts from [m], Eq. (T1); with backward Euler the content f s at its
-            beginning.
+        start : storage.EulerStep
+            Content that the step starts from, and its length; with backward Euler the content f s
+            at its beginning.
         full : ndarray of bool, shape (n_c, n_a)
             Guess of the full cells.
-        step : float
-            H_e [s], Eq. (T1); inf for a steady film.
-        softness : tuple of ndarray, optional
-            slopes, weight, offset of `coating.soften`.
+        softness : coating.Softness, optional
 
         Returns
         -------
@@ -110,148 +128,133 @@ class FilmStep:
         ------
         cavitation.NotConverged
         """
-        grid, model = self.grid, self.model
-        faces = reynolds.faces(
-            film.conductivity_c,
-            film.conductivity_a,
-            film.transport,
-            velocity_c,
-            velocity_a,
-            *grid.spacing,
-            grid.ring,
-        )
-        rate = grid.cell_area / step
-        held = edges.pressure[0] if edges.film_fraction[0] >= 1.0 else edges.film_fraction[0] - 1.0
+        model = self.model
+        ring = self.grid.ring
+        faces = reynolds.faces(film, entrainment, self._cells)
+        storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
+        supply = edges.film_fraction[LOWER]
+        held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
         if self._has_openings:
-            full = np.where(self.open_cells, edges.film_fraction[0] >= 1.0, full)
-        guess = model.first_guess(full)
+            full = np.where(self.open_cells, supply >= 1.0, full)
 
         def assemble(pattern):
-            stencil, right = reynolds.assemble(
-                pattern if model.conserving else self._everywhere,
-                *faces,
-                film.stored,
-                content,
-                rate,
-                edges.pressure,
-                edges.film_fraction,
-                grid.ring,
-            )
+            full_of_oil = pattern if model.conserving else self._everywhere
+            stencil, right = reynolds.assemble(full_of_oil, faces, storage, edges, ring)
             if model.switching and not model.conserving:
-                cavitation.without_pressure(pattern, *stencil)
+                cavitation.without_pressure(pattern, stencil)
             if softness is not None:
-                soften(pattern, *softness, *stencil, right)
+                soften(pattern, softness, stencil, right)
             if self._has_openings:
-                reynolds.hold(self.open_cells, held, *stencil, right)
+                reynolds.hold(self.open_cells, held, stencil, right)
             return stencil, right
 
-        unknown, full, iterations = cavitation.settle(
-            model, assemble, self.solver, guess, self.open_cells
+        unknown, full, iterations = cavitation.full_cells(
+            model, assemble, self.solver, model.first_guess(full), self.open_cells
         )
-        self._step = _Step(film, velocity_c, velocity_a, faces, content, rate, edges, full)
-        pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
-        if model.conserving and softness is None and imbalance > REFINE_ABOVE:
-            unknown = unknown + self.solver.solve(residual[None])[0]
-            pressure, fraction, now, residual, edge_flow, imbalance = self._balance(unknown)
-        self._unknown, self._fraction = unknown, fraction
-        self._pressure = (
-            unknown if model.clipping else pressure
-        )  # the pressure that the balance was solved with
-        return FilmSolution(
-            unknown, pressure, fraction, now, full, edge_flow, imbalance, iterations
+        step = self._step = _Step(film, entrainment, faces, storage, edges, full)
+        pressure, balance = self._balance(step, unknown)
+        if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
+            unknown = unknown + self.solver.solve(balance.residual[None])[0]
+            pressure, balance = self._balance(step, unknown)
+        self._solution = FilmSolution(
+            unknown,
+            pressure,
+            balance.film_fraction,
+            balance.content,
+            full,
+            balance.edge_flow,
+            balance.imbalance,
+            iterations,
         )
+        # the pressure that the balance was solved with
+        self._solved_pressure = unknown if model.clipping else pressure
+        return self._solution
 
-    def _balance(self, unknown):
+    def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""
-        s = self._step
-        pressure, deficit = self.model.interpret(unknown, s.full)
-        return pressure, *reynolds.balance(
+        pressure, deficit = self.model.interpret(unknown, step.full)
+        return pressure, reynolds.balance(
             pressure,
             deficit,
-            s.faces,
-            s.film.stored,
-            s.content,
-            s.rate,
-            s.edges.pressure,
-            s.edges.film_fraction,
+            step.faces,
+            step.storage,
+            step.edges,
             self.grid.ring,
             self.open_cells,
         )
 
     def slopes(
-        self, film, by_film, by_velocity, velocities, dvelocities, pressure, fraction, edges, step
-    ):
+        self,
+        film: Array,
+        film_slopes: FilmSlopes,
+        entrainment: Entrainment,
+        dentrainment: Entrainment,
+        filling: Filling,
+        edges: Edges,
+        length: float,
+    ) -> Array:
         """Derivative of the film balance to film thickness and sliding velocity, as from
         `reynolds.linearise`.
 
         Parameters
         ----------
-        film : films.FlowFilm
-        by_film, by_velocity : ndarray, shape (7, n_c, n_a)
-            Derivatives of the film's quantities to film thickness and to sliding velocity; shape
-            (0, n_c, n_a) if all zero.
-        velocities, dvelocities : pair of ndarray, shape (n_c, n_a)
-            Entrainment velocities along i and j [m/s], and their derivatives to the sliding
-            velocity [-].
-        pressure, fraction : ndarray, shape (n_c, n_a)
-            [Pa], [-].
+        film : ndarray, shape (7, n_c, n_a)
+            Quantities of `films`.
+        film_slopes : films.FilmSlopes
+        entrainment, dentrainment : grid.Entrainment
+            [m/s], and derivatives to the sliding velocity [-].
+        filling : reynolds.Filling
         edges : grid.Edges
-        step : float
-            [s].
+        length : float
+            H_e [s].
 
         Returns
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
         stencil = reynolds.linearise(
-            (film.conductivity_c, film.transport, velocities[0]),
-            (film.conductivity_a, film.transport, velocities[1]),
-            by_film,
-            by_velocity,
-            *dvelocities,
-            pressure,
-            fraction,
-            *self.grid.spacing,
-            self.grid.cell_area / step,
-            edges.pressure,
-            edges.film_fraction,
-            self.grid.ring,
+            film,
+            film_slopes,
+            entrainment,
+            dentrainment,
+            filling,
+            edges,
+            self._cells,
+            self.grid.cell_area / length,
         )
         if self._has_openings:
             stencil[:, :, self.open_cells] = 0.0
         return stencil
 
-    def linearise(self, by_film, by_velocity, *dvelocities):
+    def linearise(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> tuple[Array, Array]:
         """Prepare the tangent of the last step, Eq. (E6).
 
         Parameters
         ----------
-        by_film, by_velocity : ndarray, shape (7, n_c, n_a)
-            Derivatives of `films.FlowFilm` quantities to film thickness and to sliding velocity, as
-            in `slopes`.
-        *dvelocities : ndarray, shape (n_c, n_a)
-            Derivatives of the entrainment velocities along i and j to the sliding velocity [-].
+        film_slopes : films.FilmSlopes
+        dentrainment : grid.Entrainment
+            Derivatives of the entrainment velocities to the sliding velocity [-].
 
         Returns
         -------
         by_pressure, by_fraction : ndarray, shape (n_c, n_a)
             Derivatives of pressure and film fraction to the signed unknown.
         """
-        s = self._step
+        step = self._step
+        solution = self._solution
+        assert step is not None and solution is not None, "linearise before solve"
         self._stencil = self.slopes(
-            s.film,
-            by_film,
-            by_velocity,
-            (s.velocity_c, s.velocity_a),
-            dvelocities,
-            self._pressure,
-            self._fraction,
-            s.edges,
-            self.grid.cell_area / s.rate,
+            step.film,
+            film_slopes,
+            step.entrainment,
+            dentrainment,
+            Filling(self._solved_pressure, solution.film_fraction),
+            step.edges,
+            self.grid.cell_area / step.storage.area_per_step,
         )
-        return self.model.shares(self._unknown, s.full)
+        return self.model.shares(solution.unknown, step.full)
 
-    def tangent(self, dfilm, dvelocity):
+    def tangent(self, dfilm: Array, dvelocity: Array) -> Array:
         """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
 
         Parameters

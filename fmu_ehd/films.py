@@ -1,13 +1,21 @@
 """What a film thickness means for flow and shear, with the derivative to the film thickness.
 
-Eq. (E7):  s = t = max(h, h_min),  g = s^3 / (12 mu),  c = mu / s,  b = s / 2              smooth surfaces
-Eq. (E8):  s = h_T,  t = h_T - (2 Y - 1) sigma Phi_s,  g = phi h^3 / (12 mu),  c = phi_f mu / h,
-           d = (2 Y - 1) Phi_fs mu / h,  b = phi_fp h / 2                                   rough surfaces, h >= h_min
+Smooth surfaces:
+
+Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   d = 0,   b = s / 2
+
+Rough surfaces, h >= h_min:
+
+Eq. (E8):  s = h_T,   t = h_T - (2 Y - 1) sigma Phi_s,   g = phi h^3 / (12 mu)
+Eq. (E9):  c = phi_f mu / h,   d = (2 Y - 1) Phi_fs mu / h,   b = phi_fp h / 2
 
 s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c, d and b give the
 shear stress of `friction`. The factors phi are those of `roughness`; Y is the skirt's share of the
 roughness variance. In the frame of the grid the skirt rests and the bore moves with twice the
 entrainment velocity, so a rough skirt holds oil back (t < h_T).
+
+All quantities of a film stand in one array of shape (7, n_c, n_a); the names below are its first
+axis.
 """
 
 from typing import NamedTuple
@@ -15,29 +23,46 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
+from .grid import Array, Flags
 from .hermite import interpolate
-from .roughness import TABLE_END
+from .roughness import (
+    COUETTE_FACTOR,
+    DRAG_FACTOR,
+    FACTORS,
+    FLOW_FACTOR_A,
+    FLOW_FACTOR_C,
+    GAP_EXCESS,
+    POISEUILLE_FACTOR,
+    SHEAR_FLOW_FACTOR,
+    TABLE_END,
+)
+
+# first axis of the quantities of a film:
+# s, t [m];  g across i and j [m3/(Pa s)];  c, d [Pa s/m];  b [m]
+STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, DRAG, POISEUILLE = range(7)
+QUANTITIES = 7
+
+# which of them shear thinning raises with mu_0/mu, and which it lowers with mu/mu_0
+RAISED_BY_THINNING = (CONDUCTIVITY_C, CONDUCTIVITY_A)
+LOWERED_BY_THINNING = (COUETTE, DRAG)
 
 
-class FlowFilm(NamedTuple):
-    """Film seen by flow and shear, each an ndarray of shape (n_c, n_a).
+class FilmSlopes(NamedTuple):
+    """Derivatives of the quantities of a film.
 
-    stored, transport [m]; conductivity_c, conductivity_a across i and j [m3/(Pa s)]; couette c,
-    drag d [Pa s/m]; poiseuille b [m].
+    by_film : ndarray, shape (7, n_c, n_a)
+        To film thickness [unit of the quantity/m].
+    by_velocity : ndarray, shape (7, n_c, n_a), or (0, n_c, n_a) if all zero
+        To sliding velocity [unit of the quantity s/m].
     """
 
-    stored: np.ndarray
-    transport: np.ndarray
-    conductivity_c: np.ndarray
-    conductivity_a: np.ndarray
-    couette: np.ndarray
-    drag: np.ndarray
-    poiseuille: np.ndarray
+    by_film: Array
+    by_velocity: Array
 
 
 @compiled
-def smooth_film(film_thickness, viscosity, minimum_flow_film):
-    """Flow film of smooth surfaces, Eq. (E7).
+def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: float):
+    """Film between smooth surfaces, Eq. (E7).
 
     Parameters
     ----------
@@ -50,32 +75,47 @@ def smooth_film(film_thickness, viscosity, minimum_flow_film):
 
     Returns
     -------
-    values, slopes : ndarray, shape (7, n_c, n_a)
-        The quantities of `FlowFilm` and their derivatives to h.
+    quantities, by_film : ndarray, shape (7, n_c, n_a)
+        The quantities of the film and their derivatives to h.
     """
     n_c, n_a = film_thickness.shape
-    values, slopes = np.empty((7, n_c, n_a)), np.empty((7, n_c, n_a))
+    quantities = np.empty((QUANTITIES, n_c, n_a))
+    by_film = np.empty((QUANTITIES, n_c, n_a))
     for i in range(n_c):
         for j in range(n_a):
-            mu, h = viscosity[i, j], max(film_thickness[i, j], minimum_flow_film)
-            slope = 1.0 if film_thickness[i, j] > minimum_flow_film else 0.0
-            area, shear = h * h / (4.0 * mu), mu / h
-            values[0, i, j] = values[1, i, j] = h  # Eq. (E7)
-            values[2, i, j] = values[3, i, j] = h * area / 3.0
-            values[4, i, j], values[5, i, j], values[6, i, j] = shear, 0.0, 0.5 * h
-            slopes[0, i, j] = slopes[1, i, j] = slope
-            slopes[2, i, j] = slopes[3, i, j] = slope * area
-            slopes[4, i, j], slopes[5, i, j], slopes[6, i, j] = -slope * shear / h, 0.0, 0.5 * slope
-    return values, slopes
+            mu = viscosity[i, j]
+            h = max(film_thickness[i, j], minimum_flow_film)
+            dh = 1.0 if film_thickness[i, j] > minimum_flow_film else 0.0
+            dg = h * h / (4.0 * mu)
+            shear = mu / h
+            quantities[STORED, i, j] = quantities[TRANSPORT, i, j] = h  # Eq. (E7)
+            quantities[CONDUCTIVITY_C, i, j] = quantities[CONDUCTIVITY_A, i, j] = h * dg / 3.0
+            quantities[COUETTE, i, j] = shear
+            quantities[DRAG, i, j] = 0.0
+            quantities[POISEUILLE, i, j] = 0.5 * h
+            by_film[STORED, i, j] = by_film[TRANSPORT, i, j] = dh
+            by_film[CONDUCTIVITY_C, i, j] = by_film[CONDUCTIVITY_A, i, j] = dh * dg
+            by_film[COUETTE, i, j] = -dh * shear / h
+            by_film[DRAG, i, j] = 0.0
+            by_film[POISEUILLE, i, j] = 0.5 * dh
+    return quantities, by_film
 
 
-def thin(values, slopes, factor, slope, thickness, above_floor, sliding_velocity):
+def thin(
+    quantities: Array,
+    by_film: Array,
+    factor: Array,
+    slope: Array,
+    thickness: Array,
+    above_floor: Flags,
+    sliding_velocity: Array,
+) -> FilmSlopes:
     """Shear thinning: conductivities grow by mu_0/mu, Couette stress and drag fall by mu/mu_0;
-    `values` and `slopes` in place.
+    `quantities` and `by_film` in place.
 
     Parameters
     ----------
-    values, slopes : ndarray, shape (7, n_c, n_a)
+    quantities, by_film : ndarray, shape (7, n_c, n_a)
         From `smooth_film` or `rough_film` with the low-shear viscosity.
     factor, slope : ndarray, shape (n_c, n_a)
         mu/mu_0 [-] and its derivative [s] at the shear rate |V|/h, `oil.Oil.thinning`.
@@ -87,23 +127,52 @@ def thin(values, slopes, factor, slope, thickness, above_floor, sliding_velocity
 
     Returns
     -------
-    values, slopes, velocity_slopes : ndarray, shape (7, n_c, n_a)
-        The last: derivatives to V.
+    FilmSlopes
+        Of the thinned film.
     """
-    by_film = np.where(above_floor, -slope * np.abs(sliding_velocity) / thickness**2, 0.0)
-    by_velocity = slope * np.sign(sliding_velocity) / thickness
-    velocity_slopes = np.zeros_like(slopes)
-    for rows, power in ((slice(2, 4), -1.0), (slice(4, 6), 1.0)):
-        scale, dscale = factor**power, power * factor ** (power - 1.0)
-        velocity_slopes[rows] = values[rows] * dscale * by_velocity
-        slopes[rows] = slopes[rows] * scale + values[rows] * dscale * by_film
-        values[rows] *= scale
-    return values, slopes, velocity_slopes
+    factor_by_film = np.where(above_floor, -slope * np.abs(sliding_velocity) / thickness**2, 0.0)
+    factor_by_velocity = slope * np.sign(sliding_velocity) / thickness
+    by_velocity = np.zeros_like(by_film)
+    for names, power in ((RAISED_BY_THINNING, -1.0), (LOWERED_BY_THINNING, 1.0)):
+        scale = factor**power
+        dscale = power * factor ** (power - 1.0)
+        for name in names:
+            by_velocity[name] = quantities[name] * dscale * factor_by_velocity
+            by_film[name] = by_film[name] * scale + quantities[name] * dscale * factor_by_film
+            quantities[name] *= scale
+    return FilmSlopes(by_film, by_velocity)
+
+
+@compiled(inline="always")
+def _factors(table, separation, roughness_rms, f, df):
+    """Deviations of all factors from their smooth limits at H into `f`, their slopes to h into
+    `df`.
+    """
+    last = table.shape[0] - 1
+    for k in range(FACTORS):
+        column = 2 * k
+        if 0.0 <= separation < TABLE_END:
+            f[k], df[k] = interpolate(table, column, TABLE_END, separation)
+            df[k] /= roughness_rms
+        elif k == GAP_EXCESS and separation < 0.0:
+            # the average gap goes on along its tangent, until the floor holds
+            f[k] = table[0, column] + table[0, column + 1] * separation
+            df[k] = table[0, column + 1] / roughness_rms
+        else:
+            f[k] = table[0 if separation < 0.0 else last, column]
+            df[k] = 0.0
 
 
 @compiled
-def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asymmetry, table):
-    """Flow film of rough surfaces, Eq. (E8).
+def rough_film(
+    film_thickness: Array,
+    viscosity: Array,
+    minimum_flow_film: float,
+    roughness_rms: float,
+    asymmetry: float,
+    table: Array,
+):
+    """Film between rough surfaces, Eqs. (E8), (E9).
 
     Parameters
     ----------
@@ -118,62 +187,54 @@ def rough_film(film_thickness, viscosity, minimum_flow_film, roughness_rms, asym
 
     Returns
     -------
-    values, slopes : ndarray, shape (7, n_c, n_a)
-        The quantities of `FlowFilm` and their derivatives to h.
+    quantities, by_film : ndarray, shape (7, n_c, n_a)
+        The quantities of the film and their derivatives to h.
     """
     n_c, n_a = film_thickness.shape
-    values, slopes = np.empty((7, n_c, n_a)), np.empty((7, n_c, n_a))
-    last = table.shape[0] - 1
-    f, df = (
-        np.empty(7),
-        np.empty(7),
-    )  # deviation of each factor from its smooth limit, and its slope to h
+    quantities = np.empty((QUANTITIES, n_c, n_a))
+    by_film = np.empty((QUANTITIES, n_c, n_a))
+    f = np.empty(FACTORS)
+    df = np.empty(FACTORS)
     for i in range(n_c):
         for j in range(n_a):
-            mu, separation = viscosity[i, j], film_thickness[i, j] / roughness_rms
-            for k in range(7):
-                if 0.0 <= separation < TABLE_END:
-                    f[k], df[k] = interpolate(table, 2 * k, TABLE_END, separation)
-                    df[k] /= roughness_rms
-                elif (
-                    k == 0 and separation < 0.0
-                ):  # the average gap goes on along its tangent, until the floor holds
-                    f[k], df[k] = (
-                        table[0, 0] + table[0, 1] * separation,
-                        table[0, 1] / roughness_rms,
-                    )
-                else:
-                    f[k], df[k] = table[0 if separation < 0.0 else last, 2 * k], 0.0
-            gap = film_thickness[i, j] + roughness_rms * f[0]  # h_T
-            dgap = 1.0 + roughness_rms * df[0]
+            mu = viscosity[i, j]
+            _factors(table, film_thickness[i, j] / roughness_rms, roughness_rms, f, df)
+
+            gap = film_thickness[i, j] + roughness_rms * f[GAP_EXCESS]  # h_T
+            dgap = 1.0 + roughness_rms * df[GAP_EXCESS]
             if gap < minimum_flow_film:
-                gap, dgap = minimum_flow_film, 0.0
-            values[0, i, j], slopes[0, i, j] = gap, dgap  # Eq. (E8)
-            values[1, i, j] = gap - asymmetry * roughness_rms * f[3]
-            slopes[1, i, j] = dgap - asymmetry * roughness_rms * df[3]
-            h, dh = film_thickness[i, j], 1.0
+                gap = minimum_flow_film
+                dgap = 0.0
+            h = film_thickness[i, j]
+            dh = 1.0
             if h < minimum_flow_film:
-                h, dh = minimum_flow_film, 0.0
-            cube, dcube = h * h * h / (12.0 * mu), dh * h * h / (4.0 * mu)
-            values[2, i, j], slopes[2, i, j] = (
-                (1.0 + f[1]) * cube,
-                (1.0 + f[1]) * dcube + df[1] * cube,
-            )
-            values[3, i, j], slopes[3, i, j] = (
-                (1.0 + f[2]) * cube,
-                (1.0 + f[2]) * dcube + df[2] * cube,
-            )
-            shear, dshear = mu / h, -mu * dh / (h * h)
-            values[4, i, j], slopes[4, i, j] = (
-                (1.0 + f[4]) * shear,
-                (1.0 + f[4]) * dshear + df[4] * shear,
-            )
-            values[5, i, j], slopes[5, i, j] = (
-                asymmetry * f[5] * shear,
-                asymmetry * (f[5] * dshear + df[5] * shear),
-            )
-            values[6, i, j], slopes[6, i, j] = (
-                0.5 * (1.0 + f[6]) * h,
-                0.5 * ((1.0 + f[6]) * dh + df[6] * h),
-            )
-    return values, slopes
+                h = minimum_flow_film
+                dh = 0.0
+            held_back = asymmetry * roughness_rms
+
+            quantities[STORED, i, j] = gap  # Eq. (E8)
+            by_film[STORED, i, j] = dgap
+            quantities[TRANSPORT, i, j] = gap - held_back * f[SHEAR_FLOW_FACTOR]
+            by_film[TRANSPORT, i, j] = dgap - held_back * df[SHEAR_FLOW_FACTOR]
+
+            cube = h * h * h / (12.0 * mu)
+            dcube = dh * h * h / (4.0 * mu)
+            phi = 1.0 + f[FLOW_FACTOR_C]
+            quantities[CONDUCTIVITY_C, i, j] = phi * cube
+            by_film[CONDUCTIVITY_C, i, j] = phi * dcube + df[FLOW_FACTOR_C] * cube
+            phi = 1.0 + f[FLOW_FACTOR_A]
+            quantities[CONDUCTIVITY_A, i, j] = phi * cube
+            by_film[CONDUCTIVITY_A, i, j] = phi * dcube + df[FLOW_FACTOR_A] * cube
+
+            shear = mu / h
+            dshear = -mu * dh / (h * h)
+            phi = 1.0 + f[COUETTE_FACTOR]
+            quantities[COUETTE, i, j] = phi * shear  # Eq. (E9)
+            by_film[COUETTE, i, j] = phi * dshear + df[COUETTE_FACTOR] * shear
+            phi = f[DRAG_FACTOR]
+            quantities[DRAG, i, j] = asymmetry * phi * shear
+            by_film[DRAG, i, j] = asymmetry * (phi * dshear + df[DRAG_FACTOR] * shear)
+            phi = 1.0 + f[POISEUILLE_FACTOR]
+            quantities[POISEUILLE, i, j] = 0.5 * phi * h
+            by_film[POISEUILLE, i, j] = 0.5 * (phi * dh + df[POISEUILLE_FACTOR] * h)
+    return quantities, by_film

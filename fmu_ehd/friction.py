@@ -1,14 +1,19 @@
 """Axial shear force on the skirt: viscous and asperity part, and what sliding costs.
 
-Eq. (F1):  tau_v = -f (c - d) V - b dp/dy                    on the skirt, which slides at V relative to the bore
-Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
-Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]       shear of the film on the bore x sliding velocity
+On the skirt, which slides at V relative to the bore:
 
-tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films.FlowFilm` (smooth
-surfaces: mu/h, 0, h/2). f is the film fraction: in the cavitated part only the oil shears
-[Elrod1981]; with `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face
-pressures (mean of both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that
-friction has a derivative.
+Eq. (F1):  tau_v = -f (c - d) V - b dp/dy
+Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
+
+Power, the shear of the film on the bore x sliding velocity:
+
+Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]
+
+tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films` (smooth surfaces:
+mu/h, 0, h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
+`cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
+both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a
+derivative.
 
 The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the
 sloping skirt. The bore is the straight surface, so its shear is the whole axial force between the
@@ -19,9 +24,92 @@ References
 [Elrod1981] H. G. Elrod, A cavitation algorithm, J. Lubr. Technol. 103 (1981) 350-354.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..master.fmi.compiled import compiled
+from .films import COUETTE, DRAG, POISEUILLE, FilmSlopes
+from .grid import Array
+
+# what shears of a cavitated film: its oil alone, or f = 1
+CAVITY_SHEAR = ("film_fraction", "full_film")
+
+
+class ShearConstants(NamedTuple):
+    """Numbers that hold for the whole film.
+
+    lower, upper : pressure at the axial edges [Pa]; dy : axial cell size [m];
+    rounding_velocity : v0 [m/s], > 0.
+    """
+
+    lower: float
+    upper: float
+    dy: float
+    rounding_velocity: float
+
+
+class ShearInputs(NamedTuple):
+    """What friction depends on; arrays of shape (n_c, n_a) where nothing else is said.
+
+    pressure : p [Pa]; shearing : share of the film that shears f [-]; velocity : V [m/s];
+    film : ndarray, shape (7, n_c, n_a), quantities of `films`, of which c, d, b count;
+    boundary_stress : tau_b [Pa]; area : lubricated area of each cell [m2];
+    constants : ShearConstants.
+    """
+
+    pressure: Array
+    shearing: Array
+    velocity: Array
+    film: Array
+    boundary_stress: Array
+    area: Array
+    constants: ShearConstants
+
+
+class ShearForces(NamedTuple):
+    """Forces on the skirt and power, each ndarray of shape (n_c, n_a).
+
+    viscous, boundary : force along +y [N]; power : [W].
+    """
+
+    viscous: Array
+    boundary: Array
+    power: Array
+
+
+class ShearSlopes(NamedTuple):
+    """Derivatives of the shear force of each cell, each ndarray of shape (n_c, n_a).
+
+    film : to film thickness [N/m]; velocity : to sliding velocity [N s/m]; shearing : to the
+    shearing share [N]; gradient : to the pressure gradient [N m/Pa]; pressure : to the cell's own
+    pressure, beyond the gradient [N/Pa].
+    """
+
+    film: Array
+    velocity: Array
+    shearing: Array
+    gradient: Array
+    pressure: Array
+
+
+class ForceSlopes(NamedTuple):
+    """Derivatives of both nodal forces that every direction shares; arrays of shape (n_c, n_a).
+
+    shear : ShearSlopes;
+    contact : derivative of the asperity pressure to film thickness [Pa/m];
+    area : lubricated area [m2];
+    pressure_share, fraction_share : derivatives of pressure and film fraction to the signed
+    unknown;
+    dy : axial cell size [m].
+    """
+
+    shear: ShearSlopes
+    contact: Array
+    area: Array
+    pressure_share: Array
+    fraction_share: Array
+    dy: float
 
 
 @compiled(inline="always")
@@ -39,180 +127,138 @@ def _gradients(pressure, lower, upper, dy, out):
 
 
 @compiled
-def shear_forces(
-    pressure,
-    shearing,
-    velocity,
-    couette,
-    drag,
-    poiseuille,
-    lower,
-    upper,
-    dy,
-    boundary_stress,
-    rounding_velocity,
-    area,
-):
+def shear_forces(inputs: ShearInputs):
     """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
 
     Parameters
     ----------
-    pressure, shearing, velocity : ndarray, shape (n_c, n_a)
-        p [Pa], share of the film that shears f [-], V [m/s].
-    couette, drag, poiseuille : ndarray, shape (n_c, n_a)
-        c, d [Pa s/m], b [m].
-    lower, upper : float
-        Pressure at the axial edges [Pa].
-    dy : float
-        Axial cell size [m].
-    boundary_stress : ndarray, shape (n_c, n_a)
-        tau_b [Pa].
-    rounding_velocity : float
-        v0 [m/s], > 0.
-    area : ndarray, shape (n_c, n_a)
-        Lubricated area of each cell [m2].
+    inputs : ShearInputs
 
     Returns
     -------
-    viscous, boundary : ndarray, shape (n_c, n_a)
-        Force on the skirt along +y [N].
-    power : ndarray, shape (n_c, n_a)
-        [W].
+    ShearForces
     """
+    pressure, shearing, velocity, film, boundary_stress, area, constants = inputs
+    lower, upper, dy, rounding = constants
     n_c, n_a = pressure.shape
-    viscous, boundary, power = np.empty((n_c, n_a)), np.empty((n_c, n_a)), np.empty((n_c, n_a))
+    viscous = np.empty((n_c, n_a))
+    boundary = np.empty((n_c, n_a))
+    power = np.empty((n_c, n_a))
     gradient = np.empty(n_a)
     for i in range(n_c):
         _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
-            v, f, a = velocity[i, j], shearing[i, j], area[i, j]
-            flow = poiseuille[i, j] * gradient[j]
-            viscous[i, j] = -a * (f * (couette[i, j] - drag[i, j]) * v + flow)  # Eq. (F1)
-            speed = np.sqrt(v * v + rounding_velocity * rounding_velocity)
+            v = velocity[i, j]
+            f = shearing[i, j]
+            a = area[i, j]
+            c = film[COUETTE, i, j]
+            d = film[DRAG, i, j]
+            flow = film[POISEUILLE, i, j] * gradient[j]
+            viscous[i, j] = -a * (f * (c - d) * v + flow)  # Eq. (F1)
+            speed = np.sqrt(v * v + rounding * rounding)
             boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
-            power[i, j] = v * (
-                a * (f * (couette[i, j] + drag[i, j]) * v - flow) - boundary[i, j]
-            )  # Eq. (F3)
-    return viscous, boundary, power
+            power[i, j] = v * (a * (f * (c + d) * v - flow) - boundary[i, j])  # Eq. (F3)
+    return ShearForces(viscous, boundary, power)
 
 
 @compiled
 def shear_slopes(
-    pressure,
-    shearing,
-    velocity,
-    couette,
-    drag,
-    poiseuille,
-    lower,
-    upper,
-    dy,
-    boundary_stress,
-    rounding_velocity,
-    area,
-    by_film,
-    by_velocity,
-    boundary_slope,
+    inputs: ShearInputs, film_slopes: FilmSlopes, boundary_slope: Array, by_pressure: Array
 ):
     """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
 
     Parameters
     ----------
-    pressure ... area
+    inputs : ShearInputs
         As in `shear_forces`.
-    by_film, by_velocity : ndarray, shape (3, n_c, n_a)
-        Derivatives of c, d, b to film thickness and to sliding velocity; the latter of shape (0,
-        n_c, n_a) if all zero.
+    film_slopes : films.FilmSlopes
+        Of `inputs.film`.
     boundary_slope : ndarray, shape (n_c, n_a)
         Derivative of tau_b to film thickness [Pa/m].
+    by_pressure : ndarray, shape (n_c, n_a)
+        `ShearSlopes.pressure`, passed on.
 
     Returns
     -------
-    ndarray, shape (4, n_c, n_a)
-        To film thickness [N/m], sliding velocity [N s/m], shearing share [N], and to the pressure
-        gradient [N m/Pa].
+    ShearSlopes
     """
+    pressure, shearing, velocity, film, boundary_stress, area, constants = inputs
+    lower, upper, dy, rounding = constants
+    by_film, by_velocity = film_slopes
     n_c, n_a = pressure.shape
-    slopes = np.empty((4, n_c, n_a))
+    to_film = np.empty((n_c, n_a))
+    to_velocity = np.empty((n_c, n_a))
+    to_shearing = np.empty((n_c, n_a))
+    to_gradient = np.empty((n_c, n_a))
     gradient = np.empty(n_a)
     for i in range(n_c):
         _gradients(pressure[i], lower, upper, dy, gradient)
         for j in range(n_a):
-            v, f, c, a = velocity[i, j], shearing[i, j], couette[i, j] - drag[i, j], -area[i, j]
-            square = v * v + rounding_velocity * rounding_velocity
+            v = velocity[i, j]
+            f = shearing[i, j]
+            c = film[COUETTE, i, j] - film[DRAG, i, j]
+            a = -area[i, j]
+            square = v * v + rounding * rounding
             direction = v / np.sqrt(square)
-            slopes[0, i, j] = a * (
-                f * v * (by_film[0, i, j] - by_film[1, i, j])
-                + by_film[2, i, j] * gradient[j]
+            to_film[i, j] = a * (
+                f * v * (by_film[COUETTE, i, j] - by_film[DRAG, i, j])
+                + by_film[POISEUILLE, i, j] * gradient[j]
                 + boundary_slope[i, j] * direction
             )
-            slopes[1, i, j] = a * (
+            to_velocity[i, j] = a * (
                 f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square)
             )
             if by_velocity.shape[0] > 0:
-                slopes[1, i, j] += a * (
-                    f * v * (by_velocity[0, i, j] - by_velocity[1, i, j])
-                    + by_velocity[2, i, j] * gradient[j]
+                to_velocity[i, j] += a * (
+                    f * v * (by_velocity[COUETTE, i, j] - by_velocity[DRAG, i, j])
+                    + by_velocity[POISEUILLE, i, j] * gradient[j]
                 )
-            slopes[2, i, j] = a * c * v
-            slopes[3, i, j] = a * poiseuille[i, j]
-    return slopes
+            to_shearing[i, j] = a * c * v
+            to_gradient[i, j] = a * film[POISEUILLE, i, j]
+    return ShearSlopes(to_film, to_velocity, to_shearing, to_gradient, by_pressure)
 
 
 @compiled
 def force_changes(
-    slopes,
-    by_pressure,
-    contact_slope,
-    area,
-    dy,
-    pressure_share,
-    fraction_share,
-    dfilm,
-    dvelocity,
-    dunknown,
-    normal,
-    shear,
+    slopes: ForceSlopes,
+    dfilm: Array,
+    dvelocity: Array,
+    dunknown: Array,
+    normal: Array,
+    shear: Array,
 ):
     """Changes of both nodal forces.
 
     Parameters
     ----------
-    slopes : ndarray, shape (4, n_c, n_a)
-        From `shear_slopes`.
-    by_pressure : ndarray, shape (n_c, n_a)
-        Derivative of the shear force to the cell's own pressure, beyond the gradient [N/Pa].
-    contact_slope, area : ndarray, shape (n_c, n_a)
-        Derivative of the asperity pressure to film thickness [Pa/m], lubricated area [m2].
-    dy : float
-        Axial cell size [m].
-    pressure_share, fraction_share : ndarray, shape (n_c, n_a)
-        Derivatives of pressure and film fraction to the signed unknown.
+    slopes : ForceSlopes
     dfilm, dvelocity, dunknown : ndarray, shape (m, n_c, n_a)
         [m], [m/s], [Pa] or [-].
     normal, shear : ndarray, shape (m, n_c, n_a)
         Overwritten: changes of pressure and friction force [N].
     """
+    by, contact, area, pressure_share, fraction_share, dy = slopes
+    by_film, by_velocity, by_shearing, by_gradient, by_pressure = by
     m, n_c, n_a = dfilm.shape
     p = np.empty(n_a)
-    half, last = 0.5 / dy, n_a - 1
-    for i in range(
-        n_c
-    ):  # what stands before the changes of a row stays in the cache for all directions
+    half = 0.5 / dy
+    last = n_a - 1
+    for i in range(n_c):
+        # what stands before the changes of a row stays in the cache for all directions
         for q in range(m):
             for j in range(n_a):
                 p[j] = pressure_share[i, j] * dunknown[q, i, j]
             for j in range(n_a):
-                normal[q, i, j] = area[i, j] * (p[j] + contact_slope[i, j] * dfilm[q, i, j])
+                normal[q, i, j] = area[i, j] * (p[j] + contact[i, j] * dfilm[q, i, j])
             for j in range(n_a):
                 shear[q, i, j] = (
-                    slopes[0, i, j] * dfilm[q, i, j]
-                    + slopes[1, i, j] * dvelocity[q, i, j]
-                    + slopes[2, i, j] * fraction_share[i, j] * dunknown[q, i, j]
+                    by_film[i, j] * dfilm[q, i, j]
+                    + by_velocity[i, j] * dvelocity[q, i, j]
+                    + by_shearing[i, j] * fraction_share[i, j] * dunknown[q, i, j]
                     + by_pressure[i, j] * p[j]
                 )
             for j in range(1, last):
-                shear[q, i, j] += slopes[3, i, j] * half * (p[j + 1] - p[j - 1])
+                shear[q, i, j] += by_gradient[i, j] * half * (p[j + 1] - p[j - 1])
             if n_a > 1:
-                shear[q, i, 0] += slopes[3, i, 0] * half * (p[0] + p[1])
-                shear[q, i, last] -= slopes[3, i, last] * half * (p[last] + p[last - 1])
+                shear[q, i, 0] += by_gradient[i, 0] * half * (p[0] + p[1])
+                shear[q, i, last] -= by_gradient[i, last] * half * (p[last] + p[last - 1])

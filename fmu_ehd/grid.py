@@ -1,8 +1,61 @@
-"""The film grid and what holds at its edges."""
+"""The film grid: its cells, its edges, and how a five-point stencil is laid out on it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]  # of the shape that the docstring says
+Flags = NDArray[np.bool_]
+
+# axis of the edges: both ends of the skirt, and the two sides of a grid that is no ring
+LOWER, UPPER, FIRST, LAST = range(4)
+BOTH_AXIAL_EDGES = slice(LOWER, UPPER + 1)
+
+# axis of a stencil, shape (5, n_c, n_a): coefficient of the cell itself and of its neighbours
+# j - 1 (south), j + 1 (north), i - 1 (west), i + 1 (east)
+CENTRE, SOUTH, NORTH, WEST, EAST = range(5)
+
+
+class Cells(NamedTuple):
+    """What kernels need of a grid.
+
+    dx, dy : cell size along i (circumferential) and j (axial) [m]; ring : True if i is periodic.
+    """
+
+    dx: float
+    dy: float
+    ring: bool
+
+
+class Edges(NamedTuple):
+    """Oil supply at the edges, each ndarray of shape (4,) in the order lower, upper, first, last
+    (the last two unused on a ring).
+
+    pressure : above cavitation pressure [Pa], >= 0.
+    film_fraction : film fraction of the oil that sliding drags in [-], 0 to 1. An edge with less
+    than 1 should have the cavitation pressure: the model knows no gas at another pressure inside
+    the film.
+    """
+
+    pressure: Array
+    film_fraction: Array
+
+
+class Entrainment(NamedTuple):
+    """Entrainment velocity (the mean of both surfaces) along i and along j, or its derivative.
+
+    circumferential, axial : ndarray, shape (n_c, n_a) [m/s].
+    """
+
+    circumferential: Array
+    axial: Array
+
+
+def flooded_edges(pressure: float = 0.0) -> Edges:
+    """Oil in plenty at all four edges, at one pressure above cavitation pressure [Pa]."""
+    return Edges(np.full(4, pressure), np.ones(4))
 
 
 @dataclass(frozen=True)
@@ -19,36 +72,19 @@ class Grid:
         True: i closes on itself. False: i ends at a first and a last edge.
     """
 
-    shape: tuple
+    shape: tuple[int, int]
     width: float
     length: float
     ring: bool = True
 
     @property
-    def spacing(self):
-        """Cell size (circumferential, axial) [m]."""
-        return self.width / self.shape[0], self.length / self.shape[1]
+    def cells(self) -> Cells:
+        """Cell size and closure."""
+        n_c, n_a = self.shape
+        return Cells(self.width / n_c, self.length / n_a, self.ring)
 
     @property
-    def cell_area(self):
+    def cell_area(self) -> float:
         """Area of a cell [m2]."""
-        dx, dy = self.spacing
-        return dx * dy
-
-
-@dataclass(frozen=True)
-class Edges:
-    """Oil supply at the edges, in the order lower, upper, first, last (the last two unused on a
-    ring).
-
-    Parameters
-    ----------
-    pressure : ndarray, shape (4,)
-        Pressure above cavitation pressure [Pa], >= 0.
-    film_fraction : ndarray, shape (4,)
-        Film fraction of the oil that sliding drags in [-], 0 to 1. An edge with less than 1 should
-        have the cavitation pressure: the model knows no gas at another pressure inside the film.
-    """
-
-    pressure: np.ndarray = field(default_factory=lambda: np.zeros(4))
-    film_fraction: np.ndarray = field(default_factory=lambda: np.ones(4))
+        cells = self.cells
+        return cells.dx * cells.dy

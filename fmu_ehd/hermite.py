@@ -3,10 +3,11 @@ consistent slope.
 """
 
 from ..master.fmi.compiled import compiled
+from .grid import Array
 
 
 @compiled(inline="always")
-def interpolate(table, column, end, x):
+def interpolate(table: Array, column: int, end: float, x: float):
     """Value and slope of a tabulated function, for 0 <= x < end.
 
     Parameters
@@ -26,7 +27,12 @@ def interpolate(table, column, end, x):
     step = end / (table.shape[0] - 1)
     k = min(int(x / step), table.shape[0] - 2)
     t = x / step - k
-    y0, y1 = table[k, column], table[k + 1, column]
-    m0, m1 = table[k, column + 1] * step, table[k + 1, column + 1] * step
-    c2, c3 = 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1
-    return y0 + t * (m0 + t * (c2 + t * c3)), (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / step
+    y0 = table[k, column]
+    y1 = table[k + 1, column]
+    m0 = table[k, column + 1] * step
+    m1 = table[k + 1, column + 1] * step
+    c2 = 3.0 * (y1 - y0) - 2.0 * m0 - m1
+    c3 = 2.0 * (y0 - y1) + m0 + m1
+    value = y0 + t * (m0 + t * (c2 + t * c3))
+    slope = (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / step
+    return value, slope

@@ -1,15 +1,22 @@
 """The lubrication model: film, oil, contact and friction of one skirt, one step at a time."""
 
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import asperity, coating, friction, storage
+from .asperity import Contact, ContactConstants
 from .cavitation import NotConverged
-from .film_step import FilmStep
-from .films import FlowFilm, rough_film, smooth_film, thin
-from .grid import Grid
+from .coating import PressureTangent, Softness
+from .film_step import FilmSolution, FilmStep
+from .films import COUETTE, DRAG, STORED, FilmSlopes, rough_film, smooth_film, thin
+from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
+from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
+from .parameters import Parameters
+from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
+from .storage import EulerStep
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
@@ -33,12 +40,35 @@ class State:
         Length of the last step [s]; 0 at the start.
     """
 
-    unknown: np.ndarray
-    unknown_before: np.ndarray
-    content: np.ndarray
-    content_before: np.ndarray
-    deflection: np.ndarray
+    unknown: Array
+    unknown_before: Array
+    content: Array
+    content_before: Array
+    deflection: Array
     step_before: float
+
+
+class Inputs(NamedTuple):
+    """What a film is given at the end of a step.
+
+    film_thickness : ndarray, shape (n_c, n_a), with the deflection of a coating [m];
+    sliding_velocity : ndarray, shape (n_c, n_a) [m/s];
+    surroundings : surroundings.Surroundings.
+    """
+
+    film_thickness: Array
+    sliding_velocity: Array
+    surroundings: Surroundings
+
+
+class FlowFilm(NamedTuple):
+    """A film as flow and shear see it.
+
+    quantities : ndarray, shape (7, n_c, n_a), of `films`; slopes : films.FilmSlopes.
+    """
+
+    quantities: Array
+    slopes: FilmSlopes
 
 
 @dataclass(frozen=True)
@@ -47,29 +77,38 @@ class Film:
 
     Parameters
     ----------
-    sliding_velocity : ndarray
-        [m/s].
-    values, slopes : ndarray, shape (7, n_c, n_a)
-        `films.FlowFilm` quantities and their derivatives to film thickness.
-    velocity_slopes : ndarray, shape (7, n_c, n_a), or (0, n_c, n_a) if all zero
-        Their derivatives to sliding velocity.
+    inputs : Inputs
+    flow : FlowFilm
     pressure, fraction : ndarray
         Above cavitation pressure [Pa], film fraction [-].
     ratio, dratio : ndarray
-        mu/mu_0 = dp/dq of thickening by pressure [-] and its derivative to the pressure [1/Pa];
-        None without.
-    surroundings : surroundings.Surroundings
+        mu/mu_0 = dp/dq of the piezoviscosity [-] and its derivative to the pressure [1/Pa]; None
+        without.
     """
 
-    sliding_velocity: np.ndarray
-    values: np.ndarray
-    slopes: np.ndarray
-    velocity_slopes: np.ndarray
-    pressure: np.ndarray
-    fraction: np.ndarray
-    ratio: np.ndarray | None
-    dratio: np.ndarray | None
-    surroundings: Surroundings
+    inputs: Inputs
+    flow: FlowFilm
+    pressure: Array
+    fraction: Array
+    ratio: Array | None
+    dratio: Array | None
+
+
+class Last(NamedTuple):
+    """What the tangent needs of the last step: film, asperity contact, what friction depends on."""
+
+    film: Film
+    contact: Contact
+    shear: ShearInputs
+
+
+class StepFilm(NamedTuple):
+    """Outcome of one of the ways to the film of a step; deflection of the coating [m]."""
+
+    inputs: Inputs
+    flow: FlowFilm
+    solution: FilmSolution
+    deflection: Array
 
 
 class LubricationModel:
@@ -80,12 +119,13 @@ class LubricationModel:
     parameters : Parameters
     """
 
-    def __init__(self, parameters):
+    def __init__(self, parameters: Parameters):
         p = self.parameters = parameters
+        n_circumferential, _ = p.shape
         self.grid = Grid(p.shape, 2.0 * np.pi * p.bore_radius, p.skirt_length)
         self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
         self.area = np.where(self.film_step.open_cells, 0.0, self.grid.cell_area)
-        self._contact = (
+        self._contact_constants = ContactConstants(
             p.roughness_rms,
             asperity.pressure_scale(p.asperity_product, p.asperity_slope, p.contact_modulus),
             np.pi**2 * p.asperity_product**2,
@@ -96,23 +136,24 @@ class LubricationModel:
         self._factors = (
             factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
         )
-        self._thins = p.oil.shear_thinning_law != "none"
         self._compliance = coating.compliance(
             p.coating_thickness, p.coating_modulus, p.coating_poisson
         )
-        self._no_velocity = np.zeros(p.shape)
+        self._zero = np.zeros(p.shape)
         self._no_slopes = np.zeros((0, *p.shape))
-        self._half_back = np.full(
-            p.shape, -0.5
-        )  # entrainment velocity of the grid, which rides on the skirt
-        self._halves = halves(p.shape[0])
+        # entrainment velocity of the grid, which rides on the skirt, to the sliding velocity
+        self._dentrainment = Entrainment(self._zero, np.full(p.shape, -0.5))
+        self._halves = halves(n_circumferential)
         self._given = surroundings(p, {})
-        self._last = self._linear = None  # of the last step: what the tangent needs
+        # of the last step: what the tangent needs
+        self._last: Last | None = None
+        self._linear: ForceSlopes | None = None
 
     # ---- steps
-    # ------------------------------------------------------------------------------------------------------
 
-    def start(self, film_thickness, sliding_velocity, **conditions):
+    def start(
+        self, film_thickness: Array, sliding_velocity: Array, **conditions: Any
+    ) -> tuple[State, dict[str, Any]]:
         """State and outputs at the start: a full film, reduced pressure linear between the edges.
 
         Parameters
@@ -129,27 +170,29 @@ class LubricationModel:
             As from `advance`.
         """
         around = surroundings(self.parameters, conditions)
-        lower, upper = around.edges.pressure[:2]
-        along = (np.arange(self.grid.shape[1]) + 0.5) / self.grid.shape[1]
-        unknown = np.broadcast_to(lower + (upper - lower) * along, self.grid.shape).copy()
-        values, slopes, velocity_slopes = self._flow_film(film_thickness, sliding_velocity, around)
-        film = self._film(
-            sliding_velocity,
-            values,
-            slopes,
-            velocity_slopes,
-            unknown,
-            np.ones(self.grid.shape),
-            around,
-        )
-        _, outputs = self._outputs(film, film_thickness)
+        inputs = Inputs(film_thickness, sliding_velocity, around)
+        shape = self.grid.shape
+        _, n_axial = shape
+        lower, upper = around.edges.pressure[BOTH_AXIAL_EDGES]
+        along = (np.arange(n_axial) + 0.5) / n_axial
+        unknown = np.broadcast_to(lower + (upper - lower) * along, shape).copy()
+        flow = self._flow_film(inputs)
+        film = self._film(inputs, flow, unknown, np.ones(shape))
+        _, outputs = self._outputs(film)
         outputs |= dict(
             flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0
         )
-        content = values[0].copy()
-        return State(unknown, unknown, content, content, np.zeros(self.grid.shape), 0.0), outputs
+        content = flow.quantities[STORED].copy()
+        return State(unknown, unknown, content, content, np.zeros(shape), 0.0), outputs
 
-    def advance(self, state, film_thickness, sliding_velocity, step, **conditions):
+    def advance(
+        self,
+        state: State,
+        film_thickness: Array,
+        sliding_velocity: Array,
+        step: float,
+        **conditions: Any,
+    ) -> tuple[State, dict[str, Any]]:
         """One step from `state` to the given film and velocity, of second order in time, `storage`.
 
         Parameters
@@ -174,36 +217,35 @@ class LubricationModel:
         ------
         cavitation.NotConverged
         """
-        self._last = self._linear = None  # a refused step has no tangent
+        self._last = None  # a refused step has no tangent
+        self._linear = None
         if not film_thickness.max() > 0.0:
             raise NotConverged(
-                f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there is no film"
+                f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there "
+                "is no film"
             )
         around = surroundings(self.parameters, conditions) if conditions else self._given
+        inputs = Inputs(film_thickness, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
-        content, euler_step = storage.euler_step(
-            state.content, state.content_before, step, state.step_before
-        )
-        find = self._coated if self._compliance > 0.0 else self._bare
-        film_thickness, parts, solution, deflection = find(
-            state, content, film_thickness, sliding_velocity, guess, around, euler_step
-        )
-        film = self._film(
-            sliding_velocity, *parts, solution.pressure, solution.film_fraction, around
-        )
-        self._last, outputs = self._outputs(film, film_thickness)
+        begin = storage.euler_step(state.content, state.content_before, step, state.step_before)
+        step_film = self._coated if self._compliance > 0.0 else self._bare
+        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess)
+        film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
+        self._last, outputs = self._outputs(film)
+        lower, upper = solution.edge_flow[BOTH_AXIAL_EDGES]
         outputs |= dict(
-            flow_lower_edge=float(solution.edge_flow[0]),
-            flow_upper_edge=float(solution.edge_flow[1]),
+            flow_lower_edge=float(lower),
+            flow_upper_edge=float(upper),
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
         )
-        return State(
+        state = State(
             solution.unknown, state.unknown, solution.content, state.content, deflection, step
-        ), outputs
+        )
+        return state, outputs
 
-    def tangent(self, dfilm_thickness, dsliding_velocity):
+    def tangent(self, dfilm_thickness: Array, dsliding_velocity: Array) -> tuple[Array, Array]:
         """Change of the forces at the end of the last step for changed inputs there, its state at
         the beginning held.
 
@@ -222,168 +264,147 @@ class LubricationModel:
         RuntimeError
             If no step was taken, or the last one was refused.
         """
-        if self._last is None:
+        last = self._last
+        if last is None:
             raise RuntimeError(
                 "the last step was refused, or there was none: it has no directional derivative"
             )
         if self._linear is None:
-            self._linear = self._linearise()
+            self._linear = self._linearise(last)
+        linear = self._linear
         shape = (-1, *self.grid.shape)
         dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
         dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
-        normal, shear = np.empty(
-            (2, *dfilm.shape)
-        )  # in one piece: malloc gives two back to the system and asks again each time
+        # in one piece: malloc gives two back to the system and asks again each time
+        normal, shear = np.empty((2, *dfilm.shape))
         for k in range(0, len(dfilm), BATCH):
             some = slice(k, k + BATCH)
-            self._force_changes(dfilm[some], dvelocity[some], normal[some], shear[some])
+            film, unknown = self._film_changes(last, linear, dfilm[some], dvelocity[some])
+            friction.force_changes(
+                linear, film, dvelocity[some], unknown, normal[some], shear[some]
+            )
         return normal.reshape(np.shape(dfilm_thickness)), shear.reshape(np.shape(dfilm_thickness))
 
-    def _force_changes(self, dfilm, dvelocity, normal, shear):
-        """`tangent` for stacked directions; a coating yields to the change of pressure, Eq.
-        (L3).
+    def _film_changes(
+        self, last: Last, linear: ForceSlopes, dfilm: Array, dvelocity: Array
+    ) -> tuple[Array, Array]:
+        """Changes of film thickness and signed unknown for stacked directions; a coating yields to
+        the change of pressure, Eq. (L3).
         """
         if not self._compliance:
-            friction.force_changes(
-                *self._linear,
-                dfilm,
-                dvelocity,
-                self.film_step.tangent(dfilm, dvelocity),
-                normal,
-                shear,
-            )
-            return
-        yielding = 1.0 / (1.0 - self._compliance * self._last[1][1])
+            return dfilm, self.film_step.tangent(dfilm, dvelocity)
+        yielding = coating.yielding(self._compliance, last.contact)
         dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
-        to_pressure = self._linear[5]
-        dfilm = yielding * (dfilm + self._compliance * to_pressure * dunknown)
-        friction.force_changes(*self._linear, dfilm, dvelocity, dunknown, normal, shear)
+        dpressure = self._compliance * linear.pressure_share * dunknown
+        return yielding * (dfilm + dpressure), dunknown
 
-    def _linearise(self):
+    def _linearise(self, last: Last) -> ForceSlopes:
         """Derivatives of the forces of the last step that every direction shares."""
-        film, contact, shear_inputs = self._last
-        by_film, by_velocity = film.slopes, film.velocity_slopes
-        to_pressure, to_fraction = self.film_step.linearise(
-            by_film, by_velocity, self._no_velocity, self._half_back
-        )
-        by_pressure = self._no_velocity
-        shear_by_film, shear_by_velocity = by_film[4:], by_velocity[4:]
+        film, contact, shear = last
+        slopes = film.flow.slopes
+        to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
+        by_pressure = self._zero
         if film.ratio is not None:
-            scale = np.stack([film.ratio, film.ratio, np.ones_like(film.ratio)])
-            shear_by_film, shear_by_velocity = (
-                shear_by_film * scale,
-                shear_by_velocity * scale[: len(shear_by_velocity)],
-            )
+            quantities = film.flow.quantities
             by_pressure = (
                 -self.area
-                * shear_inputs[1]
-                * film.sliding_velocity
-                * (film.values[4] - film.values[5])
+                * shear.shearing
+                * shear.velocity
+                * (quantities[COUETTE] - quantities[DRAG])
                 * film.dratio
             )
+            slopes = FilmSlopes(
+                _raised(slopes.by_film, film.ratio), _raised(slopes.by_velocity, film.ratio)
+            )
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
-        slopes = friction.shear_slopes(*shear_inputs, shear_by_film, shear_by_velocity, contact[4])
         if self.parameters.cavity_shear == "full_film":
-            to_fraction = self._no_velocity
-        return (
-            slopes,
-            by_pressure,
-            contact[1],
+            to_fraction = self._zero
+        return ForceSlopes(
+            friction.shear_slopes(shear, slopes, contact.shear_stress_slope, by_pressure),
+            contact.pressure_slope,
             self.area,
-            self.grid.spacing[1],
             to_pressure,
             to_fraction,
+            self.grid.cells.dy,
         )
 
     # ---- ways to a film
-    # ---------------------------------------------------------------------------------------------
 
-    def _bare(self, state, content, film_thickness, sliding_velocity, guess, around, step):
-        """Film thickness, `_flow_film`, solution of the film balance, deflection: of hard
-        surfaces.
-        """
-        parts = self._flow_film(film_thickness, sliding_velocity, around)
+    def _entrainment(self, inputs: Inputs) -> Entrainment:
+        """In the frame of the grid, which rides on the skirt."""
+        return Entrainment(self._zero, -0.5 * inputs.sliding_velocity)
+
+    def _bare(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+        """Film of hard surfaces."""
+        flow = self._flow_film(inputs)
         solution = self.film_step.solve(
-            FlowFilm(*parts[0]),
-            self._no_velocity,
-            -0.5 * sliding_velocity,
-            around.edges,
-            content,
+            flow.quantities,
+            self._entrainment(inputs),
+            inputs.surroundings.edges,
+            begin,
             guess,
-            step,
         )
-        return film_thickness, parts, solution, state.deflection
+        return StepFilm(inputs, flow, solution, state.deflection)
 
-    def _coated(self, state, content, film_thickness, sliding_velocity, guess, around, step):
-        """The same with a coating that yields to the pressure, by Newton's method, `coating`."""
-        c, law, velocities = (
-            self._compliance,
-            around.thickening,
-            (self._no_velocity, -0.5 * sliding_velocity),
-        )
-        deflection, unknown, full, factorisations = (
-            state.deflection,
-            state.unknown,
-            state.unknown > 0.0,
-            0,
-        )
+    def _coated(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+        """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
+        edges = inputs.surroundings.edges
+        entrainment = self._entrainment(inputs)
+        hard_film = inputs.film_thickness
+        deflection = state.deflection
+        unknown = state.unknown
+        full = state.unknown > 0.0
+        factorisations = 0
+        change = deflection
         for _ in range(coating.LIMIT):
-            film = film_thickness + deflection
-            parts = self._flow_film(film, sliding_velocity, around)
+            inputs = inputs._replace(film_thickness=hard_film + deflection)  # Eq. (L2)
+            flow = self._flow_film(inputs)
             reduced, deficit = self.film_step.model.interpret(unknown, full)
-            pressure = law.pressure(reduced) if law else reduced
-            ratio = law.ratio(pressure)[0] if law else 1.0
+            filling = Filling(reduced, 1.0 + deficit)
             slopes = self.film_step.slopes(
-                FlowFilm(*parts[0]),
-                *parts[1:],
-                velocities,
-                (self._no_velocity, self._half_back),
-                reduced,
-                1.0 + deficit,
-                around.edges,
-                step,
+                flow.quantities,
+                flow.slopes,
+                entrainment,
+                self._dentrainment,
+                filling,
+                edges,
+                begin.length,
             )
-            touching, touching_slope, *_ = asperity.contact(film, *self._contact)
             weight, offset = coating.linear_deflection(
-                c, deflection, touching, touching_slope, pressure, ratio, reduced
+                self._compliance,
+                deflection,
+                asperity.contact(inputs.film_thickness, self._contact_constants),
+                _pressure_tangent(reduced, inputs.surroundings),
             )
+            softness = Softness(slopes[BY_FILM], weight, offset)
             solution = self.film_step.solve(
-                FlowFilm(*parts[0]),
-                *velocities,
-                around.edges,
-                content,
-                guess,
-                step,
-                (slopes[0], weight, offset),
+                flow.quantities, entrainment, edges, begin, guess, softness
             )
             factorisations += solution.iterations
             change = weight * solution.pressure + offset
-            if coating.settled(change, deflection):
-                return film, parts, replace(solution, iterations=factorisations), deflection
-            deflection, unknown, full, guess = (
-                deflection + change,
-                solution.unknown,
-                solution.full,
-                solution.full,
-            )
-        worst = np.unravel_index(np.argmax(np.abs(change)), change.shape)
+            if coating.has_converged(change, deflection):
+                solution = replace(solution, iterations=factorisations)
+                return StepFilm(inputs, flow, solution, deflection)
+            deflection = deflection + change
+            unknown = solution.unknown
+            full = solution.full
+            guess = solution.full
+        i, j = np.unravel_index(np.argmax(np.abs(change)), change.shape)
         raise NotConverged(
-            f"deflection of the coating did not settle in {coating.LIMIT} iterations: last change "
-            f"{change[worst]:g} m at [{worst[0] + 1},{worst[1] + 1}]"
+            f"deflection of the coating did not converge in {coating.LIMIT} iterations: last "
+            f"change {change[i, j]:g} m at [{i + 1},{j + 1}]"
         )
 
     # ---- parts of a step
-    # --------------------------------------------------------------------------------------------
 
-    def _flow_film(self, film_thickness, sliding_velocity, around):
-        """`FlowFilm` quantities stacked to (7, n_c, n_a), and their derivatives to film and
-        velocity, as in `Film`.
-        """
+    def _flow_film(self, inputs: Inputs) -> FlowFilm:
+        """Film seen by flow and shear."""
         p = self.parameters
+        film_thickness, sliding_velocity, around = inputs
         if self._factors is None:
-            values, slopes = smooth_film(film_thickness, around.viscosity, p.minimum_flow_film)
+            quantities, by_film = smooth_film(film_thickness, around.viscosity, p.minimum_flow_film)
         else:
-            values, slopes = rough_film(
+            quantities, by_film = rough_film(
                 film_thickness,
                 around.viscosity,
                 p.minimum_flow_film,
@@ -391,99 +412,104 @@ class LubricationModel:
                 2.0 * p.roughness_share_skirt - 1.0,
                 self._factors,
             )
-        if not self._thins:
-            return values, slopes, self._no_slopes
+        if not p.oil.thins:
+            return FlowFilm(quantities, FilmSlopes(by_film, self._no_slopes))
         thickness = np.maximum(film_thickness, p.minimum_flow_film)
-        thinning = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
-        return thin(
-            values,
-            slopes,
-            *thinning,
+        factor, slope = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
+        slopes = thin(
+            quantities,
+            by_film,
+            factor,
+            slope,
             thickness,
             film_thickness > p.minimum_flow_film,
             sliding_velocity,
         )
+        return FlowFilm(quantities, slopes)
 
-    def _film(self, sliding_velocity, values, slopes, velocity_slopes, reduced, fraction, around):
-        """The film with true pressure; thickening by pressure enters the shear stress here."""
-        pressure, ratio, dratio = reduced, None, None
-        if around.thickening:
-            pressure = around.thickening.pressure(reduced)
-            ratio, dratio = around.thickening.ratio(pressure)
-        return Film(
-            sliding_velocity,
-            values,
-            slopes,
-            velocity_slopes,
-            pressure,
-            fraction,
-            ratio,
-            dratio,
-            around,
-        )
+    def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
+        """The film with true pressure."""
+        law = inputs.surroundings.piezoviscosity
+        if law is None:
+            return Film(inputs, flow, reduced, fraction, None, None)
+        pressure = law.pressure(reduced)
+        ratio, dratio = law.ratio(pressure)
+        return Film(inputs, flow, pressure, fraction, ratio, dratio)
 
-    def _outputs(self, film, film_thickness):
+    def _outputs(self, film: Film) -> tuple[Last, dict[str, Any]]:
         """What the tangent needs, and fields and scalars that every lubrication FMU has, except
         flows and counters.
         """
         p = self.parameters
-        contact = asperity.contact(film_thickness, *self._contact)
-        asperity_pressure = contact[0]
-        couette, drag, poiseuille = film.values[4:]
+        film_thickness, sliding_velocity, around = film.inputs
+        contact = asperity.contact(film_thickness, self._contact_constants)
+        quantities = film.flow.quantities
         if film.ratio is not None:
-            couette, drag = couette * film.ratio, drag * film.ratio
-        shearing = (
-            film.fraction if p.cavity_shear == "film_fraction" else np.ones_like(film.fraction)
-        )
-        shear_inputs = (
+            quantities = _raised(quantities, film.ratio)
+        by_oil = p.cavity_shear == "film_fraction"
+        shear = ShearInputs(
             film.pressure,
-            shearing,
-            film.sliding_velocity,
-            couette,
-            drag,
-            poiseuille,
-            film.surroundings.lower,
-            film.surroundings.upper,
-            self.grid.spacing[1],
-            contact[3],
-            p.friction_rounding_velocity,
+            film.fraction if by_oil else np.ones_like(film.fraction),
+            sliding_velocity,
+            quantities,
+            contact.shear_stress,
             self.area,
+            ShearConstants(
+                around.lower, around.upper, self.grid.cells.dy, p.friction_rounding_velocity
+            ),
         )
-        viscous, boundary, power = friction.shear_forces(*shear_inputs)
+        forces: ShearForces = friction.shear_forces(shear)
         absolute = film.pressure + p.cavitation_pressure
-        pressure_force = (absolute + asperity_pressure) * self.area
-        thinnest, highest, radial, axial, hydrodynamic, rubbing, power, contact_area = summarise(
-            film_thickness,
-            absolute,
-            pressure_force,
-            viscous,
-            boundary,
-            power,
-            contact[2],
-            *self._halves,
+        pressure_force = (absolute + contact.pressure) * self.area
+        summary = summarise(
+            film_thickness, absolute, pressure_force, forces, contact.area_fraction, self._halves
         )
-        friction_force = viscous + boundary
-        if not np.isfinite(sum(radial) + sum(axial)):
+        friction_force = forces.viscous + forces.boundary
+        if not np.isfinite(sum(summary.radial) + sum(summary.friction)):
             i, j = np.argwhere(~np.isfinite(pressure_force + friction_force))[0]
             raise NotConverged(
-                f"forces are not finite at [{i + 1},{j + 1}], film_thickness {film_thickness[i, j]:g} m, "
-                f"sliding_velocity {film.sliding_velocity[i, j]:g} m/s"
+                f"forces are not finite at [{i + 1},{j + 1}], film_thickness "
+                f"{film_thickness[i, j]:g} m, sliding_velocity {sliding_velocity[i, j]:g} m/s"
             )
         outputs = dict(
             nodal_pressure_force=pressure_force,
             nodal_friction_force=friction_force,
             pressure=absolute,
-            asperity_pressure=asperity_pressure,
+            asperity_pressure=contact.pressure,
             film_fraction=film.fraction,
-            minimum_film_thickness=min(thinnest),
-            maximum_pressure=highest,
-            friction_force_hydrodynamic=hydrodynamic,
-            friction_force_asperity=rubbing,
-            friction_power=power,
-            contact_area_fraction=contact_area,
+            minimum_film_thickness=min(summary.thinnest),
+            maximum_pressure=summary.highest,
+            friction_force_hydrodynamic=summary.hydrodynamic,
+            friction_force_asperity=summary.asperity,
+            friction_power=summary.power,
+            contact_area_fraction=summary.contact_area,
+            minimum_film_thickness_thrust_side=summary.thinnest.thrust,
+            radial_force_thrust_side=summary.radial.thrust,
+            friction_force_thrust_side=summary.friction.thrust,
+            minimum_film_thickness_anti_thrust_side=summary.thinnest.anti_thrust,
+            radial_force_anti_thrust_side=summary.radial.anti_thrust,
+            friction_force_anti_thrust_side=summary.friction.anti_thrust,
         )
-        for k, side in enumerate(("thrust", "anti_thrust")):
-            outputs[f"minimum_film_thickness_{side}_side"] = thinnest[k]
-            outputs[f"radial_force_{side}_side"] = radial[k]
-            outputs[f"friction_force_{side}_side"] = axial[k]
-        return (film, contact, shear_inputs), outputs
+        return Last(film, contact, shear), outputs
+
+
+def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
+    """Pressure about a reduced pressure [Pa]."""
+    law = around.piezoviscosity
+    if law is None:
+        return PressureTangent(reduced, 1.0, reduced)
+    pressure = law.pressure(reduced)
+    ratio, _ = law.ratio(pressure)
+    return PressureTangent(pressure, ratio, reduced)
+
+
+def _raised(quantities: Array, ratio: Array) -> Array:
+    """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
+    Couette stress and drag times mu/mu_0.
+    """
+    if len(quantities) == 0:
+        return quantities
+    raised = quantities.copy()
+    raised[COUETTE] *= ratio
+    raised[DRAG] *= ratio
+    return raised

@@ -2,50 +2,84 @@
 share.
 """
 
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from .model import LubricationModel
+from .grid import Array, Flags
+from .model import LubricationModel, State
 from .oil import Oil
+from .parameters import Parameters
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
 UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
 
 
-def motored_film(shape, time):
+class SkirtMotion(NamedTuple):
+    """Film thickness [m] and sliding velocity [m/s], or their changes, each ndarray of shape (n_c,
+    n_a).
+    """
+
+    film_thickness: Array
+    sliding_velocity: Array
+
+
+class MotoredRun(NamedTuple):
+    """Model and state after a run, and the outputs of each step."""
+
+    model: LubricationModel
+    state: State
+    history: list[dict[str, Any]]
+
+
+def motored_film(shape: tuple[int, int], time: float) -> SkirtMotion:
     """A skirt that shifts and tilts in its bore at 3000 rpm, with rupture, reformation and reversal
     of sliding.
 
-    Returns
-    -------
-    film_thickness, sliding_velocity : ndarray, shape (n_c, n_a)
-        [m], [m/s].
+    Parameters
+    ----------
+    shape : tuple of int
+        (n_circumferential, n_axial).
+    time : float
+        [s].
     """
-    angle = np.arange(shape[0]) * 2.0 * np.pi / shape[0]
-    y = (np.arange(shape[1]) + 0.5) / shape[1] - 0.5
+    n_c, n_a = shape
+    angle = np.arange(n_c) * 2.0 * np.pi / n_c
+    y = (np.arange(n_a) + 0.5) / n_a - 0.5
     shift = 8e-6 * np.sin(2.0 * np.pi * 25.0 * time) + 3e-6 * np.sin(2.0 * np.pi * 75.0 * time)
     tilt = 6e-6 * np.sin(2.0 * np.pi * 50.0 * time + 1.0)
     film = 15e-6 - (shift + tilt * y) * np.sin(angle)[:, None] + 10e-6 * (2.0 * y) ** 4
-    return film, np.full(shape, 8.0 * np.sin(2.0 * np.pi * 50.0 * time + 0.1))
+    velocity = 8.0 * np.sin(2.0 * np.pi * 50.0 * time + 0.1)
+    return SkirtMotion(film, np.full(shape, velocity))
 
 
-def motored(parameters, steps):
-    """Model, state and outputs of each of the first `steps` degrees of the motored skirt."""
+def motored(parameters: Parameters, steps: int) -> MotoredRun:
+    """The first `steps` degrees of the motored skirt."""
     return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)
 
 
-def motored_until(parameters, ends):
+def motored_until(parameters: Parameters, ends: Iterable[float]) -> MotoredRun:
     """The same with steps that end at the times `ends` [s]."""
     model = LubricationModel(parameters)
     state, _ = model.start(*motored_film(parameters.shape, 0.0))
-    history, last = [], 0.0
+    history = []
+    last = 0.0
     for end in ends:
-        state, outputs = model.advance(state, *motored_film(parameters.shape, end), end - last)
+        film, velocity = motored_film(parameters.shape, end)
+        state, outputs = model.advance(state, film, velocity, end - last)
         history.append(outputs)
         last = end
-    return model, state, history
+    return MotoredRun(model, state, history)
 
 
-def central_difference(model, state, inputs, change, size=1e-5):
+def central_difference(
+    model: LubricationModel,
+    state: State,
+    inputs: SkirtMotion,
+    change: SkirtMotion,
+    size: float = 1e-5,
+) -> list[Array] | None:
     """Central difference of both force fields along a change of (film_thickness, sliding_velocity)
     at the end of a step.
 
@@ -54,50 +88,60 @@ def central_difference(model, state, inputs, change, size=1e-5):
     list of ndarray or None
         None if a cell switches between full and cavitated meanwhile: there is no derivative then.
     """
-    forward, backward = (
-        model.advance(state, *(x + sign * size * dx for x, dx in zip(inputs, change)), UNEVEN)
-        for sign in (1.0, -1.0)
-    )
-    if not np.array_equal(forward[0].unknown > 0.0, backward[0].unknown > 0.0):
+
+    def shifted(by: float) -> tuple[State, dict[str, Any]]:
+        film = inputs.film_thickness + by * change.film_thickness
+        velocity = inputs.sliding_velocity + by * change.sliding_velocity
+        return model.advance(state, film, velocity, UNEVEN)
+
+    forward_state, forward = shifted(size)
+    backward_state, backward = shifted(-size)
+    if not np.array_equal(forward_state.unknown > 0.0, backward_state.unknown > 0.0):
         return None
     return [
-        (forward[1][name] - backward[1][name]) / (2.0 * size)
+        (forward[name] - backward[name]) / (2.0 * size)
         for name in ("nodal_pressure_force", "nodal_friction_force")
     ]
 
 
-def tangent_error(parameters, steps=100, seed=0):
+def tangent_error(parameters: Parameters, steps: int = 100, seed: int = 0) -> float:
     """Largest difference of tangent and central difference, relative to the largest entry, over
     directions without switching.
     """
     model, state, _ = motored(parameters, steps)
-    inputs = motored_film(parameters.shape, steps * DEGREE + UNEVEN)
-    rng, worst, tried = np.random.default_rng(seed), 0.0, 0
+    shape = parameters.shape
+    inputs = motored_film(shape, steps * DEGREE + UNEVEN)
+    rng = np.random.default_rng(seed)
+    worst = 0.0
+    tried = 0
     while tried < 3:
-        change = 1e-6 * rng.standard_normal(parameters.shape), rng.standard_normal(parameters.shape)
+        change = SkirtMotion(1e-6 * rng.standard_normal(shape), rng.standard_normal(shape))
         difference = central_difference(model, state, inputs, change)
         if difference is None:
             continue
         tried += 1
-        model.advance(state, *inputs, UNEVEN)
-        for tangent, reference in zip(model.tangent(*change), difference):
-            worst = np.maximum(
-                worst, np.abs(tangent - reference).max() / np.abs(reference).max()
-            )  # keeps a NaN
+        model.advance(state, inputs.film_thickness, inputs.sliding_velocity, UNEVEN)
+        tangents = model.tangent(change.film_thickness, change.sliding_velocity)
+        for tangent, reference in zip(tangents, difference):
+            error = np.abs(tangent - reference).max() / np.abs(reference).max()
+            worst = np.maximum(worst, error)  # keeps a NaN
     return worst
 
 
-def opening(shape):
+def opening(shape: tuple[int, int]) -> Flags:
     """Cut-outs for the pin on both sides of a skirt grid."""
+    n_c, n_a = shape
     cells = np.zeros(shape, dtype=bool)
-    half, middle = shape[0] // 2, slice(shape[1] // 3, shape[1] - shape[1] // 5)
-    cells[0, middle] = cells[half, middle] = cells[half + 1, middle.start + 1 : middle.stop - 1] = (
-        True
-    )
+    half = n_c // 2
+    lowest = n_a // 3
+    highest = n_a - n_a // 5
+    cells[0, lowest:highest] = True
+    cells[half, lowest:highest] = True
+    cells[half + 1, lowest + 1 : highest - 1] = True
     return cells
 
 
-def physics(shape):
+def physics(shape: tuple[int, int]) -> dict[str, dict[str, Any]]:
     """Every choice of physics once, as changes of the default parameters, by name."""
     return {
         "contact": dict(roughness_rms=3e-6),

@@ -2,85 +2,116 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
+from .asperity import CONTACT_LAWS
+from .cavitation import CAVITATION
+from .declaration import choice, declared, names_of
+from .friction import CAVITY_SHEAR
+from .grid import Flags
 from .oil import Oil
+from .roughness import FLOW_FACTORS
 
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is fixed for a run; names, units and ranges in `variables.py`.
+    """What is fixed for a run. Each number is declared here, once: unit, default, range and
+    meaning.
+
+    Pressures are gauge, on one datum, edges not below cavitation.
 
     Parameters
     ----------
     shape : tuple of int
         (n_circumferential, n_axial).
     oil : oil.Oil
-    cavitation_model, flow_factors, contact_law, cavity_shear : str
-        Chosen laws, keys of `variables.CHOICES`.
-    bore_radius, skirt_length, minimum_flow_film, roughness_rms : float
-        [m].
-    pressure_lower_edge, pressure_upper_edge, cavitation_pressure, contact_modulus,
-    boundary_shear_strength : float
-        [Pa], pressures on one datum, edges not below cavitation.
-    film_fraction_lower_edge, film_fraction_upper_edge : float
-        [-].
-    oil_temperature_lower_edge, oil_temperature_upper_edge : float
-        [K], linear between.
-    asperity_product, asperity_slope, boundary_friction_coefficient : float
-        eta beta sigma, sigma/beta, mu_b of `asperity` [-].
-    peklenik_number, roughness_share_skirt : float
-        gamma and Y of `roughness` and `films` [-].
-    friction_rounding_velocity : float
-        [m/s].
-    coating_thickness, coating_modulus, coating_poisson : float
-        Soft layer, d [m], E [Pa], nu [-] of `coating`; 0 m = none.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cut-outs.
     """
 
-    shape: tuple = (40, 40)
+    shape: tuple[int, int] = (40, 40)
     oil: Oil = field(default_factory=Oil)
-    cavitation_model: str = "jfo"
-    flow_factors: str = "none"
-    contact_law: str = "greenwood_tripp_1970"
-    cavity_shear: str = "film_fraction"
-    bore_radius: float = 28.25e-3
-    skirt_length: float = 27e-3
-    pressure_lower_edge: float = 0.0
-    pressure_upper_edge: float = 0.0
-    cavitation_pressure: float = 0.0
-    film_fraction_lower_edge: float = 1.0
-    film_fraction_upper_edge: float = 1.0
-    oil_temperature_lower_edge: float = 373.15
-    oil_temperature_upper_edge: float = 373.15
-    minimum_flow_film: float = 5e-8
-    roughness_rms: float = 0.0
-    peklenik_number: float = 1.0
-    roughness_share_skirt: float = 0.8
-    asperity_product: float = 0.04
-    asperity_slope: float = 1e-3
-    contact_modulus: float = 6e10
-    boundary_friction_coefficient: float = 0.12
-    boundary_shear_strength: float = 0.0
-    friction_rounding_velocity: float = 1e-3
-    coating_thickness: float = 0.0
-    coating_modulus: float = 1e9
-    coating_poisson: float = 0.3
-    open_cells: np.ndarray | None = None
+
+    # laws
+    cavitation_model: str = choice("Cavitation", CAVITATION)
+    cavity_shear: str = choice("Share of the cavitated film that shears", CAVITY_SHEAR)
+    flow_factors: str = choice("Average flow between rough surfaces", FLOW_FACTORS)
+    contact_law: str = choice("Asperity contact", CONTACT_LAWS)
+
+    # skirt and film
+    bore_radius: float = declared("m", 28.25e-3, 1e-3, 1.0, "Radius of the cylinder bore")
+    skirt_length: float = declared("m", 27e-3, 1e-3, 2.0, "Axial length of the lubricated skirt")
+    cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8, "Cavitation pressure, gauge")
+    minimum_flow_film: float = declared(
+        "m", 5e-8, 1e-9, 1e-5, "Film thickness below which the oil sees no thinner film"
+    )
+
+    # roughness and contact: gamma and Y of `roughness`; eta beta sigma, sigma/beta, E*, mu_b, tau_0
+    # of `asperity`
+    roughness_rms: float = declared(
+        "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0 = smooth, no contact"
+    )
+    peklenik_number: float = declared(
+        "1", 1.0, 1.0 / 9.0, 9.0, "Roughness correlation length along over across the axis"
+    )
+    roughness_share_skirt: float = declared(
+        "1", 0.8, 0.0, 1.0, "Skirt's share of the roughness variance"
+    )
+    asperity_product: float = declared(
+        "1", 0.04, 1e-4, 1.0, "Asperity density x tip radius x rms height (eta beta sigma)"
+    )
+    asperity_slope: float = declared("1", 1e-3, 1e-6, 1.0, "Rms height / tip radius (sigma/beta)")
+    contact_modulus: float = declared(
+        "Pa", 6e10, 1e6, 1e12, "Contact modulus E*, 1/E* = sum of (1-nu^2)/E of both bodies"
+    )
+    boundary_friction_coefficient: float = declared(
+        "1", 0.12, 0.0, 2.0, "Friction coefficient of asperity contact"
+    )
+    boundary_shear_strength: float = declared(
+        "Pa", 0.0, 0.0, 1e9, "Shear strength of the boundary layer in contact"
+    )
+    friction_rounding_velocity: float = declared(
+        "m/s", 1e-3, 1e-9, 1.0, "Velocity below which asperity friction fades"
+    )
+
+    # soft layer: d, E, nu of `coating`
+    coating_thickness: float = declared(
+        "m", 0.0, 0.0, 1e-3, "Thickness of a soft coating; 0 = none"
+    )
+    coating_modulus: float = declared("Pa", 1e9, 1e6, 1e12, "Young's modulus of the coating")
+    coating_poisson: float = declared("1", 0.3, 0.0, 0.45, "Poisson's ratio of the coating")
+
+    # what holds at the edges, and may change from step to step
+    pressure_lower_edge: float = declared(
+        "Pa", 0.0, -2e5, 1e8, "Pressure at the lower edge, gauge", condition=True
+    )
+    pressure_upper_edge: float = declared(
+        "Pa", 0.0, -2e5, 1e8, "Pressure at the upper edge, gauge", condition=True
+    )
+    film_fraction_lower_edge: float = declared(
+        "1", 1.0, 0.0, 1.0, "Film fraction of the oil entering at the lower edge", condition=True
+    )
+    film_fraction_upper_edge: float = declared(
+        "1", 1.0, 0.0, 1.0, "Film fraction of the oil entering at the upper edge", condition=True
+    )
+    oil_temperature_lower_edge: float = declared(
+        "K",
+        373.15,
+        233.15,
+        573.15,
+        "Oil temperature at the lower edge, linear between",
+        condition=True,
+    )
+    oil_temperature_upper_edge: float = declared(
+        "K", 373.15, 233.15, 573.15, "Oil temperature at the upper edge", condition=True
+    )
+
+    open_cells: Flags | None = None
 
 
-CONDITIONS = (
-    "pressure_lower_edge",
-    "pressure_upper_edge",
-    "film_fraction_lower_edge",
-    "film_fraction_upper_edge",
-    "oil_temperature_lower_edge",
-    "oil_temperature_upper_edge",
-)
+# parameters that may be inputs
+CONDITION_NAMES = names_of(Parameters, condition=True)
 
 
-def faults(parameters):
+def faults(parameters: Parameters) -> list[str]:
     """What is wrong between parameters that are each in range.
 
     Parameters
@@ -93,15 +124,20 @@ def faults(parameters):
         One sentence a fault.
     """
     p = parameters
-    found = [
-        f"pressure_{edge}_edge = {pressure:g} Pa: must not be below cavitation_pressure = {p.cavitation_pressure:g} Pa"
-        for edge, pressure in (("lower", p.pressure_lower_edge), ("upper", p.pressure_upper_edge))
-        if pressure < p.cavitation_pressure
-    ]
-    if p.oil.viscosity_law == "two_point" and p.oil.viscosity_40 <= p.oil.viscosity_100:
-        found.append(
-            f"viscosity_40 = {p.oil.viscosity_40:g} Pa.s: must be above viscosity_100 = {p.oil.viscosity_100:g} Pa.s"
+    sentences = []
+    for name in ("pressure_lower_edge", "pressure_upper_edge"):
+        pressure = getattr(p, name)
+        if pressure < p.cavitation_pressure:
+            sentences.append(
+                f"{name} = {pressure:g} Pa: must not be below cavitation_pressure = "
+                f"{p.cavitation_pressure:g} Pa"
+            )
+    oil = p.oil
+    if oil.viscosity_law == "two_point" and oil.viscosity_40 <= oil.viscosity_100:
+        sentences.append(
+            f"viscosity_40 = {oil.viscosity_40:g} Pa.s: must be above viscosity_100 = "
+            f"{oil.viscosity_100:g} Pa.s"
         )
     if p.flow_factors != "none" and p.roughness_rms <= 0.0:
-        found.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
-    return found
+        sentences.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
+    return sentences

@@ -1,20 +1,24 @@
 """The lubrication FMU: the variable table and a step."""
 
-import numpy as np
+from collections.abc import Mapping
+from typing import Any
 
 from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
+from ..master.fmi.variables import Variable
 from .cavitation import NotConverged
 from .model import LubricationModel, State
 from .oil import Oil
+from .options import BuildOptions
 from .parameters import Parameters, faults
 from .variables import (
     CHOICES,
-    CONDITIONS,
+    CONDITION_VARIABLES,
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
-    FILM,
-    OIL,
+    DIAGNOSTIC_FIELDS,
+    FILM_VARIABLES,
+    OIL_VARIABLES,
     variables,
 )
 
@@ -31,30 +35,31 @@ class Ehd(FieldSlave):
     derivative_outputs = DERIVATIVE_OUTPUTS
 
     @staticmethod
-    def variables(options):
-        """Variable table for the grid, the oil and the inputs of `options`."""
-        return variables(
-            tuple(options["grid"]), not options["no_fields"], options["inputs"], options["oil"]
-        )
+    def variables(options: Mapping[str, Any]) -> list[Variable]:
+        """Variable table for the grid, the oil and the inputs of `options`, build.json."""
+        built = BuildOptions.read(options)
+        return variables(built.grid, not built.no_fields, built.inputs, built.oil)
 
-    def start(self, values):
+    def start(self, values: Mapping[str, Any]) -> tuple[State, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
-        found = [
+        unknown_laws = [
             f"{name} = {values[name]!r}: allowed are {', '.join(allowed)}"
             for name, allowed in CHOICES.items()
             if values[name] not in allowed
         ]
-        if found:
-            raise BadInput(found)
-        fixed = {v.name: values[v.name] for v in FILM + CONDITIONS}
+        if unknown_laws:
+            raise BadInput(unknown_laws)
+        built = BuildOptions.read(self.options)
         parameters = Parameters(
-            tuple(self.options["grid"]),
-            Oil(**{v.name: values[v.name] for v in OIL}),
-            **fixed,
-            open_cells=self._open_cells(),
+            built.grid,
+            Oil(**{v.name: values[v.name] for v in OIL_VARIABLES}),
+            open_cells=built.open_cells,
+            **{v.name: values[v.name] for v in FILM_VARIABLES + CONDITION_VARIABLES},
         )
-        if found := faults(parameters):
-            raise BadInput(found)
+        contradictions = faults(parameters)
+        if contradictions:
+            raise BadInput(contradictions)
+        self.built = built
         self.model = LubricationModel(parameters)
         try:
             state, outputs = self.model.start(
@@ -64,7 +69,9 @@ class Ehd(FieldSlave):
             raise BadInput(str(trouble)) from None
         return state, self._shown(outputs)
 
-    def advance(self, state, values, time, step):
+    def advance(
+        self, state: State, values: Mapping[str, Any], time: float, step: float
+    ) -> tuple[State, dict[str, Any]]:
         """One step; discarded where the film has no solution."""
         try:
             state, outputs = self.model.advance(
@@ -78,29 +85,17 @@ class Ehd(FieldSlave):
             raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
         return state, self._shown(outputs)
 
-    def _open_cells(self):
-        """Cut-outs of the mask, None without one."""
-        mask = self.options["mask"]
-        return None if mask is None else np.array(mask) == 0
-
     def _conditions(self, values):
         """Inputs that stand in for parameters."""
-        return {name: values[name] for name in self.options["inputs"]}
+        return {name: values[name] for name in self.built.inputs}
 
-    def directional_derivative(self, seeds):
+    def directional_derivative(self, seeds: Mapping[str, Any]) -> dict[str, Any]:
         """Change of both force fields for changed film and velocity at the end of the last step."""
-        return dict(
-            zip(
-                DERIVATIVE_OUTPUTS, self.model.tangent(*(seeds[name] for name in DERIVATIVE_INPUTS))
-            )
-        )
+        film, velocity = (seeds[name] for name in DERIVATIVE_INPUTS)
+        return dict(zip(DERIVATIVE_OUTPUTS, self.model.tangent(film, velocity)))
 
     def _shown(self, outputs):
         """Outputs without the diagnostic fields if the FMU was built so."""
-        if not self.options["no_fields"]:
+        if not self.built.no_fields:
             return outputs
-        return {
-            k: v
-            for k, v in outputs.items()
-            if k not in ("pressure", "asperity_pressure", "film_fraction")
-        }
+        return {k: v for k, v in outputs.items() if k not in DIAGNOSTIC_FIELDS}

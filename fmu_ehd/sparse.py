@@ -2,11 +2,27 @@
 all.
 """
 
+from typing import Any, Protocol
+
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 from .blocks import BlockTridiagonal
+from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
+
+
+class LinearSolver(Protocol):
+    """What a step of the film asks of a solver of Eq. (B1)."""
+
+    def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
+        """Factorise the stencil, shape (5, n_c, n_a), of which only the columns of the axial
+        stations from the first to the last of `stations` changed since the last call.
+        """
+
+    def solve(self, right: Array) -> Array:
+        """Solution for right-hand sides of shape (m, n_c, n_a), which may be overwritten."""
+        ...
 
 
 class FivePointPattern:
@@ -20,33 +36,32 @@ class FivePointPattern:
         Compressed rows (CSR) instead of columns (CSC).
     """
 
-    def __init__(self, shape, by_rows):
+    def __init__(self, shape: tuple[int, int], by_rows: bool):
         cell = np.arange(shape[0] * shape[1]).reshape(shape)
-        neighbours = (
-            cell,
-            np.roll(cell, 1, 1),
-            np.roll(cell, -1, 1),
-            np.roll(cell, 1, 0),
-            np.roll(cell, -1, 0),
-        )
-        inside = [np.ones(shape, dtype=bool) for _ in neighbours]
-        inside[1][:, 0] = inside[2][:, -1] = (
-            False  # no neighbour south of the first and north of the last station
-        )
-        self._kept = np.flatnonzero(np.concatenate([k.ravel() for k in inside]))
-        rows = np.concatenate([cell.ravel()] * 5)[self._kept]
-        columns = np.concatenate([n.ravel() for n in neighbours])[self._kept]
+        neighbours = np.empty((5, *shape), dtype=cell.dtype)
+        neighbours[CENTRE] = cell
+        neighbours[SOUTH] = np.roll(cell, 1, 1)
+        neighbours[NORTH] = np.roll(cell, -1, 1)
+        neighbours[WEST] = np.roll(cell, 1, 0)
+        neighbours[EAST] = np.roll(cell, -1, 0)
+        inside = np.ones((5, *shape), dtype=bool)
+        inside[SOUTH, :, 0] = False  # no neighbour south of the first station
+        inside[NORTH, :, -1] = False  # and none north of the last one
+        kept = np.flatnonzero(inside)
+        rows = np.broadcast_to(cell, neighbours.shape).ravel()[kept]
+        columns = neighbours.ravel()[kept]
         self._kind = csr_matrix if by_rows else csc_matrix
-        numbered = self._kind(
-            (np.arange(1.0, rows.size + 1.0), (rows, columns)), shape=(cell.size, cell.size)
-        )
+        numbers = np.arange(1.0, rows.size + 1.0)
+        numbered = self._kind((numbers, (rows, columns)), shape=(cell.size, cell.size))
         numbered.sort_indices()
-        self._order = self._kept[numbered.data.astype(np.int64) - 1]
-        self._indices, self._indptr, self._size = numbered.indices, numbered.indptr, cell.size
+        self._order = kept[numbered.data.astype(np.int64) - 1]
+        self._indices = numbered.indices
+        self._indptr = numbered.indptr
+        self._size = cell.size
 
-    def matrix(self, stencil):
-        """Compressed matrix of a stencil (centre, south, north, west, east)."""
-        values = np.concatenate([part.ravel() for part in stencil])[self._order]
+    def matrix(self, stencil: Array):
+        """Compressed matrix of a stencil, shape (5, n_c, n_a)."""
+        values = np.ravel(stencil)[self._order]  # Eq. (B1)
         return self._kind((values, self._indices, self._indptr), shape=(self._size, self._size))
 
 
@@ -59,27 +74,26 @@ class SuperLU:
         (n_circumferential, n_axial).
     """
 
-    def __init__(self, shape):
+    def __init__(self, shape: tuple[int, int]):
         self._pattern = FivePointPattern(shape, by_rows=False)
-        self._factors = None
+        self._factors: Any = None
 
-    def factorise(self, stencil, stations=None):
+    def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise anew, whatever changed."""
         self._factors = splu(self._pattern.matrix(stencil))
 
-    def solve(self, right):
+    def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
         alone.
         """
         columns = right.reshape(right.shape[0], -1).T
-        return np.ascontiguousarray(self._factors.solve(np.asfortranarray(columns)).T).reshape(
-            right.shape
-        )
+        solution = self._factors.solve(np.asfortranarray(columns))
+        return np.ascontiguousarray(solution.T).reshape(right.shape)
 
 
 class Pardiso:
-    """Factorisation by PARDISO of the MKL through pypardiso; the ordering is found once, for the
-    sparsity never changes.
+    """Factorisation by PARDISO of the MKL through pypardiso; the ordering is worked out once,
+    for the sparsity never changes.
 
     One thread, so that a repeated step gives the same bits.
 
@@ -96,32 +110,32 @@ class Pardiso:
 
     ANALYSE, FACTORISE, SOLVE, RELEASE = 11, 22, 33, -1
 
-    def __init__(self, shape):
-        from pypardiso import PyPardisoSolver
+    def __init__(self, shape: tuple[int, int]):
+        from pypardiso import PyPardisoSolver  # pyright: ignore[reportMissingImports]
 
         self._pattern = FivePointPattern(shape, by_rows=True)
         self._solver = PyPardisoSolver(mtype=11)
         self._solver.set_iparm(1, 1)  # the settings below, not the defaults
         self._solver.set_iparm(2, 2)  # nested dissection
         self._solver.set_iparm(10, 13)  # pivots below 1e-13 are perturbed: an M-matrix has none
-        self._solver.set_iparm(
-            11, 0
-        )  # no scaling and no matching, which would need a new analysis for each matrix:
-        self._solver.set_iparm(13, 0)  # elimination of an M-matrix is stable without
-        self._matrix = self._scale = None
+        # no scaling and no matching, which would need a new analysis for each matrix:
+        # elimination of an M-matrix is stable without
+        self._solver.set_iparm(11, 0)
+        self._solver.set_iparm(13, 0)
+        self._matrix: Any = None
+        self._scale = np.empty(0)
 
-    def factorise(self, stencil, stations=None):
+    def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise anew, whatever changed."""
         first = self._matrix is None
         self._matrix = self._pattern.matrix(stencil)
-        self._scale = stencil[
-            0
-        ].ravel()  # columns of pressure and of film fraction differ by orders of magnitude
+        # columns of pressure and of film fraction differ by orders of magnitude
+        self._scale = stencil[CENTRE].ravel()
         self._matrix.data /= self._scale[self._matrix.indices]
         for phase in (self.ANALYSE, self.FACTORISE) if first else (self.FACTORISE,):
             self._call(phase, np.zeros((self._matrix.shape[0], 1)))
 
-    def solve(self, right):
+    def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
         alone.
         """
@@ -137,19 +151,17 @@ class Pardiso:
             self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
 
     def __del__(self):
-        if (
-            getattr(self, "_matrix", None) is not None
-        ):  # PARDISO's own memory outlives the object otherwise
+        # PARDISO's own memory outlives the object otherwise
+        if getattr(self, "_matrix", None) is not None:
             self._call(self.RELEASE, np.zeros((self._matrix.shape[0], 1)))
 
 
-WIDEST_DENSE = (
-    192  # cells across up to which dense blocks are faster than PARDISO, tests/bench/ehd_grids.py
-)
+# cells across up to which dense blocks are faster than PARDISO, tests/bench/ehd_grids.py
+WIDEST_DENSE = 192
 LARGEST_DENSE = 2e9  # bytes of dense blocks that are still acceptable where there is no PARDISO
 
 
-def linear_solver(shape):
+def linear_solver(shape: tuple[int, int]) -> LinearSolver:
     """The fastest solver at hand for a grid: dense blocks, else PARDISO if installed, else blocks
     while they fit, else SuperLU.
 
@@ -158,13 +170,11 @@ def linear_solver(shape):
     shape : tuple of int
         (n_circumferential, n_axial).
     """
-    if shape[0] <= WIDEST_DENSE:
+    across, stations = shape
+    if across <= WIDEST_DENSE:
         return BlockTridiagonal(shape)
     try:
         return Pardiso(shape)
     except ImportError:
-        return (
-            BlockTridiagonal(shape)
-            if 8.0 * shape[0] ** 2 * shape[1] <= LARGEST_DENSE
-            else SuperLU(shape)
-        )
+        dense = 8.0 * across**2 * stations <= LARGEST_DENSE
+        return BlockTridiagonal(shape) if dense else SuperLU(shape)

@@ -1,58 +1,97 @@
 """Scalars of a whole film in one pass over its cells."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..master.fmi.compiled import compiled
+from .friction import ShearForces
+from .grid import Array
 
 
-def halves(n_circumferential):
-    """How much of each circumferential cell belongs to the thrust half, and the sine of its angle.
+class Halves(NamedTuple):
+    """How the circumferential cells belong to the thrust half (+x; i runs from +z towards +x).
 
-    Parameters
-    ----------
-    n_circumferential : int
-
-    Returns
-    -------
-    share, sine : ndarray, shape (n_c,)
-        1 on the thrust side (+x; i runs from +z towards +x), 0 on the other, 1/2 on the pin axis;
-        sin(theta) [-].
+    share : ndarray, shape (n_c,), 1 on the thrust side, 0 on the other, 1/2 on the pin axis [-];
+    sine : ndarray, shape (n_c,), of the cell's angle from the pin axis [-].
     """
+
+    share: Array
+    sine: Array
+
+
+class Sides(NamedTuple):
+    """One number for each half of the skirt."""
+
+    thrust: float
+    anti_thrust: float
+
+
+class Summary(NamedTuple):
+    """Extremes and sums of a film.
+
+    thinnest : Sides, minimum film thickness [m]; highest : maximum pressure [Pa];
+    radial : Sides, force across the thrust plane, >= 0 pushes apart [N];
+    friction : Sides, axial force on the skirt [N];
+    hydrodynamic, asperity : axial force by its cause [N]; power : [W];
+    contact_area : mean of the contact area fraction [-].
+    """
+
+    thinnest: Sides
+    highest: float
+    radial: Sides
+    friction: Sides
+    hydrodynamic: float
+    asperity: float
+    power: float
+    contact_area: float
+
+
+def halves(n_circumferential: int) -> Halves:
+    """Halves of a ring of cells."""
     sine = np.sin((np.arange(n_circumferential) + 0.5) * 2.0 * np.pi / n_circumferential)
-    return np.where(np.abs(sine) < 1e-12, 0.5, (sine > 0.0).astype(float)), sine
+    share = np.where(np.abs(sine) < 1e-12, 0.5, (sine > 0.0).astype(float))
+    return Halves(share, sine)
 
 
 @compiled
 def summarise(
-    film_thickness, pressure, pressure_force, viscous, boundary, power, contact_area, share, sine
+    film_thickness: Array,
+    pressure: Array,
+    pressure_force: Array,
+    forces: ShearForces,
+    contact_area: Array,
+    halves: Halves,
 ):
-    """Extremes and sums of a film; pairs are (thrust, anti-thrust half).
+    """Extremes and sums of a film.
 
-    Parameters ---------- film_thickness, pressure, pressure_force, viscous, boundary, power,
-    contact_area : ndarray, shape (n_c, n_a)
-        [m], [Pa], [N], [N], [N], [W], [-].
-    share, sine : ndarray, shape (n_c,)
-        From `halves`.
+    Parameters
+    ----------
+    film_thickness, pressure, pressure_force, contact_area : ndarray, shape (n_c, n_a)
+        [m], [Pa], [N], [-].
+    forces : friction.ShearForces
+    halves : Halves
 
     Returns
     -------
-    thinnest : pair of float
-        [m].
-    highest : float
-        [Pa].
-    radial : pair of float
-        Force across the thrust plane, >= 0 pushes apart [N].
-    friction : pair of float
-        Axial force on the skirt [N].
-    hydrodynamic, asperity, power, area : float
-        Sums of viscous, boundary [N] and power [W], mean of the contact area fraction [-].
+    Summary
     """
+    viscous, boundary, power = forces
+    share, sine = halves
     n_c, n_a = film_thickness.shape
-    thinnest, radial, friction = np.zeros(2), np.zeros(2), np.zeros(2)
-    thinnest[:] = np.inf
-    highest, hydrodynamic, asperity, total, area = -np.inf, 0.0, 0.0, 0.0, 0.0
+    thinnest = np.full(2, np.inf)
+    radial = np.zeros(2)
+    friction = np.zeros(2)
+    highest = -np.inf
+    hydrodynamic = 0.0
+    asperity = 0.0
+    total = 0.0
+    area = 0.0
     for i in range(n_c):
-        low, normal, wet, dry = np.inf, 0.0, 0.0, 0.0
+        low = np.inf
+        normal = 0.0
+        wet = 0.0
+        dry = 0.0
         for j in range(n_a):
             low = min(low, film_thickness[i, j])
             highest = max(highest, pressure[i, j])
@@ -69,11 +108,11 @@ def summarise(
                 thinnest[side] = min(thinnest[side], low)
             radial[side] += part * abs(sine[i]) * normal
             friction[side] += part * (wet + dry)
-    return (
-        (thinnest[0], thinnest[1]),
+    return Summary(
+        Sides(thinnest[0], thinnest[1]),
         highest,
-        (radial[0], radial[1]),
-        (friction[0], friction[1]),
+        Sides(radial[0], radial[1]),
+        Sides(friction[0], friction[1]),
         hydrodynamic,
         asperity,
         total,

@@ -1,12 +1,15 @@
 """What holds around and in the oil during a step: edges, temperature, viscosity."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from .cavitation import NotConverged
-from .grid import Edges
-from .parameters import CONDITIONS
+from .grid import Array, Edges
+from .oil import Piezoviscosity
+from .parameters import CONDITION_NAMES, Parameters
 
 
 @dataclass(frozen=True)
@@ -21,27 +24,27 @@ class Surroundings:
         Edge pressures above cavitation pressure [Pa].
     temperature, viscosity : ndarray, shape (n_c, n_a)
         T [K], low-shear mu_0 [Pa s].
-    thickening : object or None
-        Pressure-viscosity law of `oil`.
+    piezoviscosity : oil.Piezoviscosity or None
     """
 
     edges: Edges
     lower: float
     upper: float
-    temperature: np.ndarray
-    viscosity: np.ndarray
-    thickening: object
+    temperature: Array
+    viscosity: Array
+    piezoviscosity: Piezoviscosity | None
 
 
-def surroundings(parameters, conditions):
+def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
     """Edges, temperature and viscosity of a step.
 
     Parameters
     ----------
     parameters : parameters.Parameters
-    conditions : dict
-        Any of `parameters.CONDITIONS` in place of the parameter of that name, and `oil_temperature`
-        [K], float or ndarray of shape (n_c, n_a), in place of both edge temperatures.
+    conditions : mapping
+        Any of `parameters.CONDITION_NAMES` in place of the parameter of that name, and
+        `oil_temperature` [K], float or ndarray of shape (n_c, n_a), in place of both edge
+        temperatures.
 
     Returns
     -------
@@ -53,15 +56,16 @@ def surroundings(parameters, conditions):
         If an edge is below cavitation pressure.
     """
     p = parameters
-    given = {name: conditions.get(name, getattr(p, name)) for name in CONDITIONS}
-    lower, upper = (
-        given[f"pressure_{edge}_edge"] - p.cavitation_pressure for edge in ("lower", "upper")
-    )
+    given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
+    lower = given["pressure_lower_edge"] - p.cavitation_pressure
+    upper = given["pressure_upper_edge"] - p.cavitation_pressure
     if min(lower, upper) < 0.0:
         raise NotConverged(
-            f"edge pressure {min(lower, upper):g} Pa above cavitation pressure: must not be below it"
+            f"edge pressure {min(lower, upper):g} Pa above cavitation pressure: must not be "
+            "below it"
         )
-    along = (np.arange(p.shape[1]) + 0.5) / p.shape[1]
+    _, n_axial = p.shape
+    along = (np.arange(n_axial) + 0.5) / n_axial
     profile = (
         given["oil_temperature_lower_edge"] * (1.0 - along)
         + given["oil_temperature_upper_edge"] * along
@@ -70,16 +74,10 @@ def surroundings(parameters, conditions):
         np.asarray(conditions.get("oil_temperature", profile), dtype=float), p.shape
     )
     viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
-    law = p.oil.thickening(viscosity.mean()) if p.oil.pressure_viscosity_law != "none" else None
+    law = p.oil.piezoviscosity(viscosity.mean())
     pressure = np.array([lower, upper, 0.0, 0.0])
     fraction = np.array(
         [given["film_fraction_lower_edge"], given["film_fraction_upper_edge"], 1.0, 1.0]
     )
-    return Surroundings(
-        Edges(law.reduced(pressure) if law else pressure, fraction),
-        lower,
-        upper,
-        temperature,
-        viscosity,
-        law,
-    )
+    edges = Edges(law.reduced(pressure) if law else pressure, fraction)
+    return Surroundings(edges, lower, upper, temperature, viscosity, law)

@@ -87,10 +87,12 @@ def main():
     direct = best(lambda: model.tangent(*seeds.values()))
     derivative = best(lambda: participant.derivative(seeds, DERIVATIVE_OUTPUTS))
     print(
-        f"bare step {1e6 * bare:.0f} us, through FMI {1e6 * through:.0f} us: {through / bare:.2f} times (target 2), same bits"
+        f"bare step {1e6 * bare:.0f} us, through FMI {1e6 * through:.0f} us: "
+        f"{through / bare:.2f} times (target 2), same bits"
     )
     print(
-        f"bare derivative {1e6 * direct:.0f} us, through FMI {1e6 * derivative:.0f} us: {derivative / direct:.1f} times"
+        f"bare derivative {1e6 * direct:.0f} us, through FMI {1e6 * derivative:.0f} us: "
+        f"{derivative / direct:.1f} times"
     )
     participant.close()
 

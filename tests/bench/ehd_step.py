@@ -86,16 +86,18 @@ def main():
         ("60 directional derivatives at once", best(lambda: model.tangent(*sixty)), 4.0),
     ]
     print(
-        f"{SHAPE[0]} x {SHAPE[1]}, {STEPS} steps, {np.mean(iterations):.2f} factorisations a step, most {max(iterations)}"
+        f"{' x '.join(map(str, SHAPE))}, {STEPS} steps, "
+        f"{np.mean(iterations):.2f} factorisations a step, most {max(iterations)}"
     )
     print(f"{'':44s}{'us':>8s}{'factorisations':>16s}{'target':>8s}")
     for name, time, target in rows:
         print(
-            f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}{'' if target is None else target:>8}"
+            f"{name:44s}{1e6 * time:8.0f}{time / factorisation:16.2f}"
+            f"{'' if target is None else target:>8}"
         )
     print(
-        f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   {superlu.mean() / step.mean():.1f} times the "
-        "block step (target 10)"
+        f"{'the same step on SuperLU':44s}{1e6 * superlu.mean():8.0f}   "
+        f"{superlu.mean() / step.mean():.1f} times the block step (target 10)"
     )
 
 

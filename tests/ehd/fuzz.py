@@ -156,7 +156,8 @@ def main():
         fuzz = Fuzz(0, Path(folder))
         fuzz.run(int(sys.argv[1]))
     print(
-        f"{sys.argv[1]} calls: {fuzz.taken} steps taken, {fuzz.refused} refused, every refusal left the state untouched"
+        f"{sys.argv[1]} calls: {fuzz.taken} steps taken, {fuzz.refused} refused, "
+        "every refusal left the state untouched"
     )
 
 

@@ -18,32 +18,35 @@ def test_integral_is_its_definition(order, separation):
     )  # quad's end-point error
 
 
+def contact(film, roughness_rms=1.0, **changes):
+    """Contact with all scales 1 and a friction coefficient of 0.1, but for `changes`."""
+    unit = asperity.ContactConstants(roughness_rms, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
+    return asperity.contact(film, unit._replace(**changes))
+
+
 def test_slope_is_the_derivative_across_table_cells_and_overlap():
     film = np.linspace(-2.0, 9.0, 1001)[None]
-    table = asperity.contact_table()
     size = 1e-6
-    slope = asperity.contact(film, 1.0, 1.0, 1.0, 0.1, 0.0, table)[1]
-    difference = (
-        asperity.contact(film + size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
-        - asperity.contact(film - size, 1.0, 1.0, 1.0, 0.1, 0.0, table)[0]
-    ) / (2.0 * size)
+    slope = contact(film).pressure_slope
+    difference = (contact(film + size).pressure - contact(film - size).pressure) / (2.0 * size)
     assert (
         np.abs(slope - difference).max() <= 1e-8
     )  # the second derivative jumps at the table's points
 
 
 def test_overlap_goes_on_straight():
-    pressure, slope, *_ = asperity.contact(
-        np.array([[0.0, -1.0, -2.0]]), 1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table()
-    )
+    overlap = contact(np.array([[0.0, -1.0, -2.0]]))
+    pressure = overlap.pressure
+    slope = overlap.pressure_slope
     assert slope[0, 1] == slope[0, 0] and np.diff(pressure[0]) == pytest.approx(-slope[0, 0])
 
 
 def test_smooth_surfaces_do_not_touch():
-    pressure, slope, area, stress, _ = asperity.contact(
-        np.array([[-1e-6]]), 0.0, 1e9, 0.1, 0.1, 1e6, asperity.contact_table()
+    smooth = contact(
+        np.array([[-1e-6]]), 0.0, pressure_scale=1e9, area_scale=0.1, shear_strength=1e6
     )
-    assert pressure[0, 0] == slope[0, 0] == area[0, 0] == stress[0, 0] == 0.0
+    for value in smooth:
+        assert value[0, 0] == 0.0
 
 
 def test_scale():

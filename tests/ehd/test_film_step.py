@@ -3,8 +3,10 @@ import pytest
 from piston_cosim.fmu_ehd import cavitation, reynolds
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep
-from piston_cosim.fmu_ehd.films import smooth_film
-from piston_cosim.fmu_ehd.grid import Edges, Grid
+from piston_cosim.fmu_ehd.films import FilmSlopes, smooth_film
+from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid
+from piston_cosim.fmu_ehd.reynolds import Filling, Storage
+from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
 
 
@@ -14,25 +16,21 @@ def problem(ring, seed=0, shape=(7, 9)):
     grid = Grid(shape, 7e-3, 9e-3, ring)
     edges = Edges(np.array([1e4, 0.0, 2e4, 0.0]), np.array([0.9, 0.6, 1.0, 0.5]))
     film = 2e-6 * (1.0 + 3.0 * rng.random(shape))
-    velocities = rng.standard_normal((2, *shape))
+    across, along = rng.standard_normal((2, *shape))
     content = film * np.minimum(1.0, 0.7 + 0.5 * rng.random(shape))
-    return grid, edges, film, velocities, content
+    return grid, edges, film, Entrainment(across, along), content
 
 
 @pytest.mark.parametrize("ring", [True, False])
 def test_every_cell_balances(ring):
-    grid, edges, film, velocities, content = problem(ring)
+    grid, edges, film, entrainment, content = problem(ring)
     solution = FilmStep(grid).solve(
-        flow_film(film, 0.01), *velocities, edges, content, content >= film, 1e-4
+        flow_film(film, 0.01), entrainment, edges, EulerStep(content, 1e-4), content >= film
     )
     assert 0 < np.count_nonzero(solution.full) < film.size  # both kinds of cells are there
-    flow = flow_film(film, 0.01)
-    faces = reynolds.faces(
-        flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, ring
-    )
-    out, edge_flow, _ = reynolds.outflow(
-        solution.pressure, solution.film_fraction, *faces, edges.pressure, edges.film_fraction, ring
-    )
+    faces = reynolds.faces(flow_film(film, 0.01), entrainment, grid.cells)
+    filling = Filling(solution.pressure, solution.film_fraction)
+    out, edge_flow, _ = reynolds.outflow(filling, faces, edges, ring)
     growth = grid.cell_area / 1e-4 * (solution.content - content)
     assert np.abs(out + growth).max() <= 1e-12 * np.abs(growth).max()
     assert abs(edge_flow.sum() + out.sum()) <= 1e-14 * np.abs(out).sum()
@@ -40,9 +38,9 @@ def test_every_cell_balances(ring):
 
 @pytest.mark.parametrize("ring", [True, False])
 def test_film_fraction_and_pressure_stay_in_range(ring):
-    grid, edges, film, velocities, content = problem(ring)
+    grid, edges, film, entrainment, content = problem(ring)
     solution = FilmStep(grid).solve(
-        flow_film(film, 0.01), *velocities, edges, 0.01 * content, content >= film, 1e-4
+        flow_film(film, 0.01), entrainment, edges, EulerStep(0.01 * content, 1e-4), content >= film
     )
     assert solution.film_fraction.min() >= 0.0
     assert solution.film_fraction.max() <= 1.0 + cavitation.FRACTION_ROUNDOFF
@@ -51,28 +49,31 @@ def test_film_fraction_and_pressure_stay_in_range(ring):
 
 @pytest.mark.parametrize("ring", [True, False])
 def test_tangent_is_the_central_difference(ring):
-    grid, edges, film, velocities, content = problem(ring)
+    grid, edges, film, entrainment, content = problem(ring)
     rng = np.random.default_rng(5)
     dfilm, dvelocity = 1e-6 * rng.standard_normal(film.shape), rng.standard_normal(film.shape)
-    along = rng.standard_normal(
-        velocities.shape
-    )  # both entrainment velocities follow the sliding velocity
+    # both entrainment velocities follow the sliding velocity
+    dacross, dalong = rng.standard_normal((2, *film.shape))
     step, size = FilmStep(grid), 1e-5
+    begin = EulerStep(content, 1e-4)
     ends = [
         step.solve(
             flow_film(film + s * dfilm, 0.01),
-            *(velocities + s * along * dvelocity),
+            Entrainment(
+                entrainment.circumferential + s * dacross * dvelocity,
+                entrainment.axial + s * dalong * dvelocity,
+            ),
             edges,
-            content,
+            begin,
             content >= film,
-            1e-4,
         )
         for s in (size, -size)
     ]
-    step.solve(flow_film(film, 0.01), *velocities, edges, content, content >= film, 1e-4)
+    step.solve(flow_film(film, 0.01), entrainment, edges, begin, content >= film)
     assert np.array_equal(ends[0].full, ends[1].full)
-    slopes = smooth_film(film, np.full_like(film, 0.01), FLOOR)[1]
-    shares = step.linearise(slopes, np.zeros_like(slopes), *along)
+    _, by_film = smooth_film(film, np.full_like(film, 0.01), FLOOR)
+    slopes = FilmSlopes(by_film, np.zeros_like(by_film))
+    shares = step.linearise(slopes, Entrainment(dacross, dalong))
     change = step.tangent(np.stack([0.0 * dfilm, dfilm]), np.stack([0.0 * dvelocity, dvelocity]))
     for share, name in zip(shares, ("pressure", "film_fraction")):
         tangent = share * change
@@ -84,37 +85,26 @@ def test_tangent_is_the_central_difference(ring):
 
 
 def test_switching_singly_finds_the_same_film():
-    grid, edges, film, velocities, content = problem(True)
-    flow = flow_film(film, 0.01)
-    faces = reynolds.faces(
-        flow.conductivity_c, flow.conductivity_a, flow.transport, *velocities, *grid.spacing, True
-    )
+    grid, edges, film, entrainment, content = problem(True)
+    faces = reynolds.faces(flow_film(film, 0.01), entrainment, grid.cells)
+    storage = Storage(film, content, grid.cell_area / 1e-4)
 
     def assemble(pattern):
-        return reynolds.assemble(
-            pattern,
-            *faces,
-            film,
-            content,
-            grid.cell_area / 1e-4,
-            edges.pressure,
-            edges.film_fraction,
-            True,
-        )
+        return reynolds.assemble(pattern, faces, storage, edges, True)
 
     start = np.ones(grid.shape, dtype=bool)
     jfo, free = cavitation.CAVITATION["jfo"], np.zeros(grid.shape, dtype=bool)
-    together = cavitation.settle(jfo, assemble, BlockTridiagonal(grid.shape), start, free)
-    singly = cavitation.settle(
+    together = cavitation.full_cells(jfo, assemble, BlockTridiagonal(grid.shape), start, free)
+    singly = cavitation.full_cells(
         jfo, assemble, BlockTridiagonal(grid.shape), start, free, all_at_once=0
     )
-    assert singly[2] > together[2]
-    assert np.array_equal(singly[1], together[1])
-    assert np.allclose(singly[0], together[0], rtol=1e-9)
+    assert singly.iterations > together.iterations
+    assert np.array_equal(singly.full, together.full)
+    assert np.allclose(singly.unknown, together.unknown, rtol=1e-9)
 
 
 def test_a_solution_that_is_not_finite_is_refused():
-    grid, edges, film, velocities, content = problem(True)
+    grid, edges, film, entrainment, content = problem(True)
     flow = flow_film(film, 1e-320)
     with pytest.raises(cavitation.NotConverged):
-        FilmStep(grid).solve(flow, *velocities, edges, content, content >= film, 1e-4)
+        FilmStep(grid).solve(flow, entrainment, edges, EulerStep(content, 1e-4), content >= film)

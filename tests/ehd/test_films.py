@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from piston_cosim.fmu_ehd import roughness
-from piston_cosim.fmu_ehd.films import rough_film, smooth_film
+from piston_cosim.fmu_ehd.films import CONDUCTIVITY_A, rough_film, smooth_film
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
@@ -43,7 +43,7 @@ def test_slopes_are_derivatives_and_all_films_stay_positive(law):
     assert (
         np.mean(error > 1e-3) < 0.02
     )  # round-off of the difference; the points at a floor or a table's end have none
-    assert np.all(value[:4] > 0.0)
+    assert np.all(value[: CONDUCTIVITY_A + 1] > 0.0)
 
 
 @pytest.mark.parametrize("share, sign", [(1.0, -1.0), (0.5, 0.0), (0.0, 1.0)])
@@ -116,7 +116,7 @@ def test_thinned_oil_halves_couette_stress_at_the_critical_shear_rate():
     "row", roughness.COEFFICIENTS, ids=[f"{gamma:.3g}" for gamma in roughness.PEKLENIK]
 )
 def test_branches_of_the_shear_flow_factor_meet(row):
-    near = row[3] * 5.0 ** row[4] * np.exp(-row[5] * 5.0 + row[6] * 25.0)
+    near = row.A1 * 5.0**row.a1 * np.exp(-row.a2 * 5.0 + row.a3 * 25.0)
     assert near == pytest.approx(
-        row[7] * np.exp(-1.25), rel=1e-3
+        row.A2 * np.exp(-1.25), rel=1e-3
     )  # exponents are printed to 0.01, amplitudes to 0.001

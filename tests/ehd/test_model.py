@@ -188,5 +188,5 @@ def test_starting_outputs_are_a_full_film_between_the_edge_pressures():
 
 
 def test_edge_below_cavitation_pressure_is_a_fault():
-    found = faults(Parameters(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4))
-    assert len(found) == 2 and "pressure_lower_edge = -10000 Pa" in found[0]
+    sentences = faults(Parameters(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4))
+    assert len(sentences) == 2 and "pressure_lower_edge = -10000 Pa" in sentences[0]

@@ -109,7 +109,7 @@ def test_unknown_law_is_a_fault_with_the_allowed_ones(slave):
 
 
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
-def test_a_squeeze_beyond_the_thickening_law_still_has_a_pressure(slave, law):
+def test_a_squeeze_beyond_the_piezoviscosity_law_still_has_a_pressure(slave, law):
     slave.set_string([slave.references["pressure_viscosity_law"]], [law])
     slave.exit_initialization_mode()
     slave.views["film_thickness"][...] = 1e-6  # from 10 um in a tenth of a millisecond

@@ -10,7 +10,7 @@ from piston_cosim.fmu_ehd.storage import euler_step
 SHAPE = (12, 10)
 
 
-def rate(course, ends):
+def rate_of_change(course, ends):
     """dc/dt at the last of three times by Eq. (T1), for a content that is `course` of the time."""
     before, now, after = (np.full((1, 1), course(t)) for t in ends)
     content, step = euler_step(now, before, ends[2] - ends[1], ends[1] - ends[0])
@@ -19,14 +19,15 @@ def rate(course, ends):
 
 @pytest.mark.parametrize("ratio", [0.01, 0.5, 1.0, 2.0])
 def test_a_content_quadratic_in_time_has_its_exact_rate(ratio):
-    assert rate(
+    assert rate_of_change(
         lambda t: 5.0 + 3.0 * t - 2.0 * t**2, (0.0, 0.1, 0.1 + 0.1 * ratio)
     ) == pytest.approx(3.0 - 0.4 * (1.0 + ratio))
 
 
 @pytest.mark.parametrize("ratio", [0.01, 1.0, 5.0, 100.0])
 def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
-    assert rate(lambda t: 5.0 - 0.3 * t, (0.0, 0.1, 0.1 + 0.1 * ratio)) == pytest.approx(-0.3)
+    ends = (0.0, 0.1, 0.1 + 0.1 * ratio)
+    assert rate_of_change(lambda t: 5.0 - 0.3 * t, ends) == pytest.approx(-0.3)
 
 
 def test_the_first_step_is_backward_euler():
@@ -75,7 +76,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
         inflows.append(outputs["flow_lower_edge"] + outputs["flow_upper_edge"])
         last = end
     weights, carried = np.empty(len(lengths)), 1.0
-    for k in reversed(range(len(lengths))):  # Eq. (T4), telescoped
+    for k in reversed(range(len(lengths))):  # G = beta G_n + H_e Q of `storage`, telescoped
         weights[k] = lengths[k] * carried
         carried = 1.0 + shares[k] * carried
     grown = model.grid.cell_area * (state.content - start.content).sum()
@@ -132,7 +133,7 @@ def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
     film, velocity = motored_film(SHAPE, 0.0)
     state, _ = model.start(film, velocity)
     rng = np.random.default_rng(2)
-    for k in range(200):
+    for _ in range(200):
         sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(
             SHAPE
         )  # down to 15 um of overlap

@@ -1,0 +1,72 @@
+"""Parameters declared once: a field of a dataclass that also says unit, range and description.
+
+`declared` and `choice` stand where the default of a field stands; `variables_of` makes the rows of
+the FMU's variable table of them.
+"""
+
+from collections.abc import Iterable
+from dataclasses import field, fields, replace
+from typing import Any
+
+from ..master.fmi.variables import Variable
+
+# keys of a declaration in the metadata of its field
+VARIABLE = "variable"
+ALLOWED = "allowed"
+CONDITION = "condition"
+
+
+def declared(
+    unit: str, start: float, low: float, high: float, description: str, condition: bool = False
+) -> Any:
+    """A number.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit as in `Variable`.
+    start, low, high : float
+        Default and allowed range [unit], both ends included.
+    description : str
+        One sentence.
+    condition : bool
+        True if it may be an input of the FMU, which changes from step to step.
+    """
+    variable = Variable("", unit, "parameter", description, start, minimum=low, maximum=high)
+    return field(default=start, metadata={VARIABLE: variable, CONDITION: condition})
+
+
+def choice(description: str, allowed: Iterable[str]) -> Any:
+    """A law by its name; the first of those allowed is the default."""
+    names = tuple(allowed)
+    text = f"{description}: {', '.join(names)}"
+    variable = Variable("", "1", "parameter", text, names[0])
+    return field(default=names[0], metadata={VARIABLE: variable, ALLOWED: names, CONDITION: False})
+
+
+def names_of(declaration: type, condition: bool) -> tuple[str, ...]:
+    """Names of the declared fields of a dataclass that are conditions, or of those that are not."""
+    return tuple(
+        entry.name
+        for entry in fields(declaration)
+        if VARIABLE in entry.metadata and entry.metadata[CONDITION] == condition
+    )
+
+
+def variables_of(declaration: type, condition: bool = False) -> list[Variable]:
+    """Rows of the variable table for the same fields."""
+    wanted = names_of(declaration, condition)
+    return [
+        replace(entry.metadata[VARIABLE], name=entry.name)
+        for entry in fields(declaration)
+        if entry.name in wanted
+    ]
+
+
+def choices_of(declaration: type) -> dict[str, tuple[str, ...]]:
+    """Allowed values of the fields that choose a law, by name."""
+    return {
+        entry.name: entry.metadata[ALLOWED]
+        for entry in fields(declaration)
+        if ALLOWED in entry.metadata
+    }

@@ -1,0 +1,50 @@
+"""What was fixed when a lubrication FMU was built, as its slave reads it from build.json."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .grid import Flags
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """Checked build options, oil and mask read.
+
+    Parameters
+    ----------
+    grid : tuple of int
+        (n_circumferential, n_axial).
+    no_fields : bool
+        The FMU leaves out `variables.DIAGNOSTIC_FIELDS`.
+    inputs : tuple of str
+        Conditions that are inputs instead of parameters.
+    oil : dict
+        Start value of each parameter of the chosen oil, in SI.
+    mask : list of list of int, optional
+        One row a circumferential cell: 1 = film, 0 = cut-out; None without cut-outs.
+    """
+
+    grid: tuple[int, int]
+    no_fields: bool = False
+    inputs: tuple[str, ...] = ()
+    oil: Mapping[str, float | str] = field(default_factory=dict)
+    mask: list[list[int]] | None = None
+
+    @classmethod
+    def read(cls, options: Mapping[str, Any]) -> "BuildOptions":
+        """Options from the content of build.json."""
+        n_circumferential, n_axial = options["grid"]
+        lists = dict(grid=(n_circumferential, n_axial), inputs=tuple(options["inputs"]))
+        return cls(**{**options, **lists})
+
+    def written(self) -> dict[str, Any]:
+        """Content of build.json."""
+        return asdict(self) | dict(grid=list(self.grid), inputs=list(self.inputs))
+
+    @property
+    def open_cells(self) -> Flags | None:
+        """Cut-outs of the mask, None without one."""
+        return None if self.mask is None else np.array(self.mask) == 0
