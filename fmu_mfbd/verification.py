@@ -10,6 +10,7 @@ import scipy.linalg as la
 
 from ..models import MODELS
 from .dynamics.assembly import assemble
+from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.floating_frame import (
     FlexibleBody,
     frame_arrow,
@@ -20,6 +21,7 @@ from .dynamics.floating_frame import (
 )
 from .dynamics.generalised_alpha import coefficients, predict
 from .dynamics.model import Inputs
+from .dynamics.parameters import Parameters
 from .dynamics.piston_motion import Load, imbalance
 from .dynamics.slider_crank import Mechanism, height, motion
 from .exudyn_reference import Drive, exudyn_motion, own_motion
@@ -28,6 +30,7 @@ from .finite_elements.faces import face_load
 from .finite_elements.mesh import read_mesh, second_order
 from .geometry.grid import cell_centres
 from .options import read_options
+from .reduction import reduced_body
 from .reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
@@ -38,7 +41,6 @@ from .reduction.bases import (
 )
 from .reduction.interpolation import interpolation, radial_and_axial
 from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
-from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
 
@@ -131,9 +133,9 @@ def element_checks():
     )
     mass = 2700.0 * 0.1 * 0.2 * 0.3
     for name, computed, reference in (
-        ("mass [kg]", found["mass"], mass),
-        ("first moment along x [kg m]", found["S"][0], mass * 0.05),
-        ("moment of inertia about the corner [kg m2]", found["I0"], mass * (0.1**2 + 0.2**2) / 3),
+        ("mass [kg]", found.mass, mass),
+        ("first moment along x [kg m]", found.S[0], mass * 0.05),
+        ("moment of inertia about the corner [kg m2]", found.I0, mass * (0.1**2 + 0.2**2) / 3),
     ):
         yield figure(
             "Box of TET10",
@@ -240,7 +242,7 @@ def craig_bampton_free(points, K, M, ends, modes):
     """Free-free frequencies [Hz] of a body with two rigid ends, from 12 constraint modes and
     `modes` fixed-interface modes.
 
-    Eq. (W1):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
+    Eq. (J14):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
     """
     fixed = np.concatenate(ends)
     body = Elastic(K, M, fixed)
@@ -248,7 +250,7 @@ def craig_bampton_free(points, K, M, ends, modes):
     for k, end in enumerate(ends):
         rows = (3 * end[:, None] + np.arange(3)).ravel()
         moves[rows, 6 * k : 6 * k + 6] = rigid_motions(points[end] - points[end].mean(axis=0))
-    moves[body.free] -= body.solve((K @ moves)[body.free])  # Eq. (W1)
+    moves[body.free] -= body.solve((K @ moves)[body.free])  # Eq. (J14)
     shapes = np.hstack([moves, body.full(craig_bampton(body, modes))])
     square = la.eigh(shapes.T @ (K @ shapes), shapes.T @ (M @ shapes), eigvals_only=True)
     return np.sqrt(np.abs(square)) / (2 * np.pi)
@@ -306,7 +308,15 @@ def beam_in_frame():
     modes, omega = orthonormal_modes(body, craig_bampton(body, 6))
     modes = body.full(modes).reshape(len(points), 3, -1)
     integrals = floating_frame_integrals(M, points - [0.0, 0.01, 0.005], modes)
-    arrays = {name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()}
+    return flexible_body(integrals, omega)
+
+
+def flexible_body(integrals, omega):
+    """A body without damping from its `floating_frame_integrals` and frequencies [rad/s]."""
+    arrays = {
+        name: np.ascontiguousarray(value) if np.ndim(value) else value
+        for name, value in integrals._asdict().items()
+    }
     return FlexibleBody(**arrays, stiffness=omega**2, damping=np.zeros_like(omega))
 
 
@@ -348,7 +358,7 @@ def _pendulum_step(body, place, rate, guess, c):
 def energy(body, place, rate):
     """Kinetic and elastic energy of a body that turns about A at rest [J].
 
-    Eq. (W2):  E = w^2 (I0 + 2 b.q + q.B q)/2 + w (g + G q).q' + q'.q'/2 + q.Omega^2 q/2
+    Eq. (J15):  E = w^2 (I0 + 2 b.q + q.B q)/2 + w (g + G q).q' + q'.q'/2 + q.Omega^2 q/2
     """
     w, q, dq = rate[0], place[1:], rate[1:]
     return (
@@ -356,7 +366,7 @@ def energy(body, place, rate):
         + w * (body.g + body.G @ q) @ dq
         + dq @ dq / 2
         + q @ (body.stiffness * q) / 2
-    )  # Eq. (W2)
+    )  # Eq. (J15)
 
 
 def pendulum_checks():
@@ -542,7 +552,7 @@ def step_checks():
     sides, redone steps.
     """
     with TemporaryDirectory() as folder:
-        table = read_options(
+        build = read_options(
             {
                 name: {
                     "mesh": f"{name}.msh.gz",
@@ -554,13 +564,18 @@ def step_checks():
             },
             MODELS / "numerical_example",
         )
-        reduced = (
-            np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
-            for name, reduce in (("piston", reduce_piston), ("block", reduce_block))
-        )
-        model = assemble(
-            *(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()}
-        )
+        files = [
+            cached(reduce, body, (40, 40), folder, lambda text: None)
+            for reduce, body in ((reduce_piston, build.piston), (reduce_block, build.block))
+        ]
+        piston = reduced_body.load(reduced_body.ReducedPiston, files[0])
+        block = reduced_body.load(reduced_body.ReducedBlock, files[1])
+    options = BuildOptions(
+        grid=(40, 40),
+        piston=PistonOptions("", len(piston.omega), pin_offset=0.0),
+        block=BlockOptions("", len(block.omega)),
+    )
+    model = assemble(piston, block, options, Parameters())
     rng = np.random.default_rng(0)
     push, drag = rng.random((40, 40)), -0.1 * rng.random((40, 40))
     state, _ = model.start(0.4, 0.0, 0.0, Inputs(314.0, 0.0, 0 * push, 0 * drag))
@@ -624,11 +639,7 @@ def exudyn_checks():
     gas = face_load(mesh.points, mesh.faces["crown"]).ravel()
     gas_shape = modes.T @ (gas / -gas[1::3].sum())
     integrals = floating_frame_integrals(M, mesh.points, modes.reshape(len(mesh.points), 3, -1))
-    body = FlexibleBody(
-        **{name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()},
-        stiffness=omega**2,
-        damping=np.zeros_like(omega),
-    )
+    body = flexible_body(integrals, omega)
     mechanism = Mechanism(24.75e-3, 0.1, 1e-3, 0.14, 2.2e-4, 0.3, 0.0)
     drive = Drive(0.3, 100 * np.pi, 2e7, 2e4, 5e3, 1e-3)
     K, apart = stiffness(mesh.points, mesh.tets, 78e9, 0.33), []

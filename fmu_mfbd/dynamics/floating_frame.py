@@ -13,7 +13,7 @@ from ...master.fmi.compiled import compiled
 
 
 class FlexibleBody(NamedTuple):
-    """Inertia integrals (Eq. (I1)) and modal springs of a reduced body; k modes, mass-orthonormal.
+    """Inertia integrals (Eq. (J7)) and modal springs of a reduced body; k modes, mass-orthonormal.
     k = 0 is a rigid body.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 from .generalised_alpha import coefficients
 from .instant import balance, linearise, response
 from .piston_motion import imbalance
-from .speed_table import crank_motion
+from .speed_table import SpeedTable, crank_motion
 from .tables import gas_pressure
 
 
@@ -79,14 +79,14 @@ class Crank:
         Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
     load_torque : float
         That a free crank works against [N m].
-    table : dict, optional
-        Speed over time or angle (`speed_table.speed_table`), for a crank that is not free.
+    table : SpeedTable, optional
+        Speed over time or angle, for a crank that is not free.
     """
 
     free: bool
     inertia: float
     load_torque: float
-    table: dict | None = None
+    table: SpeedTable | None = None
 
     def begin(self, angle, speed):
         """Angle, speed and acceleration at time 0 [rad, rad/s, rad/s2]."""
@@ -121,8 +121,8 @@ class PistonInBore:
         Area of the bore [m2].
     spectral_radius : float
         Of the time integrator at infinite frequency [-], 0 to 1.
-    gas_table : dict, optional
-        Gas pressure over crank angle (`tables.gas_table`), added to the input.
+    gas_table : GasTable, optional
+        Gas pressure over crank angle, added to the input.
     """
 
     def __init__(self, system, crank, gas_area, spectral_radius, gas_table=None):
