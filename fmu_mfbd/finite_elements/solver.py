@@ -184,7 +184,7 @@ class _Remembered:
         self._begin = time.monotonic()
         self._spoken = self._begin
         if folder.is_dir():
-            say(f"goes on with {len(list(folder.glob('*.npy')))} solutions found on disk")
+            say(f"goes on with {len(list(folder.glob('*.npy')))} solutions kept on disk")
         else:
             self._factors = self._factorise()
             folder.mkdir(parents=True, exist_ok=True)

@@ -430,7 +430,7 @@ def cached(
     version lies in `folder`.
 
     The file is written under another name and moved into place, so that an interrupted run leaves
-    nothing half-written; the solutions it had found wait in `folder` for the next try.
+    nothing half-written; its solutions wait in `folder` for the next try.
 
     Parameters
     ----------

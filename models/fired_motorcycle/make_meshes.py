@@ -6,7 +6,7 @@ python -m piston_cosim.models.fired_motorcycle.make_meshes
 
 from pathlib import Path
 
-from piston_cosim.models.meshes import Block, Fineness, Piston, make_both
+from ..meshes import Block, Fineness, Piston, make_both
 
 PISTON = Piston(
     skirt_radius=36.475,

@@ -6,7 +6,7 @@ python -m piston_cosim.models.numerical_example.make_meshes
 
 from pathlib import Path
 
-from piston_cosim.models.meshes import Block, Fineness, Piston, make_both
+from ..meshes import Block, Fineness, Piston, make_both
 
 PISTON = Piston(
     skirt_radius=28.225,  # 25 um nominal radial clearance
