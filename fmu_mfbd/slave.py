@@ -3,8 +3,11 @@
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
+from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
@@ -25,11 +28,11 @@ class Mfbd(FieldSlave):
     derivative_outputs = ("film_thickness", "sliding_velocity")
 
     @staticmethod
-    def variables(options):
+    def variables(options: dict[str, Any]) -> list[Variable]:
         """The table of variables for the options of build.json."""
         return table.variables(BuildOptions.from_json(options))
 
-    def start(self, values):
+    def start(self, values: dict[str, Any]) -> tuple[State, dict[str, Any]]:
         """Load the reduced bodies and begin at rest, or with the motion that the build names;
         returns (state, outputs).
         """
@@ -57,14 +60,16 @@ class Mfbd(FieldSlave):
             _inputs(values),
         )
 
-    def advance(self, state, values, time, step):
+    def advance(
+        self, state: State, values: dict[str, Any], time: float, step: float
+    ) -> tuple[State, dict[str, Any]]:
         """One step; returns (state, outputs)."""
         try:
             return self.model.advance(state, _inputs(values), step)
         except NotConverged as error:
             raise Discard(str(error)) from None
 
-    def directional_derivative(self, seeds):
+    def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Product of the step map's derivative with the seed fields."""
         film, sliding = self.model.directional_derivative(
             seeds["nodal_pressure_force"], seeds["nodal_friction_force"]
