@@ -7,4 +7,6 @@ from pathlib import Path
 
 project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
 wanted = project["dependencies"]
-sys.stdout.writelines(re.sub(r"\[.*?\]|>=", lambda m: "==" * (m[0] == ">="), line) + "\n" for line in wanted)
+sys.stdout.writelines(
+    re.sub(r"\[.*?\]|>=", lambda m: "==" * (m[0] == ">="), line) + "\n" for line in wanted
+)

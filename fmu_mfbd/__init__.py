@@ -2,10 +2,13 @@
 Its rooms:
 
     finite_elements  meshes, surfaces, matrices, the ten-node tetrahedron, sparse solvers
-    reduction        from a mesh or matrices to a small exact body: bases, grid, tables and pictures of modes
-    geometry         skirt and bore as the film sees them: profiles, film thickness, forces back by virtual work
+    reduction        from a mesh or matrices to a small exact body: bases, grid, tables and pictures
+                     of modes
+    geometry         skirt and bore as the film sees them: profiles, film thickness, forces back by
+                     virtual work
     dynamics         equations of motion, their time integration, and the model that composes all
 
-The FMU: options (the build table), variables, slave, build. Bodies without an FMU: offline. Proof:
-verification, exudyn_reference.
+The FMU: options (the case's build table, validated), build, variables, slave; what the running FMU
+reads is declared in dynamics (build_options, parameters) and reduction (reduced_body). Bodies
+without an FMU: offline. Proof: verification, exudyn_reference.
 """

@@ -3,23 +3,50 @@ what the FMU carries.
 """
 
 import hashlib
-import zipfile
+from collections.abc import Callable
 from math import pi
 from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput
-from .dynamics.speed_table import speed_table
-from .dynamics.start_state import check_modes, read_start
-from .dynamics.tables import TableFault, gas_table, inline_numbers, profile_table, read_numbers
+from .dynamics.build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
+from .dynamics.speed_table import SpeedTable, speed_table
+from .dynamics.start_state import StartState, check_modes, read_start
+from .dynamics.tables import (
+    GasTable,
+    Rows,
+    gas_table,
+    inline_numbers,
+    profile_table,
+    read_numbers,
+)
 from .finite_elements.mesh import MeshFault
-from .options import SOURCES, Bodies, read_options
-from .reduction.reduce import cached, reduce_block, reduce_piston, save
+from .geometry.profile import BoreOrder, MeasuredShape
+from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
+from .reduction.reduce import cached, reduce_block, reduce_piston
+from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load, save
+
+Say = Callable[[str], None]
+Given = TypeVar("Given")
+Table = TypeVar("Table")
 
 
-def prepare(options, folder, progress):
+class Tables(NamedTuple):
+    """Everything that a build table names besides the bodies, read."""
+
+    skirt: tuple[MeasuredShape, ...]
+    bore: tuple[MeasuredShape, ...]
+    gas: GasTable | None
+    speed: SpeedTable | None
+    start: StartState | None
+
+
+def prepare(
+    options: dict[str, Any], folder: Path, progress: Say
+) -> tuple[dict[str, Any], list[Path]]:
     """Validate the build table and reduce both bodies.
 
     Parameters
@@ -34,37 +61,47 @@ def prepare(options, folder, progress):
     Returns
     -------
     options : dict
-        In SI, with `files` naming the reduced bodies; becomes build.json.
+        Becomes build.json; `BuildOptions.from_json` reads it.
     files : list of Path
-        To be copied into the FMU's resources.
+        Piston and block, to be copied into the FMU's resources.
 
     Raises
     ------
     BadInput
         Every fault of the table; then every fault of the meshes.
     """
-    resolved = read_options(options, folder)
-    shapes, tables = _tables(resolved)
-    files = {name: _carried(name, path) for name, path in _reduced(resolved, progress).items()}
-    for part in ("piston", "block"):
-        for source in SOURCES:  # where it lay is no property of the FMU
-            resolved[part][source] = resolved[part][source] and Path(resolved[part][source]).name
-        resolved[part]["profiles"] = shapes[part]
-        with np.load(files[part]) as body:
-            resolved[part]["modes"] = len(body["omega"])
-    if tables["start"]:
+    build = read_options(options, folder)
+    tables = _tables(build)
+    bodies = _bodies(build, progress)
+    piston = load(ReducedPiston, bodies["piston"])
+    block = load(ReducedBlock, bodies["block"])
+    piston_file = _carried("piston", piston)
+    block_file = _carried("block", block)
+    if tables.start:
         try:
-            check_modes(
-                tables["start"], sum(resolved[part]["modes"] for part in ("piston", "block"))
-            )
+            check_modes(tables.start, len(piston.omega) + len(block.omega))
         except ValueError as error:
             raise BadInput([str(error)]) from None
-    return resolved | tables | {"files": {name: path.name for name, path in files.items()}}, list(
-        files.values()
+    prepared = BuildOptions(
+        grid=build.grid,
+        piston=PistonOptions(
+            piston_file.name, len(piston.omega), build.piston.pin_offset, tables.skirt
+        ),
+        block=BlockOptions(
+            block_file.name,
+            len(block.omega),
+            tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders),
+            tables.bore,
+        ),
+        gas=tables.gas,
+        speed=tables.speed,
+        start=tables.start,
+        damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
     )
+    return prepared.to_json(), [piston_file, block_file]
 
 
-def reduced_bodies(options, folder, progress):
+def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
     """The reduced bodies of a build table, or of one that has a single body.
 
     Parameters
@@ -75,22 +112,23 @@ def reduced_bodies(options, folder, progress):
     Returns
     -------
     dict of str to Path
-        An .npz for each of piston and block: what `reduction` gives, mesh and mode shapes included.
+        An .npz for each of piston and block: body and anatomy (`reduction.reduced_body`).
 
     Raises
     ------
     BadInput
     """
-    return _reduced(read_options(options, folder, Bodies), progress)
+    return _bodies(read_options(options, folder, Bodies), progress)
 
 
-def _reduced(resolved, progress):
+def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
     """Paths of the bodies' .npz, by name; every fault of all of them in one message."""
-    faults, files = [], {}
-    for name, reduce in (("piston", reduce_piston), ("block", reduce_block)):
+    faults = []
+    files = {}
+    for name, body in (("piston", build.piston), ("block", build.block)):
         try:
-            if resolved[name] is not None:
-                files[name] = _body(name, reduce, resolved, progress)
+            if body:
+                files[name] = _body(name, body, build.grid, progress)
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
@@ -100,121 +138,92 @@ def _reduced(resolved, progress):
     return files
 
 
-NEEDED = {
-    "piston": (
-        "mass",
-        "S",
-        "I0",
-        "T",
-        "b",
-        "B",
-        "g",
-        "G",
-        "omega",
-        "kind",
-        "gas_force",
-        "radial",
-        "axial",
-        "radius",
-        "skirt_lower",
-        "skirt_upper",
-    ),
-    "block": ("omega", "kind", "radial", "axial", "heights", "radius"),
-}
-
-
-def _body(name, reduce, resolved, progress):
+def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: Say) -> Path:
     """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
     checked.
     """
-    part, grid = resolved[name], tuple(resolved["grid"])
-    if part["reduced"] is None:
-        options = {
-            key: value
-            for key, value in part.items()
-            if key not in ("profiles", "orders", "reduced")
-        }
-        return cached(
-            reduce, options, grid, cache_folder("bodies"), lambda text: progress(f"{name}: {text}")
+    if options.reduced:
+        path = Path(options.reduced)
+        _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
+        return path
+    reduce = reduce_piston if isinstance(options, Piston) else reduce_block
+    folder = cache_folder("bodies")
+    return cached(reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"))
+
+
+def _check_own(
+    path: Path, kind: type[ReducedPiston] | type[ReducedBlock], grid: tuple[int, int]
+) -> None:
+    """Raise ValueError unless a user's file holds a body of this kind for this film grid."""
+    body = load(kind, path)
+    around, along = grid
+    rows = around * along if kind is ReducedPiston else around
+    if len(body.radial) != rows:
+        raise ValueError(
+            f"{path.name} was reduced for another film grid "
+            f"({len(body.radial)} rows of modes, {rows} needed)"
         )
-    path = Path(part["reduced"])
-    if not zipfile.is_zipfile(path):
-        raise ValueError(f"{path.name} is no .npz file")
-    with np.load(path) as body:
-        missing = [key for key in NEEDED[name] if key not in body]
-        if missing:
-            raise ValueError(f"{path.name} lacks {', '.join(missing)}")
-        rows = grid[0] * grid[1] if name == "piston" else grid[0]
-        if len(body["radial"]) != rows:
-            raise ValueError(
-                f"{path.name} was reduced for another film grid "
-                f"({len(body['radial'])} rows of modes, {rows} needed)"
-            )
-        if not np.all(np.diff(body["omega"]) >= 0) or np.any(body["omega"] <= 0):
-            raise ValueError(f"{path.name}: frequencies must be positive and rise")
+    if not np.all(np.diff(body.omega) >= 0) or np.any(body.omega <= 0):
+        raise ValueError(f"{path.name}: frequencies must be positive and rise")
+
+
+def _carried(name: str, body: ReducedBody) -> Path:
+    """The file that goes into the FMU: the body without its anatomy, named by its content."""
+    digest = hashlib.sha256()
+    for value in vars(body).values():
+        array = np.asarray(value)
+        digest.update(str(array.shape).encode() + array.tobytes())
+    path = cache_folder("carried") / f"{name}-{digest.hexdigest()[:24]}.npz"
+    if not path.exists():
+        save(path, body)
     return path
 
 
-def _carried(name, path):
-    """What of a reduced body goes into the FMU: all but its mesh and mode shapes, in a file named
-    by its content.
-    """
-    with np.load(path) as body:
-        arrays = {key: body[key] for key in NEEDED[name]}
-    digest = hashlib.sha256()
-    for array in arrays.values():
-        digest.update(str(array.shape).encode() + array.tobytes())
-    carried = cache_folder("carried") / f"{name}-{digest.hexdigest()[:24]}.npz"
-    if not carried.exists():
-        save(carried, arrays)
-    return carried
+def _tables(build: Build) -> Tables:
+    """All tables, read before any long computation; every fault in one message."""
+    faults = []
 
-
-def _tables(resolved):
-    """Measured shapes of both bodies; tables of gas and speed and the start, by name: read before
-    any long computation.
-    """
-    faults, shapes, tables = [], {"piston": [], "block": []}, {}
-    for part, found in shapes.items():
-        for table in resolved[part]["profiles"]:
-            try:
-                found.append(
-                    profile_table(
-                        table["file"],
-                        table["angle_unit"],
-                        table["height_unit"],
-                        table["value_unit"],
-                    )
-                )
-            except TableFault as error:
-                faults.append(str(error))
-    for name, read in (("gas", _gas), ("speed", _speed), ("start", read_start)):
+    def tried(read: Callable[[Given], Table], given: Given) -> Table | None:
         try:
-            tables[name] = resolved[name] and read(resolved[name])
+            return read(given)
         except ValueError as error:
             faults.append(str(error))
+            return None
+
+    skirt = [tried(_shape, table) for table in build.piston.profiles]
+    bore = [tried(_shape, table) for table in build.block.profiles]
+    tables = Tables(
+        skirt=tuple(shape for shape in skirt if shape),
+        bore=tuple(shape for shape in bore if shape),
+        gas=tried(_gas, build.gas) if build.gas else None,
+        speed=tried(_speed, build.speed) if build.speed else None,
+        start=tried(read_start, build.start) if build.start else None,
+    )
     if faults:
         raise BadInput(faults)
-    return shapes, tables
+    return tables
 
 
-def _rows(name, part):
+def _shape(table: ShapeTable) -> MeasuredShape:
+    return profile_table(table.file, table.angle_unit, table.height_unit, table.value_unit)
+
+
+def _rows(name: str, table: Gas | Speed) -> Rows:
     """Numbers of a table in a file or in the case."""
-    return (
-        read_numbers(part["file"])
-        if part["file"]
-        else inline_numbers(f"{name}.points", part["points"])
-    )
+    if table.file:
+        return read_numbers(table.file)
+    return inline_numbers(f"{name}.points", table.points or [])
 
 
-def _gas(part):
-    return gas_table(
-        _rows("gas", part), pi * part["strokes"], part["angle_unit"], part["pressure_unit"]
-    )
+def _gas(table: Gas) -> GasTable:
+    cycle = pi * table.strokes
+    return gas_table(_rows("gas", table), cycle, table.angle_unit, table.pressure_unit)
 
 
-def _speed(part):
-    over = "time" if part["time_unit"] else "angle"
-    return speed_table(
-        _rows("speed", part), over, pi * part["strokes"], part[f"{over}_unit"], part["speed_unit"]
-    )
+def _speed(table: Speed) -> SpeedTable:
+    rows = _rows("speed", table)
+    cycle = pi * table.strokes
+    if table.time_unit:
+        return speed_table(rows, "time", cycle, table.time_unit, table.speed_unit)
+    assert table.angle_unit  # one of the two is given
+    return speed_table(rows, "angle", cycle, table.angle_unit, table.speed_unit)

@@ -4,7 +4,10 @@ their meshes: the commands `reduce` and `recover`, and as a library.
 
 import csv
 import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,24 +15,76 @@ from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
 from .reduction.mode_pictures import draw_modes
-from .reduction.mode_tables import CLASSES, mass_properties, mode_table, write_modes
+from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
+from .reduction.reduce import Reduced
+from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
 
-ANATOMY = (
-    "points",
-    "tets",
-    "skin",
-    "shapes",
-    "young",
-    "poisson",
-    "rigid_mass",
-    "seconds",
-    "peak_memory",
-)
-"""What a reduced body must hold besides what its FMU carries."""
+Say = Callable[[str], None]
 
 
-def reduce(options, folder, output, progress=print):
+@dataclass(frozen=True)
+class BodyReport:
+    """What is to be said about a reduced body.
+
+    Parameters
+    ----------
+    name : str
+        piston or block.
+    files : list of Path
+        Written.
+    nodes, elements, degrees_of_freedom : int
+        Of the full model.
+    mass : float
+        [kg]
+    centre : ndarray, shape (3,)
+        Of mass, from the body's origin [m].
+    inertia : ndarray, shape (3, 3)
+        About it [kg m2].
+    seconds : float
+        The reduction took [s].
+    peak_memory : int
+        Of the whole process [bytes].
+    modes : list of ModeRow
+    """
+
+    name: str
+    files: list[Path]
+    nodes: int
+    elements: int
+    degrees_of_freedom: int
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    seconds: float
+    peak_memory: int
+    modes: list[ModeRow]
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """What was recovered of a body, and the file that holds it.
+
+    Parameters
+    ----------
+    name : str
+        piston or block.
+    file : Path
+    largest_displacement : float
+        [m]
+    largest_stress : float or None
+        von Mises [Pa]; None for a body of matrices.
+    """
+
+    name: str
+    file: Path
+    largest_displacement: float
+    largest_stress: float | None
+
+
+def reduce(
+    options: dict[str, Any], folder: Path, output: Path, progress: Say = print
+) -> list[BodyReport]:
     """Reduce the bodies of a build table, or find them in the cache, and write what they are made
     of.
 
@@ -47,25 +102,22 @@ def reduce(options, folder, output, progress=print):
     progress : callable
         Takes a sentence now and then.
 
-    Returns
-    -------
-    list of dict
-        One a body: name, files, nodes, elements, degrees_of_freedom, mass [kg], centre [m], inertia
-        [kg m2], seconds, peak_memory [bytes, of the whole process], modes (rows of
-        `report.mode_table`, `class` in words).
-
     Raises
     ------
     BadInput
         Every fault of the table, then of meshes and matrices.
     """
-    return [
-        _written(name, path, Path(output))
-        for name, path in reduced_bodies(options, folder, progress).items()
-    ]
+    bodies = reduced_bodies(options, folder, progress)
+    return [_written(name, path, Path(output)) for name, path in bodies.items()]
 
 
-def recover(options, folder, modal_coordinate, path, progress=print):
+def recover(
+    options: dict[str, Any],
+    folder: Path,
+    modal_coordinate: np.ndarray,
+    path: Path,
+    progress: Say = print,
+) -> list[Recovery]:
     """Displacement and stress of the bodies of a build table at an instant, as VTU files on their
     meshes.
 
@@ -78,81 +130,79 @@ def recover(options, folder, modal_coordinate, path, progress=print):
     path : Path
         The files' names begin with it.
 
-    Returns
-    -------
-    list of dict
-        One a body: name, file, largest_displacement [m], largest_stress (von Mises) [Pa], None for
-        a body of matrices.
-
     Raises
     ------
     BadInput
         As `reduce`, and if the bodies have other numbers of modes.
     """
-    files, out, first = reduced_bodies(options, folder, progress), [], 0
-    bodies = {name: _whole(file) for name, file in files.items()}
-    modes = [len(body["omega"]) for body in bodies.values()]
+    files = reduced_bodies(options, folder, progress)
+    bodies = {name: _whole(name, file) for name, file in files.items()}
+    modes = [len(whole.body.omega) for whole in bodies.values()]
     if sum(modes) != len(modal_coordinate):
         raise BadInput(
-            f"{len(modal_coordinate)} modal coordinates; the bodies have {' + '.join(map(str, modes))} modes"
+            f"{len(modal_coordinate)} modal coordinates; the bodies have "
+            f"{' + '.join(map(str, modes))} modes"
         )
     path.parent.mkdir(parents=True, exist_ok=True)
-    for (name, body), count in zip(bodies.items(), modes):
+    out = []
+    parts = np.split(np.asarray(modal_coordinate), np.cumsum(modes)[:-1])
+    for (name, whole), part in zip(bodies.items(), parts):
         file = path.with_name(f"{path.name}-{name}.vtu")
-        displacement, stress = recovered(body, modal_coordinate[first : first + count], file)
-        first += count
-        out.append(
-            {
-                "name": name,
-                "file": file,
-                "largest_displacement": float(np.linalg.norm(displacement, axis=1).max()),
-                "largest_stress": None if stress is None else float(von_mises(stress).max()),
-            }
-        )
+        fields = recovered(whole.anatomy, part, file)
+        stress = None if fields.stress is None else float(von_mises(fields.stress).max())
+        displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
+        out.append(Recovery(name, file, displacement, stress))
     return out
 
 
-def _written(name, path, output):
+def _written(name: str, path: Path, output: Path) -> BodyReport:
     """Files of one body, and what is to be said about it."""
-    files = [
-        output / f"{name}{ending}" for ending in (".npz", "-modes.csv", "-modes.vtu", "-modes.png")
-    ]
-    body = _whole(path)
+    body, anatomy = _whole(name, path)
+    reduced = output / f"{name}.npz"
+    table_file = output / f"{name}-modes.csv"
+    shapes_file = output / f"{name}-modes.vtu"
+    picture = output / f"{name}-modes.png"
     output.mkdir(parents=True, exist_ok=True)
-    if path != files[0].resolve():
-        shutil.copyfile(path, files[0])
-    table = [row | {"class": CLASSES[row["kind"]]} for row in mode_table(body)]
-    with open(files[1], "w", newline="") as file:
+    if path != reduced.resolve():
+        shutil.copyfile(path, reduced)
+    table = mode_table(body, anatomy.angles)
+    _write_table(table, table_file)
+    if table:
+        write_modes(anatomy, shapes_file)
+        draw_modes(anatomy, table, picture)
+    mass, centre, inertia = mass_properties(anatomy)
+    files = [reduced, table_file, shapes_file, picture]
+    return BodyReport(
+        name=name,
+        files=[file for file in files if file.exists()],
+        nodes=len(anatomy.points),
+        elements=len(anatomy.tets),
+        degrees_of_freedom=3 * len(anatomy.points),
+        mass=mass,
+        centre=centre,
+        inertia=inertia,
+        seconds=anatomy.seconds,
+        peak_memory=anatomy.peak_memory,
+        modes=table,
+    )
+
+
+def _write_table(table: Sequence[ModeRow], path: Path) -> None:
+    with open(path, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["mode", "frequency [Hz]", "modal_mass [kg]", "film_share [-]", "class"])
-        writer.writerows(
-            [row["mode"], row["frequency"], row["modal_mass"], row["film_share"], row["class"]]
-            for row in table
-        )
-    if table:
-        write_modes(body, files[2])
-        draw_modes(body, table, files[3])
-    mass, centre, inertia = mass_properties(body)
-    return {
-        "name": name,
-        "files": [file for file in files if file.exists()],
-        "nodes": len(body["points"]),
-        "elements": len(body["tets"]),
-        "degrees_of_freedom": 3 * len(body["points"]),
-        "mass": mass,
-        "centre": centre.tolist(),
-        "inertia": inertia.tolist(),
-        "seconds": float(body["seconds"]),
-        "peak_memory": int(body["peak_memory"]),
-        "modes": table,
-    }
-
-
-def _whole(path):
-    """A reduced body with its mesh and mode shapes."""
-    with np.load(path) as stored:
-        if lacking := [key for key in ANATOMY if key not in stored]:
-            raise BadInput(
-                f"{path.name} lacks {', '.join(lacking)}: an FMU can be built of it, pictures and recovery cannot"
+        for row in table:
+            writer.writerow(
+                [row.number, row.frequency, row.modal_mass, row.film_share, row.kind_in_words]
             )
-        return dict(stored)
+
+
+def _whole(name: str, path: Path) -> Reduced:
+    """A reduced body with its mesh and mode shapes."""
+    body = load(ReducedPiston if name == "piston" else ReducedBlock, path)
+    try:
+        return Reduced(body, load(Anatomy, path))
+    except ValueError as error:
+        raise BadInput(
+            f"{error}: an FMU can be built of it, pictures and recovery cannot"
+        ) from None

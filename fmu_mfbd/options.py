@@ -1,15 +1,25 @@
 """What a case file may say about the bodies: the `[participants.X.build]` table."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.quantities import Quantity
+from ..master.fmi.quantities import in_unit
+from .finite_elements.mesh import Bore, Cylinder, Plane, Region
 
 Count = Annotated[int, Field(ge=4, le=400)]
-
+Length = Annotated[float, in_unit("m")]
+Angle = Annotated[float, in_unit("rad")]
+Pressure = Annotated[float, in_unit("Pa")]
+Density = Annotated[float, in_unit("kg/m^3")]
+Stiffness = Annotated[float, in_unit("N/m")]
+Mass = Annotated[float, in_unit("kg")]
+Time = Annotated[float, in_unit("s")]
+AngularSpeed = Annotated[float, in_unit("rad/s")]
+Frequency = Annotated[float, in_unit("Hz")]
+Number = Annotated[float, in_unit("1")]
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -22,29 +32,28 @@ class Surface(BaseModel):
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
-    radius: Quantity("m") | None = None
-    lower: Quantity("m") | None = None
-    upper: Quantity("m") | None = None
-    height: Quantity("m") | None = None
+    radius: Length | None = None
+    lower: Length | None = None
+    upper: Length | None = None
+    height: Length | None = None
 
     @model_validator(mode="after")
     def _complete(self):
-        for key in {
+        needed = {
             "cylinder": ("radius", "lower", "upper"),
             "bore": ("radius",),
             "plane": ("height",),
-        }[self.shape]:
+        }
+        for key in needed[self.shape]:
             if getattr(self, key) is None:
                 raise ValueError(f"a {self.shape} needs {key}")
         return self
 
-    def rule(self):
+    def region(self) -> Region:
         """As `mesh.read_mesh` takes it."""
-        return {
-            "cylinder": ("cylinder", self.radius, self.lower, self.upper),
-            "bore": ("bore", self.radius),
-            "plane": ("plane", self.height),
-        }[self.shape]
+        given = self.model_dump(exclude={"shape"}, exclude_none=True)
+        regions = {"cylinder": Cylinder, "bore": Bore, "plane": Plane}
+        return regions[self.shape](**given)
 
 
 class Body(BaseModel):
@@ -62,17 +71,17 @@ class Body(BaseModel):
     model_config = STRICT
     mesh: str | None = None
     reduced: str | None = None
-    mesh_unit: Annotated[Quantity("m"), Field(gt=0)] = 1.0
+    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    origin: tuple[Quantity("m"), Quantity("m"), Quantity("m")] = (0.0, 0.0, 0.0)
+    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
     surfaces: dict[str, Surface] = {}
-    density: Annotated[Quantity("kg/m^3"), Field(ge=500, le=25000)] | None = None
-    young: Annotated[Quantity("Pa"), Field(ge=1e8, le=1e12)] | None = None
-    poisson: Annotated[Quantity("1"), Field(ge=0, lt=0.5)] | None = None
+    density: Annotated[Density, Field(ge=500, le=25000)] | None = None
+    young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
+    poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
     stiffness: str | None = None
     mass: str | None = None
-    stiffness_unit: Annotated[Quantity("N/m"), Field(gt=0)] | None = None
-    mass_unit: Annotated[Quantity("kg"), Field(gt=0)] | None = None
+    stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
+    mass_unit: Annotated[Mass, Field(gt=0)] | None = None
     basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = (
         "pressure_modes"
     )
@@ -83,20 +92,15 @@ class Body(BaseModel):
     def _source(self):
         if (self.mesh is None) == (self.reduced is None):
             raise ValueError("give either mesh or reduced")
-        material, matrices = (
-            ("density", "young", "poisson"),
-            ("stiffness", "stiffness_unit", "mass", "mass_unit"),
-        )
-        needed = (
-            matrices
-            if self.stiffness or self.mass or (self.mesh or "").endswith(".csv")
-            else material
-        )
+        if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
+            what = "a body of matrices"
+            needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
+        else:
+            what = "a mesh"
+            needed = ("density", "young", "poisson")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
-            raise ValueError(
-                f"{'a mesh' if needed == material else 'a body of matrices'} needs {', '.join(missing)}"
-            )
+            raise ValueError(f"{what} needs {', '.join(missing)}")
         return self
 
 
@@ -107,9 +111,9 @@ class ShapeTable(BaseModel):
 
     model_config = STRICT
     file: str
-    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
-    height_unit: Annotated[Quantity("m"), Field(gt=0)]
-    value_unit: Annotated[Quantity("m"), Field(gt=0)]
+    angle_unit: Annotated[Angle, Field(gt=0)]
+    height_unit: Annotated[Length, Field(gt=0)]
+    value_unit: Annotated[Length, Field(gt=0)]
 
 
 class Order(BaseModel):
@@ -117,8 +121,8 @@ class Order(BaseModel):
 
     model_config = STRICT
     order: Annotated[int, Field(ge=0, le=40)]
-    amplitude: Quantity("m")
-    phase: Quantity("rad") = 0.0
+    amplitude: Length
+    phase: Angle = 0.0
 
 
 class Table(BaseModel):
@@ -143,8 +147,8 @@ class Gas(Table):
     `gas_pressure`.
     """
 
-    angle_unit: Annotated[Quantity("rad"), Field(gt=0)]
-    pressure_unit: Annotated[Quantity("Pa"), Field(gt=0)]
+    angle_unit: Annotated[Angle, Field(gt=0)]
+    pressure_unit: Annotated[Pressure, Field(gt=0)]
 
 
 class Speed(Table):
@@ -152,9 +156,9 @@ class Speed(Table):
     the input `crank_speed`.
     """
 
-    time_unit: Annotated[Quantity("s"), Field(gt=0)] | None = None
-    angle_unit: Annotated[Quantity("rad"), Field(gt=0)] | None = None
-    speed_unit: Annotated[Quantity("rad/s"), Field(gt=0)]
+    time_unit: Annotated[Time, Field(gt=0)] | None = None
+    angle_unit: Annotated[Angle, Field(gt=0)] | None = None
+    speed_unit: Annotated[AngularSpeed, Field(gt=0)]
 
     @model_validator(mode="after")
     def _over(self):
@@ -174,9 +178,9 @@ class Piston(Body):
 
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
 
-    skirt_lower: Quantity("m") | None = None
-    skirt_upper: Quantity("m") | None = None
-    pin_offset: Quantity("m") = 0.0
+    skirt_lower: Length | None = None
+    skirt_upper: Length | None = None
+    pin_offset: Length = 0.0
     profiles: list[ShapeTable] = []
 
 
@@ -189,10 +193,10 @@ class Block(Body):
     """
 
     tie: Literal["rbe2", "springs"] = "rbe2"
-    spring_stiffness: Annotated[Quantity("N/m"), Field(ge=1e3, le=1e14)] = 1e9
+    spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
 
-    bore_lower: Quantity("m") | None = None
-    bore_upper: Quantity("m") | None = None
+    bore_lower: Length | None = None
+    bore_upper: Length | None = None
     stations: Annotated[int, Field(ge=8, le=400)] = 64
     profiles: list[ShapeTable] = []
     orders: list[Order] = []
@@ -202,21 +206,19 @@ class Band(BaseModel):
     """Modal damping ratio from a frequency on, to the next band."""
 
     model_config = STRICT
-    above: Annotated[Quantity("Hz"), Field(ge=0)]
-    ratio: Annotated[Quantity("1"), Field(ge=0, le=2)]
+    above: Annotated[Frequency, Field(ge=0)]
+    ratio: Annotated[Number, Field(ge=0, le=2)]
 
 
-class Bodies(BaseModel):
-    """One body or both, to be reduced without an FMU. `grid`: cells around and along the skirt.
-    `damping_bands` take the place of the parameters damping_ratio, high_frequency_damping_ratio and
+class Common(BaseModel):
+    """What is said beside the bodies. `grid`: cells around and along the skirt. `damping_bands`
+    take the place of the parameters damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency; `start`, a file of `piston-cosim snapshot`
     (`start_state.read_start`), that of the parameters start_*.
     """
 
     model_config = ConfigDict(extra="forbid")
     grid: tuple[Count, Count] = (40, 40)
-    piston: Piston | None = None
-    block: Block | None = None
     gas: Gas | None = None
     speed: Speed | None = None
     start: str | None = None
@@ -225,11 +227,19 @@ class Bodies(BaseModel):
     @field_validator("damping_bands")
     @classmethod
     def _rising(cls, bands):
-        if bands and (
-            bands[0].above != 0.0 or any(a.above >= b.above for a, b in zip(bands, bands[1:]))
-        ):
+        if not bands:
+            return bands
+        rising = all(a.above < b.above for a, b in zip(bands, bands[1:]))
+        if bands[0].above != 0.0 or not rising:
             raise ValueError("the first band begins at 0 Hz, and the others above the one before")
         return bands
+
+
+class Bodies(Common):
+    """One body or both, to be reduced without an FMU."""
+
+    piston: Piston | None = None
+    block: Block | None = None
 
     @model_validator(mode="after")
     def _any(self):
@@ -238,14 +248,17 @@ class Bodies(BaseModel):
         return self
 
 
-class Build(Bodies):
+class Build(Common):
     """The whole table of an FMU."""
 
     piston: Piston
     block: Block
 
 
-def read_options(options, folder, kind=Build):
+Chosen = TypeVar("Chosen", Bodies, Build)
+
+
+def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen] = Build) -> Chosen:
     """Validate a build table.
 
     Parameters
@@ -258,8 +271,8 @@ def read_options(options, folder, kind=Build):
 
     Returns
     -------
-    dict
-        In SI, paths absolute; a body that is not there is None.
+    Build or Bodies
+        In SI, paths absolute.
 
     Raises
     ------
@@ -270,58 +283,61 @@ def read_options(options, folder, kind=Build):
         build = kind.model_validate(options)
     except ValidationError as error:
         raise BadInput([_sentence(fault) for fault in error.errors()]) from None
-    resolved, faults = build.model_dump(mode="json"), []
-    for name, low, high in (
-        ("piston", "skirt_lower", "skirt_upper"),
-        ("block", "bore_lower", "bore_upper"),
-    ):
-        part = resolved[name]
-        if part is None:
-            continue
-        part["surfaces"] = {
-            key: surface.rule() for key, surface in getattr(build, name).surfaces.items()
-        }
-        unknown = sorted({n for n in part["modes_off"] if n > part["modes"]})
-        if unknown:
-            faults.append(
-                f"{name}.modes_off: {', '.join(map(str, unknown))}: there are {part['modes']} modes"
-            )
-        faults += [
-            _found(part, source, f"{name}.{source} = {part[source]!r}", folder)
-            for source in SOURCES
-            if part[source]
-        ]
-        faults += [
-            _found(table, "file", f"{name}.profiles: {table['file']!r}", folder)
-            for table in part["profiles"]
-        ]
-        if None not in (part[low], part[high]) and part[low] >= part[high]:
-            faults.append(
-                f"{name}.{low} = {part[low]:g} m: must lie below {name}.{high} = {part[high]:g} m"
-            )
-    if resolved["start"]:
-        faults.append(_found(resolved, "start", f"start = {resolved['start']!r}", folder))
-    faults += [
-        _found(resolved[name], "file", f"{name}: {resolved[name]['file']!r}", folder)
-        for name in ("gas", "speed")
-        if resolved[name] and resolved[name]["file"]
-    ]
-    resolved["damping_bands"] = [
-        (band["above"], band["ratio"]) for band in resolved["damping_bands"]
-    ]
-    if any(faults):
-        raise BadInput([fault for fault in faults if fault])
-    return resolved
+    faults = []
+    if build.piston:
+        ends = ("skirt_lower", build.piston.skirt_lower), ("skirt_upper", build.piston.skirt_upper)
+        faults += _faults_of_body("piston", build.piston, *ends, folder)
+    if build.block:
+        ends = ("bore_lower", build.block.bore_lower), ("bore_upper", build.block.bore_upper)
+        faults += _faults_of_body("block", build.block, *ends, folder)
+    if build.start:
+        faults += _resolve(build, "start", f"start = {build.start!r}", folder)
+    for name, table in (("gas", build.gas), ("speed", build.speed)):
+        if table and table.file:
+            faults += _resolve(table, "file", f"{name}: {table.file!r}", folder)
+    if faults:
+        raise BadInput(faults)
+    return build
 
 
 SOURCES = ("mesh", "stiffness", "mass", "reduced")
 """Keys of a body that name a file."""
 
 
-def _found(table, key, where, folder):
-    """Make a path absolute; a sentence if there is no such file, else None."""
-    table[key] = str((Path(folder) / table[key]).resolve())
-    return None if Path(table[key]).is_file() else f"{where}: no such file in {folder}"
+def _faults_of_body(
+    name: str,
+    body: Piston | Block,
+    lower: tuple[str, float | None],
+    upper: tuple[str, float | None],
+    folder: Path | str,
+) -> list[str]:
+    """What is wrong with a body's modes, files and ends (their keys and heights [m]); its paths
+    become absolute.
+    """
+    faults = []
+    unknown = sorted({n for n in body.modes_off if n > body.modes})
+    if unknown:
+        numbers = ", ".join(map(str, unknown))
+        faults.append(f"{name}.modes_off: {numbers}: there are {body.modes} modes")
+    for source in SOURCES:
+        path = getattr(body, source)
+        if path:
+            faults += _resolve(body, source, f"{name}.{source} = {path!r}", folder)
+    for table in body.profiles:
+        faults += _resolve(table, "file", f"{name}.profiles: {table.file!r}", folder)
+    (low_key, low), (high_key, high) = lower, upper
+    if low is not None and high is not None and low >= high:
+        faults.append(
+            f"{name}.{low_key} = {low:g} m: must lie below {name}.{high_key} = {high:g} m"
+        )
+    return faults
+
+
+def _resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list[str]:
+    """Make a path absolute; a sentence if there is no such file."""
+    path = (Path(folder) / getattr(table, key)).resolve()
+    setattr(table, key, str(path))
+    return [] if path.is_file() else [f"{where}: no such file in {folder}"]
 
 
 def _sentence(fault):
@@ -331,9 +347,6 @@ def _sentence(fault):
         return f"{path}: unknown key"
     if fault["type"] == "missing":
         return f"{path}: is missing"
-    units = (
-        " in SI units"
-        if isinstance(fault["input"], str) and fault["type"].startswith(("greater", "less"))
-        else ""
-    )
+    bound_crossed = fault["type"].startswith(("greater", "less"))
+    units = " in SI units" if isinstance(fault["input"], str) and bound_crossed else ""
     return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}{units}"

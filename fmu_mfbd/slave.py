@@ -1,12 +1,19 @@
 """The body FMU: a table of variables and a step."""
 
+from dataclasses import fields
+from typing import Any
+
 import numpy as np
 
 from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
+from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
+from .dynamics.build_options import BuildOptions
 from .dynamics.model import Inputs, NotConverged, State
+from .dynamics.parameters import Parameters
+from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
 
 class Mfbd(FieldSlave):
@@ -21,65 +28,59 @@ class Mfbd(FieldSlave):
     derivative_outputs = ("film_thickness", "sliding_velocity")
 
     @staticmethod
-    def variables(options):
+    def variables(options: dict[str, Any]) -> list[Variable]:
         """The table of variables for the options of build.json."""
-        return table.variables(options)
+        return table.variables(BuildOptions.from_json(options))
 
-    def start(self, values):
-        """Load the reduced bodies and put the piston at its place, at rest; returns (state,
-        outputs).
+    def start(self, values: dict[str, Any]) -> tuple[State, dict[str, Any]]:
+        """Load the reduced bodies and begin at rest, or with the motion that the build names;
+        returns (state, outputs).
         """
-        piston, block = (
-            dict(np.load(self.resources / self.options["files"][name]))
-            for name in ("piston", "block")
-        )
-        wrong = faults(values, piston, block, self.options)
+        options = BuildOptions.from_json(self.options)
+        parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
+        piston = load(ReducedPiston, self.resources / options.piston.file)
+        block = load(ReducedBlock, self.resources / options.block.file)
+        wrong = faults(piston, block, options, parameters)
         if wrong:
             raise BadInput(wrong)
-        self.model = assemble(piston, block, self.options, values)
-        if self.options["start"]:
-            return self._start_moving(self.options["start"], values)
-        return self.model.start(
-            values["start_crank_angle"],
-            values["start_lateral_displacement"],
-            values["start_rocking_angle"],
-            self._inputs(values),
-        )
-
-    def _start_moving(self, found, values):
-        """State and outputs from the outputs that a run had at some instant
-        (`start_state.read_start`).
-        """
-        place, rate = (
-            np.array([found[f"lateral_{one}"], found[f"rocking_{two}"], *found[f"modal_{three}"]])
-            for one, two, three in (
-                ("displacement", "angle", "coordinate"),
-                ("velocity", "velocity", "velocity"),
+        self.model = assemble(piston, block, options, parameters)
+        if not options.start:
+            return self.model.start(
+                parameters.start_crank_angle,
+                parameters.start_lateral_displacement,
+                parameters.start_rocking_angle,
+                _inputs(values),
             )
+        if parameters.crank_free:
+            values = values | {"crank_speed": options.start.rotation_speed}
+        return self.model.start_moving(
+            options.start.crank_angle,
+            options.start.position(),
+            options.start.velocity(),
+            _inputs(values),
         )
-        inputs = self._inputs(
-            values | ({"crank_speed": found["rotation_speed"]} if values["crank_free"] else {})
-        )
-        return self.model.start_moving(found["crank_angle"], place, rate, inputs)
 
-    def advance(self, state, values, time, step):
+    def advance(
+        self, state: State, values: dict[str, Any], time: float, step: float
+    ) -> tuple[State, dict[str, Any]]:
         """One step; returns (state, outputs)."""
         try:
-            return self.model.advance(state, self._inputs(values), step)
+            return self.model.advance(state, _inputs(values), step)
         except NotConverged as error:
             raise Discard(str(error)) from None
 
-    def directional_derivative(self, seeds):
+    def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Product of the step map's derivative with the seed fields."""
         film, sliding = self.model.directional_derivative(
-            *(seeds[name] for name in self.derivative_inputs)
+            seeds["nodal_pressure_force"], seeds["nodal_friction_force"]
         )
         return {"film_thickness": film, "sliding_velocity": sliding}
 
-    def _inputs(self, values):
-        return Inputs(
-            values["crank_speed"],
-            values["gas_pressure"],
-            values["nodal_pressure_force"],
-            values["nodal_friction_force"],
-        )
+
+def _inputs(values: dict[str, Any]) -> Inputs:
+    return Inputs(
+        values["crank_speed"],
+        values["gas_pressure"],
+        values["nodal_pressure_force"],
+        values["nodal_friction_force"],
+    )

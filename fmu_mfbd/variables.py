@@ -1,26 +1,20 @@
 """Every variable of the body FMU, declared once (the interface contract's names)."""
 
+from dataclasses import fields
+from math import pi
+
 from ..master.fmi.variables import Variable, constant
+from .dynamics.build_options import BuildOptions
+from .dynamics.parameters import Parameters
 
 
-def variables(options):
-    """The table of variables.
-
-    Parameters
-    ----------
-    options : dict
-        Of the FMU's build.json: grid, piston.modes, block.modes.
-
-    Returns
-    -------
-    list of Variable
-    """
-    grid = tuple(options["grid"])
-    modes = options["piston"]["modes"] + options["block"]["modes"]
-    return inputs(grid) + outputs(grid, modes) + parameters() + properties(options)
+def variables(options: BuildOptions) -> list[Variable]:
+    """The table of variables of an FMU built so."""
+    modes = options.piston.modes + options.block.modes
+    return inputs(options.grid) + outputs(options.grid, modes) + parameters() + properties(options)
 
 
-def inputs(grid):
+def inputs(grid: tuple[int, int]) -> list[Variable]:
     """What acts on the bodies."""
     return [
         Variable(
@@ -45,7 +39,7 @@ def inputs(grid):
             "rad/s",
             "input",
             "Speed of the crank at the end of the step; of a free crank at the start",
-            start=314.1592653589793,
+            start=100 * pi,
             nominal=300.0,
             minimum=0.0,
             maximum=3000.0,
@@ -53,7 +47,7 @@ def inputs(grid):
     ]
 
 
-def outputs(grid, modes):
+def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
     """What the bodies answer."""
     out = [
         Variable(
@@ -94,7 +88,7 @@ def outputs(grid, modes):
             "lateral_displacement",
             "m",
             "output",
-            "Displacement of A from its concentric place towards the thrust side",
+            "Displacement of A from its concentric position towards the thrust side",
             nominal=1e-5,
         ),
         Variable(
@@ -167,7 +161,7 @@ def outputs(grid, modes):
         ),
     ]
     if modes:
-        out.append(
+        out += [
             Variable(
                 "modal_coordinate",
                 "1",
@@ -175,198 +169,35 @@ def outputs(grid, modes):
                 "Mass-normalised modal coordinates [kg^(1/2) m], piston then block",
                 nominal=1e-6,
                 shape=(modes,),
-            )
-        )
-        out.append(
+            ),
             Variable(
                 "modal_velocity",
                 "1/s",
                 "output",
-                "Their rates [kg^(1/2) m/s]",
+                "Their derivatives in time [kg^(1/2) m/s]",
                 nominal=1e-2,
                 shape=(modes,),
-            )
-        )
+            ),
+        ]
     return out
 
 
-def parameters():
-    """What a user may set: the shipped case's values are the start values."""
-
-    def parameter(name, unit, description, start, minimum=None, maximum=None):
-        return Variable(
-            name, unit, "parameter", description, start=start, minimum=minimum, maximum=maximum
-        )
-
+def parameters() -> list[Variable]:
+    """What a user may set, as `Parameters` declares it."""
+    defaults = vars(Parameters())
     return [
-        parameter(
-            "radial_clearance",
-            "m",
-            "Bore radius minus skirt radius at the thrust faces, mid skirt",
-            25e-6,
-            1e-6,
-            1e-3,
-        ),
-        parameter(
-            "barrel",
-            "m",
-            "Radial drop of the skirt profile at its upper and lower edge",
-            30e-6,
-            0.0,
-            1e-3,
-        ),
-        parameter(
-            "ovality",
-            "m",
-            "Skirt diameter across the thrust faces minus that along the pin",
-            150e-6,
-            0.0,
-            2e-3,
-        ),
-        parameter(
-            "skirt_growth_lower",
-            "m",
-            "Radial thermal growth of the skirt at its lower edge, linear to the upper one",
-            0.0,
-            -1e-3,
-            1e-3,
-        ),
-        parameter(
-            "skirt_growth_upper",
-            "m",
-            "Radial thermal growth of the skirt at its upper edge",
-            0.0,
-            -1e-3,
-            1e-3,
-        ),
-        parameter(
-            "bore_growth_lower",
-            "m",
-            "Radial thermal growth of the bore at its lower end, linear to the upper one",
-            0.0,
-            -1e-3,
-            1e-3,
-        ),
-        parameter(
-            "bore_growth_upper",
-            "m",
-            "Radial thermal growth of the bore at its upper end",
-            0.0,
-            -1e-3,
-            1e-3,
-        ),
-        parameter("crank_radius", "m", "Half the stroke", 24.75e-3, 1e-3, 0.5),
-        parameter("rod_length", "m", "Between the eyes", 0.1, 5e-3, 2.0),
-        parameter("crank_offset", "m", "x of the crank axis from the bore axis", 0.0, -0.1, 0.1),
-        parameter("rod_mass", "kg", "Connecting rod", 0.14, 0.0, 100.0),
-        parameter("rod_inertia", "kg.m2", "Of the rod about its centre of mass", 2.2e-4, 0.0, 10.0),
-        parameter(
-            "rod_centre",
-            "m",
-            "Distance of the rod's centre of mass from the big end",
-            0.03,
-            0.0,
-            2.0,
-        ),
-        parameter(
-            "pin_mass",
-            "kg",
-            "Piston pin (and what else moves with A without turning)",
-            0.03,
-            0.0,
-            20.0,
-        ),
-        parameter(
-            "pin_friction_coefficient",
-            "1",
-            "Coulomb friction between pin and piston; 0: none",
-            0.0,
-            0.0,
-            1.0,
-        ),
-        parameter("pin_radius", "m", "Arm of the friction at the pin", 7e-3, 1e-4, 0.1),
-        parameter(
-            "pin_friction_speed",
-            "rad/s",
-            "Relative angular velocity at which Coulomb friction has 76 % of its size",
-            5.0,
-            1e-3,
-            1e3,
-        ),
-        parameter(
-            "pin_friction_damping",
-            "N.m.s/rad",
-            "Viscous friction at the pin: moment by relative angular velocity",
-            0.0,
-            0.0,
-            1e3,
-        ),
-        parameter(
-            "crank_free",
-            "1",
-            "0: crank at given speed, 1: free, driven by gas and load torque",
-            0,
-            0,
-            1,
-        ),
-        parameter("crank_inertia", "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4),
-        parameter("load_torque", "N.m", "Torque that a free crank works against", 0.0, -1e5, 1e5),
-        parameter(
-            "pin_tilt",
-            "rad",
-            "Held rotation of pin and piston about +x: a pin that is not square to the bore's axis",
-            0.0,
-            -0.01,
-            0.01,
-        ),
-        parameter("start_crank_angle", "rad", "Crank angle at the start", 0.0),
-        parameter("start_lateral_displacement", "m", "Of A at the start", 0.0, -1e-3, 1e-3),
-        parameter("start_rocking_angle", "rad", "At the start", 0.0, -0.05, 0.05),
-        parameter(
-            "damping_ratio",
-            "1",
-            "Modal damping ratio below the transition frequency",
-            0.02,
-            0.0,
-            2.0,
-        ),
-        parameter(
-            "high_frequency_damping_ratio", "1", "Modal damping ratio above it", 0.5, 0.0, 2.0
-        ),
-        parameter(
-            "damping_transition_frequency", "Hz", "Where the strong damping begins", 20e3, 0.0, 1e9
-        ),
-        parameter(
-            "quasi_static_frequency",
-            "Hz",
-            "Modes above it follow their load without inertia",
-            1e9,
-            0.0,
-            1e9,
-        ),
-        parameter(
-            "rayleigh_mass_factor", "1/s", "Further damping proportional to mass", 0.0, 0.0, 1e6
-        ),
-        parameter(
-            "rayleigh_stiffness_factor",
-            "s",
-            "Further damping proportional to stiffness",
-            0.0,
-            0.0,
-            1.0,
-        ),
-        parameter(
-            "spectral_radius", "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0
-        ),
+        Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)
+        for one in fields(Parameters)
     ]
 
 
-def properties(options):
+def properties(options: BuildOptions) -> list[Variable]:
     """Properties of the built FMU, readable and never settable."""
+    around, along = options.grid
     return [
-        constant("n_circumferential", options["grid"][0], "Film grid cells around the skirt"),
-        constant("n_axial", options["grid"][1], "Film grid cells along the skirt"),
-        constant("piston_modes", options["piston"]["modes"], "Modes of the piston"),
-        constant("block_modes", options["block"]["modes"], "Modes of the cylinder block"),
+        constant("n_circumferential", around, "Film grid cells around the skirt"),
+        constant("n_axial", along, "Film grid cells along the skirt"),
+        constant("piston_modes", options.piston.modes, "Modes of the piston"),
+        constant("block_modes", options.block.modes, "Modes of the cylinder block"),
         constant("contract_version", 1, "Version of the interface contract"),
     ]

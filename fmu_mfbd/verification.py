@@ -11,6 +11,7 @@ import scipy.linalg as la
 
 from ..models import MODELS
 from .dynamics.assembly import assemble
+from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.floating_frame import (
     TURN,
     FlexibleBody,
@@ -23,6 +24,7 @@ from .dynamics.floating_frame import (
 )
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients, predict
 from .dynamics.model import Inputs
+from .dynamics.parameters import Parameters
 from .dynamics.piston_motion import Load, imbalance
 from .dynamics.slider_crank import CrankMotion, LateralMotion, Mechanism, height, motion
 from .exudyn_reference import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
@@ -31,6 +33,7 @@ from .finite_elements.faces import face_load
 from .finite_elements.mesh import read_mesh, second_order
 from .geometry.grid import cell_centres
 from .options import read_options
+from .reduction import reduced_body
 from .reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
@@ -41,7 +44,6 @@ from .reduction.bases import (
 )
 from .reduction.interpolation import interpolation, radial_and_axial
 from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
-from .variables import parameters
 
 STEEL = dict(young=210e9, poisson=0.3)
 
@@ -142,13 +144,9 @@ def element_checks():
     )
     mass = 2700.0 * 0.1 * 0.2 * 0.3
     for name, computed, reference in (
-        ("mass [kg]", integrals["mass"], mass),
-        ("first moment along x [kg m]", integrals["S"][0], mass * 0.05),
-        (
-            "moment of inertia about the corner [kg m2]",
-            integrals["I0"],
-            mass * (0.1**2 + 0.2**2) / 3,
-        ),
+        ("mass [kg]", integrals.mass, mass),
+        ("first moment along x [kg m]", integrals.S[0], mass * 0.05),
+        ("moment of inertia about the corner [kg m2]", integrals.I0, mass * (0.1**2 + 0.2**2) / 3),
     ):
         yield figure(
             "Box of TET10",
@@ -321,7 +319,15 @@ def beam_in_frame():
     modes, omega = orthonormal_modes(body, craig_bampton(body, 6))
     modes = body.full(modes).reshape(len(points), 3, -1)
     integrals = floating_frame_integrals(M, points - [0.0, 0.01, 0.005], modes)
-    arrays = {name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()}
+    return flexible_body(integrals, omega)
+
+
+def flexible_body(integrals, omega):
+    """A body without damping from its `floating_frame_integrals` and frequencies [rad/s]."""
+    arrays = {
+        name: np.ascontiguousarray(value) if np.ndim(value) else value
+        for name, value in integrals._asdict().items()
+    }
     return FlexibleBody(**arrays, stiffness=omega**2, damping=np.zeros_like(omega))
 
 
@@ -593,7 +599,7 @@ def step_checks():
     sides, redone steps.
     """
     with TemporaryDirectory() as folder:
-        table = read_options(
+        build = read_options(
             {
                 name: {
                     "mesh": f"{name}.msh.gz",
@@ -605,13 +611,18 @@ def step_checks():
             },
             MODELS / "numerical_example",
         )
-        reduced = (
-            np.load(cached(reduce, table[name], (40, 40), folder, lambda text: None))
-            for name, reduce in (("piston", reduce_piston), ("block", reduce_block))
-        )
-        model = assemble(
-            *(dict(body) for body in reduced), table, {v.name: v.start for v in parameters()}
-        )
+        files = [
+            cached(reduce, body, (40, 40), folder, lambda text: None)
+            for reduce, body in ((reduce_piston, build.piston), (reduce_block, build.block))
+        ]
+        piston = reduced_body.load(reduced_body.ReducedPiston, files[0])
+        block = reduced_body.load(reduced_body.ReducedBlock, files[1])
+    options = BuildOptions(
+        grid=(40, 40),
+        piston=PistonOptions("", len(piston.omega), pin_offset=0.0),
+        block=BlockOptions("", len(block.omega)),
+    )
+    model = assemble(piston, block, options, Parameters())
     rng = np.random.default_rng(0)
     push, drag = rng.random((40, 40)), -0.1 * rng.random((40, 40))
     state, _ = model.start(0.4, 0.0, 0.0, Inputs(314.0, 0.0, 0 * push, 0 * drag))
@@ -671,11 +682,7 @@ def exudyn_checks():
     gas = face_load(mesh.points, mesh.faces["crown"]).ravel()
     gas_shape = modes.T @ (gas / -gas[1::3].sum())
     integrals = floating_frame_integrals(M, mesh.points, modes.reshape(len(mesh.points), 3, -1))
-    body = FlexibleBody(
-        **{name: np.ascontiguousarray(v) if np.ndim(v) else v for name, v in integrals.items()},
-        stiffness=omega**2,
-        damping=np.zeros_like(omega),
-    )
+    body = flexible_body(integrals, omega)
     mechanism = Mechanism(
         crank_radius=24.75e-3,
         rod_length=0.1,

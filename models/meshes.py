@@ -9,14 +9,18 @@ piston's origin is pin point A, the block's lies on the crank axis.
 
 import gzip
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
 
-import gmsh
+import gmsh  # pyright: ignore[reportMissingImports]
 import meshio
 import numpy as np
 
 MM = 1e-3
+Entities = list[tuple[int, int]]
+"""Dimension and tag of each, as gmsh lists them."""
 NEAR = 1e-4  # distance from a surface below which a node belongs to it [mm]
 
 
@@ -54,10 +58,10 @@ class Piston:
 
     skirt_radius: float
     land_radius: float
-    skirt: tuple
+    skirt: tuple[float, float]
     top: float
     crown: float
-    skirt_inside: tuple
+    skirt_inside: tuple[float, float]
     belt_inside: float
     pin: float
     boss: float
@@ -68,57 +72,43 @@ class Piston:
     pillar_length: float
     reach: float
     root: float
-    box_wall: tuple | None = None
+    box_wall: tuple[float, float] | None = None
 
-    def quarter(self):
+    def quarter(self) -> Entities:
         """The solid of one quarter, in gmsh."""
         occ = gmsh.model.occ
         low, high = self.skirt
         outer, _ = occ.fuse(
             cylinder_y(self.skirt_radius, low, high), cylinder_y(self.land_radius, high, self.top)
         )
+        inside_low, inside_high = self.skirt_inside
         cavity, _ = occ.fuse(
-            cylinder_y(self.skirt_inside[0], low, high, self.skirt_inside[1]),
+            cylinder_y(inside_low, low, high, inside_high),
             cylinder_y(self.belt_inside, high, self.top - self.crown),
         )
         shell, _ = occ.cut(outer, cavity)
-        boss = [(3, occ.addCylinder(0, 0, self.boss_from, 0, 0, self.boss_length, self.boss))]
-        inside = [
-            (
-                3,
-                occ.addBox(
-                    -self.pillar_width / 2,
-                    0.0,
-                    self.pillar_from,
-                    self.pillar_width,
-                    self.top - self.root,
-                    self.pillar_length,
-                ),
-            )
-        ]
-        if self.box_wall:
-            thickness, place = self.box_wall
-            inside.append(
-                (
-                    3,
-                    occ.addBox(
-                        -self.reach,
-                        low,
-                        place,
-                        2 * self.reach,
-                        self.top - self.root - low,
-                        thickness,
-                    ),
-                )
-            )
-        inner, _ = occ.intersect(
-            occ.fuse(boss, inside)[0], cylinder_y(self.reach, low, self.top - self.root)
+        boss = occ.addCylinder(0, 0, self.boss_from, 0, 0, self.boss_length, self.boss)
+        pillar = occ.addBox(
+            -self.pillar_width / 2,
+            0.0,
+            self.pillar_from,
+            self.pillar_width,
+            self.top - self.root,
+            self.pillar_length,
         )
+        carriers = [(3, pillar)]
+        if self.box_wall:
+            thickness, distance = self.box_wall
+            height = self.top - self.root - low
+            wall = occ.addBox(-self.reach, low, distance, 2 * self.reach, height, thickness)
+            carriers.append((3, wall))
+        joined, _ = occ.fuse([(3, boss)], carriers)
+        inner, _ = occ.intersect(joined, cylinder_y(self.reach, low, self.top - self.root))
         body, _ = occ.fuse(shell, inner)
         body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -50, 0, 0, 100, self.pin))])
         return quarter_of(body)
 
-    def sets(self, points):
+    def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Named node masks."""
         x, y, z = points.T
         low, high = self.skirt
@@ -153,53 +143,36 @@ class Block:
 
     bore: float
     wall: float
-    ends: tuple
+    ends: tuple[float, float]
     flange: float
     flange_thickness: float
-    fins: tuple
+    fins: tuple[float, ...]
     fin_radius: float
     fin_thickness: float
     stud: float
     stud_hole: float
     seat: float
 
-    def quarter(self):
+    def quarter(self) -> Entities:
         """The solid of one quarter, in gmsh."""
         occ = gmsh.model.occ
         low, high = self.ends
+        side = 2 * self.flange
         plates = [
-            (
-                3,
-                occ.addBox(
-                    -self.flange,
-                    at,
-                    -self.flange,
-                    2 * self.flange,
-                    self.flange_thickness,
-                    2 * self.flange,
-                ),
-            )
+            (3, occ.addBox(-self.flange, at, -self.flange, side, self.flange_thickness, side))
             for at in (low, high - self.flange_thickness)
         ]
         fins = [cylinder_y(self.fin_radius, at, at + self.fin_thickness)[0] for at in self.fins]
         body, _ = occ.fuse(cylinder_y(self.bore + self.wall, low, high), plates + fins)
         body, _ = occ.cut(body, cylinder_y(self.bore, low - 1, high + 1))
-        body, _ = occ.cut(
-            body,
-            [
-                (
-                    3,
-                    occ.addCylinder(
-                        self.stud, low - 1, self.stud, 0, high - low + 2, 0, self.stud_hole
-                    ),
-                )
-            ],
-        )
+        hole = occ.addCylinder(self.stud, low - 1, self.stud, 0, high - low + 2, 0, self.stud_hole)
+        body, _ = occ.cut(body, [(3, hole)])
         body = quarter_of(body)
         seat = occ.addDisk(self.stud, low, self.stud, self.seat, self.seat, zAxis=[0, 1, 0])
-        return [entity for entity in occ.fragment(body, [(2, seat)])[0] if entity[0] == 3]
+        fragments, _ = occ.fragment(body, [(2, seat)])
+        return [(dimension, tag) for dimension, tag in fragments if dimension == 3]
 
-    def sets(self, points):
+    def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Named node masks."""
         x, y, z = points.T
         seat = np.hypot(np.abs(x) - self.stud, np.abs(z) - self.stud) < self.seat + NEAR
@@ -209,7 +182,19 @@ class Block:
         }
 
 
-def cylinder_y(radius, low, high, top_radius=None):
+class Shape(Protocol):
+    """A body that can be meshed: Piston or Block."""
+
+    def quarter(self) -> Entities:
+        """The solid of one quarter, in gmsh."""
+        ...
+
+    def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Named node masks."""
+        ...
+
+
+def cylinder_y(radius: float, low: float, high: float, top_radius: float | None = None) -> Entities:
     """Solid of revolution about y, a quarter of it (x >= 0, z >= 0)."""
     occ = gmsh.model.occ
     if top_radius is None:
@@ -219,13 +204,16 @@ def cylinder_y(radius, low, high, top_radius=None):
     return [(3, tag)]
 
 
-def quarter_of(solid):
+def quarter_of(solid: Entities) -> Entities:
     """Keep x >= 0, z >= 0."""
     occ = gmsh.model.occ
-    return occ.intersect(solid, [(3, occ.addBox(0, -300, 0, 300, 600, 300))])[0]
+    kept, _ = occ.intersect(solid, [(3, occ.addBox(0, -300, 0, 300, 600, 300))])
+    return kept
 
 
-def mesh_quarter(make, size, curvature):
+def mesh_quarter(
+    make: Callable[[], Entities], size: float, curvature: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes [mm] and 10-node tetrahedra of one quarter."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
@@ -252,15 +240,14 @@ def mesh_quarter(make, size, curvature):
     tets = np.asarray(nodes[list(kinds).index(11)], dtype=np.int64).reshape(-1, 10)
     gmsh.finalize()
     used, tets = np.unique(tets, return_inverse=True)
-    place = {tag: k for k, tag in enumerate(tags)}
-    points = points.reshape(-1, 3)[[place[tag] for tag in used]]
-    tets = tets.reshape(-1, 10)[
-        :, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-    ]  # gmsh swaps the last two edge nodes
+    number = {tag: k for k, tag in enumerate(tags)}
+    points = points.reshape(-1, 3)[[number[tag] for tag in used]]
+    # gmsh swaps the last two edge nodes
+    tets = tets.reshape(-1, 10)[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]
     return np.where(np.abs(points) < 1e-7, 0.0, points), tets
 
 
-def mirror(points, tets, axis):
+def mirror(points: np.ndarray, tets: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
     """Add the mirror image about the plane axis = 0; nodes on the plane are shared, orientation
     stays positive.
     """
@@ -274,7 +261,7 @@ def mirror(points, tets, axis):
     return np.vstack([points, flipped]), np.vstack([tets, swapped])
 
 
-def outer_faces(tets):
+def outer_faces(tets: np.ndarray) -> np.ndarray:
     """6-node triangles that belong to one tetrahedron only."""
     local = np.array(
         [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
@@ -285,17 +272,16 @@ def outer_faces(tets):
     return faces[first[count == 1]]
 
 
-def write(path, points, tets, sets):
+def write(path: Path, points: np.ndarray, tets: np.ndarray, sets: dict[str, np.ndarray]) -> None:
     """gzip-packed gmsh 2.2 file with the volume group "all" and the surface groups of `sets`; same
     bytes every time.
     """
     faces = outer_faces(tets)
     groups = [(name, faces[mask[faces].all(axis=1)]) for name, mask in sets.items()]
-    cells = [("tetra10", tets)] + [("triangle6", group) for _, group in groups]
-    tags = [np.full(len(c[1]), k + 1) for k, c in enumerate(cells)]
-    field_data = {name: np.array([k + 2, 2]) for k, (name, _) in enumerate(groups)} | {
-        "all": np.array([1, 3])
-    }
+    cells: list[Any] = [("tetra10", tets)] + [("triangle6", group) for _, group in groups]
+    tags: list[Any] = [np.full(len(block), k) for k, (_, block) in enumerate(cells, 1)]
+    field_data = {name: np.array([k, 2]) for k, (name, _) in enumerate(groups, 2)}
+    field_data["all"] = np.array([1, 3])
     mesh = meshio.Mesh(
         points * MM,
         cells,
@@ -306,13 +292,14 @@ def write(path, points, tets, sets):
         plain = Path(folder) / "mesh.msh"
         meshio.write(plain, mesh, file_format="gmsh22", binary=True)
         path.write_bytes(gzip.compress(plain.read_bytes(), mtime=0))
+    surfaces = ", ".join(f"{name} {len(group)} faces" for name, group in groups)
     print(
-        f"{path.name}: {len(points)} nodes, {len(tets)} tetrahedra, {path.stat().st_size / 1e6:.2f} MB, "
-        + ", ".join(f"{name} {len(group)} faces" for name, group in groups)
+        f"{path.name}: {len(points)} nodes, {len(tets)} tetrahedra, "
+        f"{path.stat().st_size / 1e6:.2f} MB, {surfaces}"
     )
 
 
-def make(path, shape, size, curvature):
+def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
     """Mesh file of a piston or block.
 
     Parameters
@@ -329,3 +316,19 @@ def make(path, shape, size, curvature):
     for axis in (0, 2):
         points, tets = mirror(points, tets, axis)
     write(path, points, tets, shape.sets(points))
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """Largest edge of an element [mm], and elements around a full circle, at least."""
+
+    size: float
+    curvature: int
+
+
+def make_both(
+    folder: Path, piston: Piston, of_piston: Fineness, block: Block, of_block: Fineness
+) -> None:
+    """The meshes of a case: piston.msh.gz and block.msh.gz in its folder."""
+    make(folder / "piston.msh.gz", piston, of_piston.size, of_piston.curvature)
+    make(folder / "block.msh.gz", block, of_block.size, of_block.curvature)

@@ -1,8 +1,11 @@
-"""From reduced bodies (.npz) and parameters to the model that runs."""
+"""From reduced bodies and parameters to the model that runs."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.film import Skirt, bore_splines
+from ..geometry.film import Bore, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.profile import (
@@ -13,25 +16,87 @@ from ..geometry.profile import (
     table_shape,
     tilt_about_x,
 )
+from ..reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, mode_classes
+from .build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
 from .floating_frame import FlexibleBody
 from .instant import Block, System
 from .model import Crank, PistonInBore
+from .parameters import Parameters
 from .pin_friction import PinFriction
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 
 
-def damping(omega, bands, mass_factor, stiffness_factor):
+class PistonParts(NamedTuple):
+    """The piston with the modes that move, and those that follow statically."""
+
+    moving: FlexibleBody
+    static: StaticModes
+
+
+class BlockParts(NamedTuple):
+    """Likewise the block."""
+
+    moving: Block
+    static: StaticModes
+
+
+def assemble(
+    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+) -> PistonInBore:
+    """The model.
+
+    Parameters
+    ----------
+    piston, block
+        Reduced bodies.
+    options : BuildOptions
+    parameters : Parameters
+
+    Returns
+    -------
+    PistonInBore
+    """
+    angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
+    piston_parts = parted_piston(piston, modal_damping(piston, options, parameters), parameters)
+    block_parts = parted_block(block, modal_damping(block, options, parameters), parameters)
+    system = System(
+        piston=piston_parts.moving,
+        piston_static=piston_parts.static,
+        block=block_parts.moving,
+        block_static=block_parts.static,
+        mechanism=mechanism(options.piston, parameters),
+        skirt=skirt(piston, block.radius, angle, height, options.piston, parameters),
+        bore=bore(block, angle, options.block, parameters),
+        gas_force=np.ascontiguousarray(piston.gas_force),
+    )
+    crank = Crank(
+        free=bool(parameters.crank_free),
+        inertia=parameters.crank_inertia,
+        load_torque=parameters.load_torque,
+        table=options.speed,
+    )
+    gas_area = np.pi * block.radius**2
+    return PistonInBore(system, crank, gas_area, parameters.spectral_radius, options.gas)
+
+
+def damping(
+    omega: np.ndarray,
+    bands: Sequence[DampingBand],
+    mass_factor: float,
+    stiffness_factor: float,
+) -> np.ndarray:
     """Modal damping by frequency bands, and Rayleigh's two terms besides.
 
-    Eq. (V1):  D = 2 zeta omega + a + b omega^2      zeta the ratio of the band that omega/(2 pi) lies in
+    Eq. (I5):  D = 2 zeta omega + a + b omega^2      zeta the ratio of the band that omega/(2 pi)
+                                                     lies in
 
     Parameters
     ----------
     omega : ndarray, shape (k,)
         [rad/s]
-    bands : sequence of (float, float)
-        Frequency from which on it holds [Hz], rising, the first 0, and ratio [-] of each.
+    bands : sequence of DampingBand
+        By rising frequency, the first from 0 Hz.
     mass_factor, stiffness_factor : float
         a [1/s], b [s].
 
@@ -40,175 +105,214 @@ def damping(omega, bands, mass_factor, stiffness_factor):
     ndarray, shape (k,)
         [rad/s]
     """
-    begin, ratio = np.array(bands).T
-    zeta = ratio[np.searchsorted(2 * np.pi * begin, omega, side="right") - 1]
-    return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2  # Eq. (V1)
+    above = np.array([band.above for band in bands])
+    ratio = np.array([band.ratio for band in bands])
+    zeta = ratio[np.searchsorted(2 * np.pi * above, omega, side="right") - 1]
+    return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2  # Eq. (I5)
 
 
-def damping_bands(p, options):
+def damping_bands(options: BuildOptions, parameters: Parameters) -> tuple[DampingBand, ...]:
     """The bands of the build table, else the two of the parameters."""
-    return options["damping_bands"] or [
-        (0.0, p["damping_ratio"]),
-        (p["damping_transition_frequency"], p["high_frequency_damping_ratio"]),
-    ]
+    return options.damping_bands or (
+        DampingBand(0.0, parameters.damping_ratio),
+        DampingBand(
+            parameters.damping_transition_frequency, parameters.high_frequency_damping_ratio
+        ),
+    )
 
 
-def faults(p, piston, block, options):
+def modal_damping(body: ReducedBody, options: BuildOptions, parameters: Parameters) -> np.ndarray:
+    """Damping of all modes of a body [rad/s]."""
+    return damping(
+        body.omega,
+        damping_bands(options, parameters),
+        parameters.rayleigh_mass_factor,
+        parameters.rayleigh_stiffness_factor,
+    )
+
+
+def faults(
+    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+) -> list[str]:
     """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
     bore.
     """
-    offset = abs(options["piston"]["pin_offset"] - p["crank_offset"])
-    reach = p["rod_length"] ** 2 - (p["crank_radius"] + offset) ** 2
-    if reach <= 0.0:
+    crank_radius = parameters.crank_radius
+    rod_length = parameters.rod_length
+    offset = options.piston.pin_offset - parameters.crank_offset
+    reach = crank_radius + abs(offset)
+    if rod_length**2 - reach**2 <= 0.0:
         return [
-            f"rod_length = {p['rod_length']:g} m: must exceed crank_radius plus the offsets, "
-            f"{p['crank_radius'] + offset:g} m"
+            f"rod_length = {rod_length:g} m: must exceed crank_radius plus the offsets, {reach:g} m"
         ]
     out = []
-    if p["crank_free"] and options["speed"]:
+    if parameters.crank_free and options.speed:
         out.append(
             "crank_free = 1: must be 0 with a table of crank speed ([speed] in the build table)"
         )
-    if p["rod_centre"] > p["rod_length"]:
+    if parameters.rod_centre > rod_length:
         out.append(
-            f"rod_centre = {p['rod_centre']:g} m: must lie within rod_length = {p['rod_length']:g} m"
+            f"rod_centre = {parameters.rod_centre:g} m: must lie within "
+            f"rod_length = {rod_length:g} m"
         )
     turn = np.linspace(0.0, 2 * np.pi, 721)
-    A = p["crank_radius"] * np.cos(turn) + np.sqrt(
-        p["rod_length"] ** 2
-        - (options["piston"]["pin_offset"] - p["crank_offset"] + p["crank_radius"] * np.sin(turn))
-        ** 2
-    )
-    low, high = A.min() + piston["skirt_lower"], A.max() + piston["skirt_upper"]
-    if low < block["heights"][0] or high > block["heights"][-1]:
+    xi = offset + crank_radius * np.sin(turn)
+    height_of_A = crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
+    lowest = height_of_A.min() + piston.skirt_lower
+    highest = height_of_A.max() + piston.skirt_upper
+    bore_lower = block.heights[0]
+    bore_upper = block.heights[-1]
+    if lowest < bore_lower or highest > bore_upper:
         out.append(
-            f"crank_radius, rod_length: the skirt travels from {low:g} to {high:g} m above the crank axis, "
-            f"the bore reaches from "
-            f"{block['heights'][0]:g} to {block['heights'][-1]:g} m"
+            f"crank_radius, rod_length: the skirt travels from {lowest:g} to {highest:g} m above "
+            f"the crank axis, the bore reaches from {bore_lower:g} to {bore_upper:g} m"
         )
-    if piston["radius"] >= block["radius"]:
+    if piston.radius >= block.radius:
         out.append(
-            f"piston mesh: skirt radius {piston['radius']:g} m is not smaller than the bore radius {block['radius']:g} m"
+            f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
+            f"{block.radius:g} m"
         )
     return out
 
 
-def symmetry(body):
-    """Symmetry classes of a reduced body's modes, None where it has no two planes of symmetry."""
-    return (
-        body["kind"]
-        if body["kind"].size == body["omega"].size and body["kind"].min(initial=0) >= 0
-        else None
-    )
-
-
-def bore_shape(heights, angle, options, p):
-    """Widening of the undeformed bore on the table of its modes, (c, s) [m]: measured, by Fourier
-    orders, by heat.
-    """
-    shape = fourier_bore(options["block"]["orders"], angle)[:, None]
-    shape = shape + linear_growth(
-        heights, heights[0], heights[-1], p["bore_growth_lower"], p["bore_growth_upper"]
-    )
-    return shape + sum(table_shape(table, angle, heights) for table in options["block"]["profiles"])
-
-
-def parted(piston, strong, limit):
-    """The piston with the modes up to `limit` [rad/s], and the faster ones, which follow
-    statically; `strong`: see `damping`.
-    """
-    omega, k = piston["omega"], np.count_nonzero(piston["omega"] <= limit)
-    shares = (
-        piston["T"][:, :k],
-        piston["b"][:k],
-        piston["B"][:k, :k],
-        piston["g"][:k],
-        piston["G"][:k, :k],
-    )
-    body = FlexibleBody(
-        float(piston["mass"]),
-        piston["S"],
-        float(piston["I0"]),
-        *map(np.ascontiguousarray, shares),
-        omega[:k] ** 2,
-        damping(omega[:k], *strong),
-    )
-    rest = (piston["T"][:, k:], piston["b"][k:], piston["g"][k:])
-    return body, StaticModes(omega[k:] ** 2, *map(np.ascontiguousarray, rest))
-
-
-def assemble(piston, block, options, p):
-    """The model.
+def parted_piston(
+    piston: ReducedPiston, damping: np.ndarray, parameters: Parameters
+) -> PistonParts:
+    """The piston with the modes up to the quasi-static frequency, and the faster ones.
 
     Parameters
     ----------
-    piston, block : mapping of ndarray
-        Reduced bodies, see `reduction`.
-    options : dict
-        Of the build (SI).
-    p : dict
-        Parameters by name (SI), see `variables.parameters`.
-
-    Returns
-    -------
-    PistonInBore
+    piston : ReducedPiston
+    damping : ndarray, shape (k,)
+        Of all its modes [rad/s].
+    parameters : Parameters
     """
-    strong = damping_bands(p, options), p["rayleigh_mass_factor"], p["rayleigh_stiffness_factor"]
-    low, high, offset = (
-        float(piston["skirt_lower"]),
-        float(piston["skirt_upper"]),
-        options["piston"]["pin_offset"],
+    k = _moving(piston, parameters)
+    contiguous = np.ascontiguousarray
+    moving = FlexibleBody(
+        mass=piston.mass,
+        S=piston.S,
+        I0=piston.I0,
+        T=contiguous(piston.T[:, :k]),
+        b=contiguous(piston.b[:k]),
+        B=contiguous(piston.B[:k, :k]),
+        g=contiguous(piston.g[:k]),
+        G=contiguous(piston.G[:k, :k]),
+        stiffness=piston.omega[:k] ** 2,
+        damping=damping[:k],
     )
-    angle, height = cell_centres(*options["grid"], low, high)
-    gap = (
-        p["radial_clearance"]
-        + barrel(height, low, high, p["barrel"])
-        + ovality(angle, p["ovality"])[:, None]
+    static = StaticModes(
+        stiffness=piston.omega[k:] ** 2,
+        T=contiguous(piston.T[:, k:]),
+        b=contiguous(piston.b[k:]),
+        g=contiguous(piston.g[k:]),
     )
-    gap = gap - linear_growth(height, low, high, p["skirt_growth_lower"], p["skirt_growth_upper"])
-    gap = gap + tilt_about_x(angle, height, p["pin_tilt"])
-    gap = gap + sum(table_shape(table, angle, height) for table in options["piston"]["profiles"])
-    radius = float(block["radius"])
-    values = (
-        piston[name].reshape(*options["grid"], len(piston["omega"])) for name in ("radial", "axial")
-    )
-    skirt = Skirt(
-        angle, height, gap, radius, offset, *(modal_field(v, symmetry(piston)) for v in values)
-    )
-    limit = 2 * np.pi * p["quasi_static_frequency"]
-    body, body_static = parted(piston, strong, limit)
+    return PistonParts(moving, static)
+
+
+def parted_block(block: ReducedBlock, damping: np.ndarray, parameters: Parameters) -> BlockParts:
+    """The block's modes up to the quasi-static frequency, and the faster ones; as
+    `parted_piston`.
+    """
+    k = _moving(block, parameters)
+    moving = Block(stiffness=block.omega[:k] ** 2, damping=damping[:k])
+    return BlockParts(moving, standing(block.omega[k:] ** 2))
+
+
+def _moving(body: ReducedBody, parameters: Parameters) -> int:
+    """How many modes have inertia of their own."""
+    return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
+
+
+def mechanism(options: PistonOptions, parameters: Parameters) -> Mechanism:
+    """Crank, rod and pin."""
     friction = PinFriction(
-        p["pin_friction_coefficient"] * p["pin_radius"],
-        p["pin_friction_speed"],
-        p["pin_friction_damping"],
+        lever=parameters.pin_friction_coefficient * parameters.pin_radius,
+        speed=parameters.pin_friction_speed,
+        viscous=parameters.pin_friction_damping,
     )
-    mechanism = Mechanism(
-        p["crank_radius"],
-        p["rod_length"],
-        offset - p["crank_offset"],
-        p["rod_mass"],
-        p["rod_inertia"],
-        p["rod_centre"] / p["rod_length"],
-        p["pin_mass"],
-        friction,
+    return Mechanism(
+        crank_radius=parameters.crank_radius,
+        rod_length=parameters.rod_length,
+        offset=options.pin_offset - parameters.crank_offset,
+        rod_mass=parameters.rod_mass,
+        rod_inertia=parameters.rod_inertia,
+        rod_centre=parameters.rod_centre / parameters.rod_length,
+        pin_mass=parameters.pin_mass,
+        friction=friction,
     )
-    bore = bore_splines(
-        block["heights"],
-        block["radial"],
-        block["axial"],
-        symmetry(block),
-        bore_shape(block["heights"], angle, options, p),
+
+
+def skirt(
+    piston: ReducedPiston,
+    bore_radius: float,
+    angle: np.ndarray,
+    height: np.ndarray,
+    options: PistonOptions,
+    parameters: Parameters,
+) -> Skirt:
+    """Skirt side of the film at the cells of the grid: angles (c,) [rad], heights (a,) above A
+    [m].
+    """
+    classes = mode_classes(piston)
+    grid = (len(angle), len(height), len(piston.omega))
+    return Skirt(
+        angle,
+        height,
+        skirt_gap(piston, angle, height, options, parameters),
+        bore_radius,
+        options.pin_offset,
+        modal_field(piston.radial.reshape(grid), classes),
+        modal_field(piston.axial.reshape(grid), classes),
     )
-    omega, k = block["omega"], np.count_nonzero(block["omega"] <= limit)
-    system = System(
-        body,
-        body_static,
-        Block(omega[:k] ** 2, damping(omega[:k], *strong)),
-        standing(omega[k:] ** 2),
-        mechanism,
-        skirt,
-        bore,
-        np.ascontiguousarray(piston["gas_force"]),
+
+
+def skirt_gap(
+    piston: ReducedPiston,
+    angle: np.ndarray,
+    height: np.ndarray,
+    options: PistonOptions,
+    parameters: Parameters,
+) -> np.ndarray:
+    """Film thickness around the concentric, undeformed piston in a cylinder, (c, a) [m]: clearance,
+    machined profile, heat, tilt, measured shapes.
+    """
+    lower = piston.skirt_lower
+    upper = piston.skirt_upper
+    gap = parameters.radial_clearance + barrel(height, lower, upper, parameters.barrel)
+    gap = gap + ovality(angle, parameters.ovality)[:, None]
+    gap = gap - linear_growth(
+        height, lower, upper, parameters.skirt_growth_lower, parameters.skirt_growth_upper
     )
-    crank = Crank(bool(p["crank_free"]), p["crank_inertia"], p["load_torque"], options["speed"])
-    return PistonInBore(system, crank, np.pi * radius**2, p["spectral_radius"], options["gas"])
+    gap = gap + tilt_about_x(angle, height, parameters.pin_tilt)
+    return gap + sum(table_shape(table, angle, height) for table in options.profiles)
+
+
+def bore(
+    block: ReducedBlock, angle: np.ndarray, options: BlockOptions, parameters: Parameters
+) -> Bore:
+    """Bore side of the film at the grid's angles (c,) [rad]."""
+    return bore_splines(
+        block.heights,
+        block.radial,
+        block.axial,
+        mode_classes(block),
+        bore_shape(block.heights, angle, options, parameters),
+    )
+
+
+def bore_shape(
+    heights: np.ndarray, angle: np.ndarray, options: BlockOptions, parameters: Parameters
+) -> np.ndarray:
+    """Widening of the undeformed bore on the table of its modes, (c, s) [m]: measured, by Fourier
+    orders, by heat.
+    """
+    orders = fourier_bore(options.orders, angle)[:, None]
+    heat = linear_growth(
+        heights,
+        heights[0],
+        heights[-1],
+        parameters.bore_growth_lower,
+        parameters.bore_growth_upper,
+    )
+    return orders + heat + sum(table_shape(table, angle, heights) for table in options.profiles)

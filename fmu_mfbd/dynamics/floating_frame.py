@@ -23,7 +23,7 @@ RIGID = 3
 
 
 class FlexibleBody(NamedTuple):
-    """Inertia integrals (Eq. (I1)) and modal springs of a reduced body; k modes, mass-orthonormal.
+    """Inertia integrals (Eq. (J7)) and modal springs of a reduced body; k modes, mass-orthonormal.
     k = 0 is a rigid body.
 
     Parameters

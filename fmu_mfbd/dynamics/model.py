@@ -12,7 +12,7 @@ from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import FilmChange, Instant, System, end_of_step, linearise, response
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
 from .slider_crank import CrankMotion
-from .speed_table import crank_motion
+from .speed_table import SpeedTable, crank_motion
 from .tables import gas_pressure
 
 START_PASSES = 40
@@ -85,19 +85,19 @@ class Crank:
         Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
     load_torque : float
         That a free crank works against [N m].
-    table : dict, optional
-        Speed over time or angle (`speed_table.speed_table`), for a crank that is not free.
+    table : SpeedTable, optional
+        Speed over time or angle, for a crank that is not free.
     """
 
     free: bool
     inertia: float
     load_torque: float
-    table: dict | None = None
+    table: SpeedTable | None = None
 
     def begin(self, angle: float, speed: float) -> CrankMotion:
         """Motion of the crank at time 0, from its angle [rad] and the input's speed [rad/s]."""
         if self.table:
-            return self._by_table(angle, 0.0, 0.0)
+            return crank_motion(self.table, angle, 0.0, 0.0)
         return CrankMotion(angle, speed, 0.0)
 
     def turn(self, state: State, step: float, speed: float) -> CrankMotion:
@@ -108,7 +108,7 @@ class Crank:
                    w + h w' + h^2 w''/2,  w' + h w''
         """
         if self.table:
-            return self._by_table(state.crank_angle, state.time, step)
+            return crank_motion(self.table, state.crank_angle, state.time, step)
         if self.free:
             # Eq. (K8)
             before = state.crank_acceleration
@@ -121,11 +121,6 @@ class Crank:
             speed=speed,
             acceleration=(speed - state.crank_speed) / step,
         )
-
-    def _by_table(self, angle, time, step):
-        """Motion a step [s] after the crank stood at an angle [rad] at a time [s]."""
-        angle, speed, acceleration = crank_motion(self.table, angle, time, step)
-        return CrankMotion(angle, speed, acceleration)
 
 
 class LastStep(NamedTuple):
@@ -150,8 +145,8 @@ class PistonInBore:
         Area of the bore [m2].
     spectral_radius : float
         Of the time integrator at infinite frequency [-], 0 to 1.
-    gas_table : dict, optional
-        Gas pressure over crank angle (`tables.gas_table`), added to the input.
+    gas_table : GasTable, optional
+        Gas pressure over crank angle, added to the input.
     """
 
     def __init__(

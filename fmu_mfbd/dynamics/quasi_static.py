@@ -15,7 +15,7 @@ class StaticModes(NamedTuple):
     stiffness : ndarray, shape (s,)
         omega^2 [rad2/s2].
     T, b, g : ndarray, shapes (2, s), (s,), (s,)
-        How the motion of the body frame loads them, see Eq. (I1); zero where it does not move.
+        How the motion of the body frame loads them, see Eq. (J7); zero where it does not move.
     """
 
     stiffness: np.ndarray

@@ -3,33 +3,63 @@ them.
 """
 
 import json
+from dataclasses import dataclass, fields
 from math import floor, pi
 from pathlib import Path
+from typing import Any
 
-SCALARS = (
-    "crank_angle",
-    "rotation_speed",
-    "lateral_displacement",
-    "rocking_angle",
-    "lateral_velocity",
-    "rocking_velocity",
-)
+import numpy as np
+
+
+@dataclass(frozen=True)
+class StartState:
+    """Motion of the bodies at an instant, by the names of the outputs.
+
+    Parameters
+    ----------
+    crank_angle, rotation_speed : float
+        Without whole four-stroke cycles, within -2 pi to 2 pi [rad]; [rad/s].
+    lateral_displacement, rocking_angle : float
+        [m], [rad]
+    lateral_velocity, rocking_velocity : float
+        [m/s], [rad/s]
+    modal_coordinate, modal_velocity : ndarray, shape (k,)
+        Piston, then block [kg^1/2 m], [kg^1/2 m/s]; empty for rigid bodies.
+    """
+
+    crank_angle: float
+    rotation_speed: float
+    lateral_displacement: float
+    rocking_angle: float
+    lateral_velocity: float
+    rocking_velocity: float
+    modal_coordinate: np.ndarray
+    modal_velocity: np.ndarray
+
+    def position(self) -> np.ndarray:
+        """x_A [m], rocking angle [rad], modal coordinates, (n,)."""
+        return np.array([self.lateral_displacement, self.rocking_angle, *self.modal_coordinate])
+
+    def velocity(self) -> np.ndarray:
+        """The derivatives of `position` in time, (n,)."""
+        return np.array([self.lateral_velocity, self.rocking_velocity, *self.modal_velocity])
+
+
 FIELDS = ("modal_coordinate", "modal_velocity")
+SCALARS = tuple(one.name for one in fields(StartState) if one.name not in FIELDS)
 
 
-def read_start(path):
+def read_start(path: Path | str) -> StartState:
     """Motion of the bodies at an instant.
 
     Parameters
     ----------
     path : Path
-        JSON file of outputs by name, numbers or lists of numbers.
+        JSON file of outputs by name, numbers or lists of numbers; those of FIELDS may be left out.
 
     Returns
     -------
-    dict
-        SCALARS [SI] and FIELDS, empty for rigid bodies; the crank angle without whole four-stroke
-        cycles, within -2 pi to 2 pi.
+    StartState
 
     Raises
     ------
@@ -38,35 +68,36 @@ def read_start(path):
     """
     name = Path(path).name
     try:
-        found = json.loads(Path(path).read_text())
+        outputs = json.loads(Path(path).read_text())
     except ValueError:
-        found = None
-    if not isinstance(found, dict):
+        outputs = None
+    if not isinstance(outputs, dict):
         raise ValueError(
             f"start: {name} is no JSON table of outputs (make one with piston-cosim snapshot)"
         )
-    missing = [key for key in SCALARS if key not in found]
+    missing = [key for key in SCALARS if key not in outputs]
     if missing:
         raise ValueError(f"start: {name} lacks {', '.join(missing)}")
-    out = {key: found.get(key, []) for key in SCALARS + FIELDS}
     try:
-        out = {
-            key: [float(v) for v in value] if key in FIELDS else float(value)
-            for key, value in out.items()
-        }
+        motion: dict[str, Any] = {key: float(outputs[key]) for key in SCALARS}
+        for key in FIELDS:
+            motion[key] = np.array([float(v) for v in outputs.get(key, [])])
     except (TypeError, ValueError):
         raise ValueError(f"start: {name} holds something else than numbers") from None
-    out["crank_angle"] -= 4 * pi * floor((out["crank_angle"] + 2 * pi) / (4 * pi))
-    return out
+    motion["crank_angle"] -= 4 * pi * floor((motion["crank_angle"] + 2 * pi) / (4 * pi))
+    return StartState(**motion)
 
 
-def check_modes(start, modes):
+def check_modes(start: StartState, modes: int) -> None:
     """Raise ValueError unless a start belongs to bodies of so many modes, piston and block
     together.
     """
-    for key in FIELDS:
-        if len(start[key]) != modes:
+    for key, values in (
+        ("modal_coordinate", start.modal_coordinate),
+        ("modal_velocity", start.modal_velocity),
+    ):
+        if len(values) != modes:
             raise ValueError(
-                f"start: {len(start[key])} values of {key} where these bodies have {modes} modes; a run keeps them "
-                "if its case names them in record.fields"
+                f"start: {len(values)} values of {key} where these bodies have {modes} modes; "
+                "a run keeps them if its case names them in record.fields"
             )

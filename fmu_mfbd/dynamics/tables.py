@@ -3,10 +3,14 @@ both share with others.
 """
 
 import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
+from ..geometry.profile import MeasuredShape
 
 
 class TableFault(ValueError):
@@ -14,16 +18,42 @@ class TableFault(ValueError):
 
 
 class Rows(NamedTuple):
-    """Numbers of a table as the user gave it: its name, and for each row where it stands and its
-    values.
+    """Numbers of a table as the user gave it: its name, what each row is called in messages, and
+    the row's values.
     """
 
     name: str
-    places: list
-    values: list
+    row_names: list[str]
+    values: list[list[float]]
 
 
-def read_numbers(path, corner=False):
+class Column(NamedTuple):
+    """What a column holds, and what 1 in it means in SI."""
+
+    name: str
+    unit: float
+
+
+@dataclass(frozen=True)
+class GasTable:
+    """Gauge pressure of the gas over exactly one cycle.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        Crank angle, rising by `cycle` from the first to the last [rad].
+    pressure : ndarray, shape (n,)
+        [Pa], the last is the first.
+    cycle : float
+        [rad]
+    """
+
+    angle: np.ndarray
+    pressure: np.ndarray
+    cycle: float
+
+
+def read_numbers(path: Path | str, corner: bool = False) -> Rows:
     """Rows of numbers of a comma or semicolon separated file; text rows at its top are skipped.
 
     Parameters
@@ -41,53 +71,46 @@ def read_numbers(path, corner=False):
     TableFault
         At the first later row that is not all numbers.
     """
-    text, rows = Path(path).read_text(), Rows(str(path), [], [])
-    for number, cells in enumerate(
-        csv.reader(text.splitlines(), delimiter=";" if ";" in text else ","), 1
-    ):
-        cells = [
-            cell.strip()
-            for cell in (cells[1:] if corner and number == 1 else cells)
-            if cell.strip()
-        ]
-        try:
-            values = [float(cell) for cell in cells]
-            finite = bool(np.isfinite(values).all())
-        except ValueError:
-            finite = False
-        if not finite:
-            if not rows.values:
-                continue
-            raise TableFault(
-                f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers"
-            ) from None
+    text = Path(path).read_text()
+    rows = Rows(str(path), [], [])
+    lines = csv.reader(text.splitlines(), delimiter=";" if ";" in text else ",")
+    for number, line in enumerate(lines, 1):
+        if corner and number == 1:
+            line = line[1:]
+        cells = [cell.strip() for cell in line if cell.strip()]
+        values = _finite_numbers(cells)
+        if values is None and rows.values:
+            raise TableFault(f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers")
         if values:
-            rows.places.append(f"{path}, line {number}")
+            rows.row_names.append(f"{path}, line {number}")
             rows.values.append(values)
     if not rows.values:
         raise TableFault(f"{path}: no row of numbers")
     return rows
 
 
-def inline_numbers(name, points):
+def _finite_numbers(cells: list[str]) -> list[float] | None:
+    """Cells as numbers; None if one is not a finite number."""
+    try:
+        values = [float(cell) for cell in cells]
+    except ValueError:
+        return None
+    return values if np.isfinite(values).all() else None
+
+
+def inline_numbers(name: str, points: Sequence[Sequence[float]]) -> Rows:
     """Rows of a table that stands in the case file itself."""
-    return Rows(
-        name,
-        [f"{name}, row {k}" for k in range(1, len(points) + 1)],
-        [list(point) for point in points],
-    )
+    row_names = [f"{name}, row {k}" for k in range(1, len(points) + 1)]
+    return Rows(name, row_names, [list(point) for point in points])
 
 
-def two_columns(rows, first, second, first_unit, second_unit):
+def two_columns(rows: Rows, first: Column, second: Column) -> np.ndarray:
     """Two columns in SI, the first rising.
 
     Parameters
     ----------
     rows : Rows
-    first, second : str
-        What the columns hold.
-    first_unit, second_unit : float
-        What 1 means.
+    first, second : Column
 
     Returns
     -------
@@ -98,21 +121,23 @@ def two_columns(rows, first, second, first_unit, second_unit):
     TableFault
         At the row that has another number of columns, or whose first value does not rise.
     """
-    for place, values in zip(rows.places, rows.values):
+    for row_name, values in zip(rows.row_names, rows.values):
         if len(values) != 2:
             raise TableFault(
-                f"{place}: {len(values)} columns where {first} and {second} are needed"
+                f"{row_name}: {len(values)} columns where {first.name} and {second.name} are needed"
             )
     columns = np.array(rows.values).T
-    bad = np.flatnonzero(np.diff(columns[0]) <= 0)
+    bad = np.flatnonzero(np.diff(columns[0]) <= 0) + 1
     if len(bad):
         raise TableFault(
-            f"{rows.places[bad[0] + 1]}: {first} {columns[0, bad[0] + 1]:g} does not rise"
+            f"{rows.row_names[bad[0]]}: {first.name} {columns[0, bad[0]]:g} does not rise"
         )
-    return columns * [[first_unit], [second_unit]]
+    return columns * [[first.unit], [second.unit]]
 
 
-def closed(rows, angle, value, cycle, what):
+def closed(
+    rows: Rows, angle: np.ndarray, value: np.ndarray, cycle: float, in_words: str
+) -> tuple[np.ndarray, np.ndarray]:
     """A table over exactly one cycle, its last value the first.
 
     Parameters
@@ -122,8 +147,8 @@ def closed(rows, angle, value, cycle, what):
     angle, value : ndarray, shape (n,)
     cycle : float
         [rad]
-    what : str
-        Name of the value, with its unit.
+    in_words : str
+        Format of a value: name, {} for the number, unit.
 
     Returns
     -------
@@ -134,23 +159,25 @@ def closed(rows, angle, value, cycle, what):
     TableFault
         Where angles do not span the cycle, or the ends differ by more than 1 % of the range.
     """
-    span, step = angle[-1] - angle[0], np.diff(angle).max(initial=0.0)
-    if not cycle - 1.5 * step <= span <= cycle * (1 + 1e-9):
+    span = angle[-1] - angle[0]
+    widest_step = np.diff(angle).max(initial=0.0)
+    if not cycle - 1.5 * widest_step <= span <= cycle * (1 + 1e-9):
         raise TableFault(
             f"{rows.name}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg"
         )
     if span < cycle * (1 - 1e-9):
-        angle, value = np.append(angle, angle[0] + cycle), np.append(value, value[0])
+        angle = np.append(angle, angle[0] + cycle)
+        value = np.append(value, value[0])
     if abs(value[-1] - value[0]) > 0.01 * np.ptp(value):
         raise TableFault(
-            f"{rows.name}: does not close: {what.format(value[0])} at the start and {what.format(value[-1])} one "
-            "cycle later"
+            f"{rows.name}: does not close: {in_words.format(value[0])} at the start and "
+            f"{in_words.format(value[-1])} one cycle later"
         )
     value[-1] = value[0]
     return angle, value
 
 
-def gas_table(rows, cycle, angle_unit, pressure_unit):
+def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float) -> GasTable:
     """Gas pressure over one cycle, two columns: crank angle and gauge pressure.
 
     Parameters
@@ -163,8 +190,7 @@ def gas_table(rows, cycle, angle_unit, pressure_unit):
 
     Returns
     -------
-    dict
-        angle, pressure (lists, SI) over exactly one cycle, first pressure = last; cycle.
+    GasTable
 
     Raises
     ------
@@ -172,31 +198,36 @@ def gas_table(rows, cycle, angle_unit, pressure_unit):
         Where angles do not rise, do not span the cycle, or the ends differ by more than 1 % of the
         range: a jump no gas makes.
     """
-    angle, pressure = closed(
-        rows,
-        *two_columns(rows, "crank angle", "pressure", angle_unit, pressure_unit),
-        cycle,
-        "pressure {:g} Pa",
+    columns = two_columns(
+        rows, Column("crank angle", angle_unit), Column("pressure", pressure_unit)
     )
-    return {"angle": angle.tolist(), "pressure": pressure.tolist(), "cycle": float(cycle)}
+    angle, pressure = columns
+    angle, pressure = closed(rows, angle, pressure, cycle, "pressure {:g} Pa")
+    return GasTable(angle, pressure, float(cycle))
 
 
-def gas_pressure(table, crank_angle):
-    """Pressure of a `gas_table` at a crank angle [rad], linear between its points [Pa]."""
-    first = table["angle"][0]
-    return float(
-        np.interp((crank_angle - first) % table["cycle"] + first, table["angle"], table["pressure"])
-    )
+def gas_pressure(table: GasTable, crank_angle: float) -> float:
+    """Pressure of the gas at a crank angle [rad], linear between the table's points [Pa]."""
+    first = table.angle[0]
+    within = (crank_angle - first) % table.cycle + first
+    return float(np.interp(within, table.angle, table.pressure))
 
 
-def profile_table(path, angle_unit, height_unit, value_unit):
+def profile_table(
+    path: Path | str, angle_unit: float, height_unit: float, value_unit: float
+) -> MeasuredShape:
     """Shape over angle and height: the first row holds the angles (its first cell is not read),
     each later one a height and its values.
 
+    Parameters
+    ----------
+    path : Path
+    angle_unit, height_unit, value_unit : float
+        What 1 in the file means [rad], [m], [m].
+
     Returns
     -------
-    dict
-        angle, height, value (lists, SI) as `profile.table_shape` takes them.
+    MeasuredShape
 
     Raises
     ------
@@ -205,12 +236,13 @@ def profile_table(path, angle_unit, height_unit, value_unit):
     """
     rows = read_numbers(path, corner=True)
     head, *body = rows.values
-    for place, values in zip(rows.places[1:], body):
+    for row_name, values in zip(rows.row_names[1:], body):
         if len(values) != len(head) + 1:
-            raise TableFault(f"{place}: {len(values)} numbers where {len(head) + 1} are needed")
+            raise TableFault(f"{row_name}: {len(values)} numbers where {len(head) + 1} are needed")
     if not body:
         raise TableFault(
-            f"{path}: the first row must hold the angles, the others a height and one value an angle"
+            f"{path}: the first row must hold the angles, the others a height and one value an "
+            "angle"
         )
     angle = np.array(head) * angle_unit
     height = np.array([values[0] for values in body]) * height_unit
@@ -219,8 +251,4 @@ def profile_table(path, angle_unit, height_unit, value_unit):
             raise TableFault(f"{path}: {name} do not rise")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
         raise TableFault(f"{path}: angles span a full turn or more; leave the repeated one out")
-    return {
-        "angle": angle.tolist(),
-        "height": height.tolist(),
-        "value": (np.array([values[1:] for values in body]) * value_unit).tolist(),
-    }
+    return MeasuredShape(angle, height, np.array([values[1:] for values in body]) * value_unit)

@@ -1,6 +1,9 @@
 """Meshes and matrices.
 
-mesh           reading, named surfaces, faults           element        ten-node tetrahedron by scikit-fem
-faces          triangles and pressure on them            matrices       stiffness and mass of another program
-point_cloud    nodes without elements                    solver         sparse direct solvers, answers kept on disk
+mesh           reading, named surfaces, faults
+point_cloud    nodes without elements
+element        ten-node tetrahedron by scikit-fem (M)
+faces          triangles and pressure on them (M)
+matrices       stiffness and mass of another program (M)
+solver         sparse direct solvers, answers kept on disk
 """

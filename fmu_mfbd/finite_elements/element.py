@@ -2,18 +2,54 @@
 assembled by scikit-fem.
 """
 
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.special import roots_jacobi
 from skfem import Basis, BilinearForm, ElementTetP2, MeshTet2
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+Sparse: TypeAlias = Any
+"""A sparse matrix; scipy ships no types of its own."""
 NODES = ElementTetP2.doflocs
 """Reference coordinates of the ten nodes, shape (10, 3): corners, then the middles of `EDGES`."""
 PART = 50_000  # elements assembled at a time: bounds the memory of large bodies
 
 
-def quadrature(points_a_side):
+class Quadrature(NamedTuple):
+    """Rule on the reference tetrahedron.
+
+    Parameters
+    ----------
+    position : ndarray, shape (q, 3)
+        Reference coordinates [-].
+    weight : ndarray, shape (q,)
+        Their sum is 1/6, the reference volume.
+    """
+
+    position: np.ndarray
+    weight: np.ndarray
+
+
+class NodalBasis(NamedTuple):
+    """Basis of scikit-fem for one displacement component, and the number in it of each node,
+    (n,).
+    """
+
+    basis: Basis
+    number: np.ndarray
+
+
+class Lame(NamedTuple):
+    """lambda and mu [Pa]."""
+
+    first: float
+    shear: float
+
+
+def quadrature(points_a_side: int) -> Quadrature:
     """Conical product rule on the reference tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1).
 
     Exact for polynomials of degree 2 n - 1 with n points a side.
@@ -25,24 +61,30 @@ def quadrature(points_a_side):
 
     Returns
     -------
-    position : ndarray, shape (n^3, 3)
-        Reference coordinates [-].
-    weight : ndarray, shape (n^3,)
-        Their sum is 1/6, the reference volume.
+    Quadrature
+        n^3 points.
 
-    References ---------- [Stroud1971], conical products of Gauss-Jacobi rules. Checked in
+    References
+    ----------
+    [Stroud1971], conical products of Gauss-Jacobi rules. Checked in
     tests/mfbd/test_finite_element.py.
     """
-    rules = [roots_jacobi(points_a_side, power, 0.0) for power in (2.0, 1.0, 0.0)]
-    (a, wa), (b, wb), (c, wc) = [
-        ((x + 1) / 2, w / 2 ** (power + 1)) for (x, w), power in zip(rules, (2, 1, 0))
-    ]
+    a, weight_a = _jacobi_rule(points_a_side, 2)
+    b, weight_b = _jacobi_rule(points_a_side, 1)
+    c, weight_c = _jacobi_rule(points_a_side, 0)
     a, b, c = np.meshgrid(a, b, c, indexing="ij")
-    weight = wa[:, None, None] * wb[None, :, None] * wc[None, None, :]
-    return np.stack([a, (1 - a) * b, (1 - a) * (1 - b) * c], axis=-1).reshape(-1, 3), weight.ravel()
+    position = np.stack([a, (1 - a) * b, (1 - a) * (1 - b) * c], axis=-1)
+    weight = weight_a[:, None, None] * weight_b[None, :, None] * weight_c[None, None, :]
+    return Quadrature(position.reshape(-1, 3), weight.ravel())
 
 
-def element_basis(points, tets, position, weight):
+def _jacobi_rule(points, power):
+    """Points and weights of a Gauss rule on 0 to 1 for the weight function (1 - x)^power."""
+    x, weight = roots_jacobi(points, float(power), 0.0)
+    return (x + 1) / 2, weight / 2 ** (power + 1)
+
+
+def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> NodalBasis:
     """Basis of scikit-fem on isoparametric ten-node tetrahedra.
 
     Parameters
@@ -51,29 +93,21 @@ def element_basis(points, tets, position, weight):
         Node positions [m].
     tets : ndarray of int, shape (e, 10)
         Corners, then edge nodes in the order of `EDGES`; every node belongs to an element.
-    position, weight : ndarray, shapes (q, 3), (q,)
-        Quadrature rule. The tabulated rules of scikit-fem 12 above degree 4 miss the last degree
-        they claim.
-
-    Returns
-    -------
-    Basis
-        Of one displacement component.
-    place : ndarray of int, shape (n,)
-        Number in the basis of each node.
+    rule : Quadrature
+        The tabulated rules of scikit-fem 12 above degree 4 miss the last degree they claim.
     """
     mesh = MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
-    basis = Basis(mesh, ElementTetP2(), quadrature=(position.T, weight))
-    place = np.empty(len(points), dtype=np.int64)
-    place[tets.T] = basis.element_dofs
-    return basis, place
+    basis = Basis(mesh, ElementTetP2(), quadrature=(rule.position.T, rule.weight))
+    number = np.empty(len(points), dtype=np.int64)
+    number[tets.T] = basis.element_dofs
+    return NodalBasis(basis, number)
 
 
-def stiffness(points, tets, young, poisson):
+def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float) -> Sparse:
     """Stiffness matrix of isotropic linear elasticity.
 
-    Eq. (F1):  K_(ia)(jb) = lambda D^ab_ij + mu D^ba_ij + mu delta_ab D^cc_ij,   D^ab_ij = int N_i,a N_j,b dV
-               lambda = E nu / ((1+nu)(1-2nu)),  mu = E / (2 (1+nu))
+    Eq. (M1):  K_(ia)(jb) = lambda D^ab_ij + mu D^ba_ij + mu delta_ab D^cc_ij,
+               D^ab_ij = int N_i,a N_j,b dV,  lambda and mu by Eq. (M2)
 
     Degrees of freedom are ordered x, y, z of node 0, then of node 1, and so on. Quadrature of
     degree 5: exact on straight-edged elements (degree 2), on curved ones far inside the error of
@@ -97,31 +131,36 @@ def stiffness(points, tets, young, poisson):
     ----------
     [Bathe2014] ch. 5. Checked against FElupe in tests/verification/test_mfbd.py.
     """
-    lame, shear = lame_constants(young, poisson)
+    lame = lame_constants(young, poisson)
     pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
     forms = [lambda u, v, w, a=a, b=b: v.grad[a] * u.grad[b] for a, b in pairs]
     D = dict(zip(pairs, _assemble(points, tets, 3, forms)))
     D |= {(b, a): D[a, b].T for a, b in pairs if a != b}
     laplace = D[0, 0] + D[1, 1] + D[2, 2]
-    blocks = [
-        [
-            lame * D[a, b] + shear * (D[b, a] + laplace if a == b else D[b, a]) for b in range(3)
-        ]  # Eq. (F1)
-        for a in range(3)
-    ]
+
+    def block(a, b):
+        transverse = D[b, a] + laplace if a == b else D[b, a]
+        return lame.first * D[a, b] + lame.shear * transverse  # Eq. (M1)
+
+    blocks = [[block(a, b) for b in range(3)] for a in range(3)]
     by_node = (np.arange(len(points))[:, None] + len(points) * np.arange(3)).ravel()
-    return sp.block_array(blocks, format="csr")[by_node].tocsc()[:, by_node]
+    whole = sp.csr_matrix(sp.block_array(blocks, format="csr"))
+    return whole[by_node].tocsc()[:, by_node]
 
 
-def lame_constants(young, poisson):
-    """lambda and mu [Pa] from Young's modulus [Pa] and Poisson's ratio [-]."""
-    return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
+def lame_constants(young: float, poisson: float) -> Lame:
+    """Lame's constants from Young's modulus [Pa] and Poisson's ratio [-].
+
+    Eq. (M2):  lambda = E nu / ((1 + nu)(1 - 2 nu)),  mu = E / (2 (1 + nu))
+    """
+    first = young * poisson / ((1 + poisson) * (1 - 2 * poisson))  # Eq. (M2)
+    return Lame(first, young / (2 * (1 + poisson)))
 
 
-def consistent_mass(points, tets, density):
+def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Sparse:
     """Consistent mass matrix.
 
-    Eq. (F2):  M_(ia)(jb) = delta_ab int rho N_i N_j dV
+    Eq. (M3):  M_(ia)(jb) = delta_ab int rho N_i N_j dV
 
     Quadrature of degree 7: exact for N_i N_j (degree 4) times the Jacobian determinant of a curved
     element (degree 3).
@@ -139,44 +178,45 @@ def consistent_mass(points, tets, density):
     scipy.sparse.csc_matrix, shape (3 n, 3 n)
         [kg]; ordered as the stiffness.
     """
-    return each_direction(
-        _assemble(points, tets, 4, [lambda u, v, w: density * u * v])[0]
-    )  # Eq. (F2)
+    (scalar,) = _assemble(points, tets, 4, [lambda u, v, w: density * u * v])  # Eq. (M3)
+    return each_direction(scalar)
 
 
-def each_direction(scalar):
+def each_direction(scalar: Sparse) -> Sparse:
     """Matrix of one displacement component (n, n) -> the same for all three (3 n, 3 n)."""
-    return sp.kron(scalar, sp.identity(3), format="csc")
+    return sp.csc_matrix(sp.kron(scalar, sp.identity(3), format="csc"))
 
 
-def _assemble(points, tets, points_a_side, forms):
+def _assemble(
+    points: np.ndarray, tets: np.ndarray, points_a_side: int, forms: Sequence[Callable]
+) -> list[Sparse]:
     """Matrices of scalar bilinear forms, each (n, n) in the order of the nodes."""
     totals = [sp.csr_matrix((len(points),) * 2)] * len(forms)
+    rule = quadrature(points_a_side)
     for part in np.array_split(tets, -(-len(tets) // PART)):
         used, inside = np.unique(part, return_inverse=True)
-        basis, place = element_basis(
-            points[used], inside.reshape(part.shape), *quadrature(points_a_side)
-        )
+        basis, number = element_basis(points[used], inside.reshape(part.shape), rule)
         for k, form in enumerate(forms):
-            found = BilinearForm(form).assemble(basis)[place][:, place].tocoo()
-            totals[k] = totals[k] + sp.csr_matrix(
-                (found.data, (used[found.row], used[found.col])), shape=totals[k].shape
-            )
+            matrix = BilinearForm(form).assemble(basis)[number][:, number].tocoo()
+            ij = used[matrix.row], used[matrix.col]
+            totals[k] = totals[k] + sp.csr_matrix((matrix.data, ij), shape=totals[k].shape)
     return totals
 
 
-def jacobian_determinants(points, tets, position):
+def jacobian_determinants(points: np.ndarray, tets: np.ndarray, position: np.ndarray) -> np.ndarray:
     """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e,
     q) [m3]; positive in a sound element.
     """
-    basis, _ = element_basis(points, tets, NODES[:1], np.ones(1))
+    basis, _ = element_basis(points, tets, Quadrature(NODES[:1], np.ones(1)))
     return basis.mesh.mapping().detDF(position.T)
 
 
-def nodal_stress(points, tets, displacement, young, poisson):
+def nodal_stress(
+    points: np.ndarray, tets: np.ndarray, displacement: np.ndarray, young: float, poisson: float
+) -> np.ndarray:
     """Stress at the nodes, the mean of the values in the elements that meet there.
 
-    Eq. (F5):  sigma = lambda tr(eps) 1 + 2 mu eps,   eps = (grad u + grad u^T)/2
+    Eq. (M4):  sigma = lambda tr(eps) 1 + 2 mu eps,   eps = (grad u + grad u^T)/2
 
     Parameters
     ----------
@@ -193,32 +233,33 @@ def nodal_stress(points, tets, displacement, young, poisson):
     ndarray, shape (n, 6)
         xx, yy, zz, xy, yz, zx [Pa]. The jump between elements, not shown, is the error of the mesh.
     """
-    lame, shear = lame_constants(young, poisson)
-    basis, place = element_basis(points, tets, NODES, np.ones(len(NODES)))
+    lame = lame_constants(young, poisson)
+    basis, number = element_basis(points, tets, Quadrature(NODES, np.ones(len(NODES))))
     nodal = np.empty_like(displacement)
-    nodal[place] = displacement
-    slope = np.stack([basis.interpolate(component).grad for component in nodal.T])  # (a, b, e, 10)
+    nodal[number] = displacement
+    fields: list[Any] = [basis.interpolate(component) for component in nodal.T]
+    slope = np.stack([one.grad for one in fields])  # (a, b, e, 10)
+    # Eq. (M4)
     strain = (slope + slope.swapaxes(0, 1)) / 2
-    stress = 2 * shear * strain + lame * np.trace(strain) * np.eye(3)[:, :, None, None]  # Eq. (F5)
+    pressure_part = lame.first * np.trace(strain) * np.eye(3)[:, :, None, None]
+    stress = 2 * lame.shear * strain + pressure_part
     count = np.bincount(tets.ravel(), minlength=len(points))
-    return np.stack(
-        [
-            np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) / count
-            for a, b in zip((0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0))
-        ],
-        axis=1,
-    )
+    components = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
+    sums = [np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) for a, b in components]
+    return np.stack([total / count for total in sums], axis=1)
 
 
-def von_mises(stress):
-    """Equivalent stress of (n, 6) stresses xx, yy, zz, xy, yz, zx [Pa]."""
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Equivalent stress of (n, 6) stresses xx, yy, zz, xy, yz, zx [Pa].
+
+    Eq. (M5):  sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2)/2 + 3 (xy^2 + yz^2 + zx^2))
+    """
     xx, yy, zz, xy, yz, zx = stress.T
-    return np.sqrt(
-        ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy**2 + yz**2 + zx**2)
-    )
+    normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
+    return np.sqrt(normal + 3 * (xy**2 + yz**2 + zx**2))  # Eq. (M5)
 
 
-def rigid_motions(points):
+def rigid_motions(points: np.ndarray) -> np.ndarray:
     """Six rigid-body motions about the origin: translations along x, y, z, rotations about them, (3
     n, 6).
     """

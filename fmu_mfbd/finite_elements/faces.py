@@ -2,19 +2,52 @@
 at the nodes.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 from skfem import ElementTriP1, ElementTriP2
 
+from .element import Sparse
 
-def face_load(points, triangles, pressure_sign=-1.0):
+
+class ShapeFunctions(NamedTuple):
+    """Shape functions of a triangle at some points and their derivatives along s and t, each of
+    shape (q, nodes).
+    """
+
+    value: np.ndarray
+    ds: np.ndarray
+    dt: np.ndarray
+
+
+class FaceRule(NamedTuple):
+    """Quadrature on faces.
+
+    Parameters
+    ----------
+    value : ndarray, shape (q, nodes)
+        Shape functions.
+    weight : ndarray, shape (q,)
+        On the reference triangle.
+    normal : ndarray, shape (t, q, 3)
+        Normals times area [m2].
+    """
+
+    value: np.ndarray
+    weight: np.ndarray
+    normal: np.ndarray
+
+
+def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = -1.0) -> np.ndarray:
     """Consistent nodal forces of a unit pressure on faces, following the outward normal.
 
-    Eq. (F3):  f_i = -int N_i n dA        faces ordered so that (X1-X0) x (X2-X0) points out of the body
+    Eq. (M6):  f_i = -int N_i n dA        faces ordered so that (X1-X0) x (X2-X0) points outwards
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
+        [m]
     triangles : ndarray of int, shape (t, 3 or 6)
         Corners, then perhaps the middles of edges 01, 12, 20.
     pressure_sign : float
@@ -25,58 +58,46 @@ def face_load(points, triangles, pressure_sign=-1.0):
     ndarray, shape (n, 3)
         [N/Pa] = [m2]
     """
-    value, weight, normal = _face_rule(points, triangles)
+    rule = _face_rule(points, triangles)
+    # Eq. (M6)
+    parts = np.einsum("q,qi,tqa->tia", rule.weight, rule.value, rule.normal, optimize=True)
     load = np.zeros_like(points)
-    np.add.at(
-        load,
-        triangles,
-        pressure_sign * np.einsum("q,qi,tqa->tia", weight, value, normal, optimize=True),
-    )  # Eq. (F3)
+    np.add.at(load, triangles, pressure_sign * parts)
     return load
 
 
-def _face_rule(points, triangles):
-    """Shape functions (q, nodes) and weights (q,) of a rule on the reference triangle, and normals
-    times area (t, q, 3) [m2].
-    """
+def _face_rule(points: np.ndarray, triangles: np.ndarray) -> FaceRule:
     nodes, weights = np.polynomial.legendre.leggauss(4)
     a, b = np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2, indexing="ij")
-    s, t, weight = (
-        a.ravel(),
-        ((1 - a) * b).ravel(),
-        (np.outer(weights, weights) / 4 * (1 - a)).ravel(),
-    )
-    value, ds, dt = triangle_functions(s, t, triangles.shape[1])
+    s = a.ravel()
+    t = ((1 - a) * b).ravel()
+    weight = (np.outer(weights, weights) / 4 * (1 - a)).ravel()
+    shape = triangle_functions(s, t, triangles.shape[1])
     corners = points[triangles]
-    return (
-        value,
-        weight,
-        np.cross(np.einsum("qi,tia->tqa", ds, corners), np.einsum("qi,tia->tqa", dt, corners)),
-    )
+    along_s = np.einsum("qi,tia->tqa", shape.ds, corners)
+    along_t = np.einsum("qi,tia->tqa", shape.dt, corners)
+    return FaceRule(shape.value, weight, np.cross(along_s, along_t))
 
 
-def triangle_functions(s, t, nodes=6):
-    """Shape functions of the triangle of 3 or 6 nodes and their derivatives along s and t, each of
-    shape (q, nodes).
-    """
+def triangle_functions(s: np.ndarray, t: np.ndarray, nodes: int = 6) -> ShapeFunctions:
+    """Shape functions of the triangle of 3 or 6 nodes at (s, t), each of shape (q,)."""
     element = {3: ElementTriP1(), 6: ElementTriP2()}[nodes]
     values, slopes = zip(*(element.lbasis(np.stack([s, t]), k) for k in range(nodes)))
     value = np.stack(np.broadcast_arrays(*values), axis=-1)
-    ds, dt = (
-        np.stack([np.broadcast_to(slope[axis], s.shape) for slope in slopes], axis=-1)
-        for axis in (0, 1)
-    )
-    return value, ds, dt
+    ds = np.stack([np.broadcast_to(slope[0], s.shape) for slope in slopes], axis=-1)
+    dt = np.stack([np.broadcast_to(slope[1], s.shape) for slope in slopes], axis=-1)
+    return ShapeFunctions(value, ds, dt)
 
 
-def surface_matrix(points, triangles):
+def surface_matrix(points: np.ndarray, triangles: np.ndarray) -> Sparse:
     """Area-weighted products of shape functions over faces.
 
-    Eq. (F4):  A_ij = int N_i N_j dA      its rows add up to the area that belongs to a node
+    Eq. (M7):  A_ij = int N_i N_j dA      its rows add up to the area that belongs to a node
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
+        [m]
     triangles : ndarray of int, shape (t, 3 or 6)
 
     Returns
@@ -84,14 +105,10 @@ def surface_matrix(points, triangles):
     scipy.sparse.csc_matrix, shape (n, n)
         [m2]
     """
-    value, weight, normal = _face_rule(points, triangles)
-    area = np.linalg.norm(normal, axis=2) * weight
-    blocks, width = (
-        np.einsum("tq,qi,qj->tij", area, value, value, optimize=True),
-        triangles.shape[1],
-    )  # Eq. (F4)
-    rows, columns = (
-        np.repeat(triangles, width, axis=1).ravel(),
-        np.tile(triangles, (1, width)).ravel(),
-    )
+    rule = _face_rule(points, triangles)
+    area = np.linalg.norm(rule.normal, axis=2) * rule.weight
+    blocks = np.einsum("tq,qi,qj->tij", area, rule.value, rule.value, optimize=True)  # Eq. (M7)
+    width = triangles.shape[1]
+    rows = np.repeat(triangles, width, axis=1).ravel()
+    columns = np.tile(triangles, (1, width)).ravel()
     return sp.csc_matrix((blocks.ravel(), (rows, columns)), shape=(len(points),) * 2)

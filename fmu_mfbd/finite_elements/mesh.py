@@ -3,20 +3,67 @@
 import gzip
 import shutil
 import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from .element import EDGES, NODES, jacobian_determinants, quadrature
 
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
+"""Nodes of a tetrahedron's four faces: corners, then the middles of their edges 01, 12, 20."""
+
+LOOSE = 1e-3
+"""How far, relative to its size, a corner may lie off a surface that is found by geometry."""
+
+
+class Cylinder(NamedTuple):
+    """A surface that is a cylinder about y, from a lower to an upper height [m]."""
+
+    radius: float
+    lower: float
+    upper: float
+
+    def holds(self, corner: np.ndarray) -> np.ndarray:
+        """Which faces, given by their corners (t, corners, 3), belong to it."""
+        slack = LOOSE * self.radius
+        x, y, z = np.moveaxis(corner, -1, 0)
+        near = np.abs(np.hypot(x, z) - self.radius) <= slack
+        return (near & (y >= self.lower - slack) & (y <= self.upper + slack)).all(axis=1)
+
+
+class Bore(NamedTuple):
+    """A surface that is a cylinder about z of any length [m]."""
+
+    radius: float
+
+    def holds(self, corner: np.ndarray) -> np.ndarray:
+        """Which faces, given by their corners (t, corners, 3), belong to it."""
+        x, y, _ = np.moveaxis(corner, -1, 0)
+        return (np.abs(np.hypot(x, y) - self.radius) <= LOOSE * self.radius).all(axis=1)
+
+
+class Plane(NamedTuple):
+    """A surface that is a plane across y at a height [m]."""
+
+    height: float
+
+    def holds(self, corner: np.ndarray) -> np.ndarray:
+        """Which faces, given by their corners (t, corners, 3), belong to it."""
+        y = corner[..., 1]
+        return (np.abs(y - self.height) <= LOOSE * np.ptp(y)).all(axis=1)
+
+
+Region = Cylinder | Bore | Plane
+"""Where a surface lies that the file does not name, in this project's axes."""
 
 
 class MeshFault(ValueError):
     """A mesh that cannot be used; `faults` holds one sentence each."""
 
-    def __init__(self, faults):
+    def __init__(self, faults: Iterable[str]):
         self.faults = list(faults)
         super().__init__("\n".join(self.faults))
 
@@ -42,20 +89,27 @@ class Mesh:
 
     points: np.ndarray
     tets: np.ndarray
-    faces: dict
-    members: dict = field(default_factory=dict)
+    faces: dict[str, np.ndarray]
+    members: dict[str, np.ndarray] = field(default_factory=dict)
     row: np.ndarray | None = None
 
-    def nodes(self, name):
+    def nodes(self, name: str) -> np.ndarray:
         """Sorted node numbers of the named surface."""
         return self.members.get(name, np.unique(self.faces[name]))
 
-    def skin(self):
+    def skin(self) -> np.ndarray:
         """All outer faces, for pictures: (t, 6), or those of the named surfaces, (t, 3)."""
         return outer_faces(self.tets) if len(self.tets) else np.vstack(list(self.faces.values()))
 
 
-def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0), say=print):
+def read_mesh(
+    path: Path | str,
+    surfaces: Mapping[str, Region | None],
+    scale: float = 1.0,
+    axes: Sequence[str] = ("x", "y", "z"),
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+    say: Callable[[str], None] = print,
+) -> Mesh:
     """Read a mesh file, turn it into this project's axes, find its surfaces and check it.
 
     Parameters
@@ -64,10 +118,8 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
         Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets),
         Nastran .bdf (surfaces by geometry); `.gz` is unpacked on the way. Linear tetrahedra get
         edge nodes, with a warning: curved walls stay polygons.
-    surfaces : dict of str to None or (str, ...)
-        Surfaces that must be there: None where the file names them, else ("cylinder", radius, low,
-        high), a cylinder about y [m], ("bore", radius) one about z, or ("plane", height) across y,
-        all in this project's axes.
+    surfaces : dict of str to Region or None
+        Surfaces that must be there; None where the file names them.
     scale : float
         Length of the file's unit [m].
     axes : sequence of str
@@ -86,69 +138,71 @@ def read_mesh(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0,
     raw = _read(Path(path))
     kinds = {cells.type for cells in raw.cells}
     if not kinds & {"tetra10", "tetra"}:
+        present = ", ".join(sorted(kinds))
         raise MeshFault(
-            [
-                f"{path}: no tetrahedra (found {', '.join(sorted(kinds))}); write the mesh as 10-node tetrahedra"
-            ]
+            [f"{path}: no tetrahedra (found {present}); write the mesh as 10-node tetrahedra"]
         )
     kind = "tetra10" if "tetra10" in kinds else "tetra"
-    tets = np.concatenate([cells.data for cells in raw.cells if cells.type == kind]).astype(
-        np.int64
-    )
-    points, place, tets = _drop_unused(
-        to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin), tets
-    )
+    blocks = [cells.data for cells in raw.cells if cells.type == kind]
+    tets = np.concatenate(blocks).astype(np.int64)
+    points = to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin)
+    used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular
+    number = np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    points = points[used]
+    tets = number[tets]
     if kind == "tetra":
         say(
-            f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons"
+            f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay "
+            "polygons"
         )
         points, tets = second_order(points, tets)
     outer = outer_faces(tets)
-    found = {
-        name: outer[_marked(raw, place, points, outer, name, rule)]
-        for name, rule in surfaces.items()
+    faces = {
+        name: outer[_marked(raw, number, points, outer, name, region)]
+        for name, region in surfaces.items()
     }
     known = sorted(set(raw.field_data) | set(raw.cell_sets) | set(raw.point_sets))
+    names = ", ".join(known) or "none"
     faults = [
-        f"{path}: surface '{name}' is missing or empty (the file names {', '.join(known) or 'none'})"
-        for name, faces in found.items()
-        if not len(faces)
+        f"{path}: surface '{name}' is missing or empty (the file names {names})"
+        for name, members in faces.items()
+        if not len(members)
     ]
-    mesh = Mesh(points, tets, found, row=np.flatnonzero(place >= 0) if kind == "tetra10" else None)
+    mesh = Mesh(points, tets, faces, row=used if kind == "tetra10" else None)
     faults += mesh_faults(mesh, path)
     if faults:
         raise MeshFault(faults)
     return mesh
 
 
-def to_body_axes(points, axes, origin):
+def to_body_axes(points: np.ndarray, axes: Sequence[str], origin: Sequence[float]) -> np.ndarray:
     """Points (n, 3) of a file in this project's axes [m]."""
     return (points - np.asarray(origin)) @ turn_of(axes).T
 
 
-def turn_of(axes):
-    """Matrix that turns vectors of a file into this project's axes; `axes` must be right-handed, or
-    elements would invert.
+def turn_of(axes: Sequence[str]) -> np.ndarray:
+    """Matrix (3, 3) that turns vectors of a file into this project's axes.
+
+    Raises
+    ------
+    MeshFault
+        Unless `axes` are right-handed: elements would invert.
     """
-    turn = np.array(
-        [
-            [(-1.0 if axis.startswith("-") else 1.0) * (axis[-1] == name) for name in "xyz"]
-            for axis in axes
-        ]
-    )
+    turn = np.zeros((3, 3))
+    for row, axis in enumerate(axes):
+        turn[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     if not np.isclose(np.linalg.det(turn), 1.0):
         raise MeshFault([f"axes = {list(axes)}: not a right-handed set of three directions"])
     return turn
 
 
-def second_order(points, tets):
-    """Add the middles of all edges to linear tetrahedra (e, 4)."""
-    edges, place = np.unique(
-        np.sort(tets[:, EDGES], axis=2).reshape(-1, 2), axis=0, return_inverse=True
-    )
-    return np.vstack([points, points[edges].mean(axis=1)]), np.hstack(
-        [tets, place.reshape(-1, 6) + len(points)]
-    )
+def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Add the middles of all edges to linear tetrahedra (e, 4); returns points and (e, 10)."""
+    ends = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
+    edges, number = np.unique(ends, axis=0, return_inverse=True)
+    middles = points[edges].mean(axis=1)
+    return np.vstack([points, middles]), np.hstack([tets, number.reshape(-1, 6) + len(points)])
 
 
 def _read(path):
@@ -163,34 +217,23 @@ def _read(path):
                 shutil.copyfileobj(packed, file)
         try:
             return meshio.read(plain)
-        except (
-            Exception,
-            SystemExit,
-        ) as error:  # its readers raise whatever comes, and it ends the process itself
+        # its readers raise whatever comes, and it ends the process itself
+        except (Exception, SystemExit) as error:
             raise MeshFault(
                 [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
             ) from None
 
 
-def _drop_unused(points, tets):
-    """Nodes that no tetrahedron uses would make the stiffness singular; returns points, old -> new,
-    tets.
+def _marked(raw, number, points, outer, name, region):
+    """Which outer faces belong to a surface, by its region or by the file's names; judged by their
+    corners. `number`: of each node of the file among those used.
     """
-    used = np.unique(tets)
-    place = np.full(len(points), -1)
-    place[used] = np.arange(len(used))
-    return points[used], place, place[tets]
-
-
-def _marked(raw, place, points, outer, name, rule):
-    """Which outer faces belong to a surface, by its rule or by the file's names; judged by their
-    corners.
-    """
-    corner = points[outer[:, :3]]
-    if rule is not None:
-        return GEOMETRY[rule[0]](corner, *rule[1:])
+    corners = outer[:, :3]
+    if region is not None:
+        return region.holds(points[corners])
     if name in raw.point_sets:
-        return np.isin(outer[:, :3], place[np.asarray(raw.point_sets[name], dtype=int)]).all(axis=1)
+        members = number[np.asarray(raw.point_sets[name], dtype=int)]
+        return np.isin(corners, members).all(axis=1)
     tag = raw.field_data.get(name, (None,))[0]
     chosen = raw.cell_sets.get(name) or [
         np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])
@@ -200,44 +243,22 @@ def _marked(raw, place, points, outer, name, rule):
         for cells, rows in zip(raw.cells, chosen)
         if rows is not None and cells.type in ("triangle", "triangle6")
     ]
-    wanted = (
-        {tuple(key) for key in np.sort(place[np.concatenate(faces)], axis=1)} if faces else set()
-    )
-    return np.array([tuple(key) in wanted for key in np.sort(outer[:, :3], axis=1)], dtype=bool)
+    if not faces:
+        return np.zeros(len(outer), dtype=bool)
+    wanted = {tuple(key) for key in np.sort(number[np.concatenate(faces)], axis=1)}
+    return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
 
 
-def _cylinder(corner, radius, low, high):
-    near = np.abs(np.hypot(corner[..., 0], corner[..., 2]) - radius) <= LOOSE * radius
-    return (
-        near & (corner[..., 1] >= low - LOOSE * radius) & (corner[..., 1] <= high + LOOSE * radius)
-    ).all(axis=1)
-
-
-def _bore(corner, radius):
-    return (np.abs(np.hypot(corner[..., 0], corner[..., 1]) - radius) <= LOOSE * radius).all(axis=1)
-
-
-def _plane(corner, height):
-    return (np.abs(corner[..., 1] - height) <= LOOSE * np.ptp(corner[..., 1])).all(axis=1)
-
-
-LOOSE = 1e-3
-"""How far, relative to its size, a corner may lie off a surface that is found by geometry."""
-
-GEOMETRY = {"cylinder": _cylinder, "bore": _bore, "plane": _plane}
-
-
-def outer_faces(tets):
+def outer_faces(tets: np.ndarray) -> np.ndarray:
     """6-node faces that belong to one tetrahedron only, normals outwards, shape (t, 6)."""
     faces = tets[:, FACES].reshape(-1, 6)
-    _, first, count = np.unique(
-        np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True
-    )
+    corners = np.sort(faces[:, :3], axis=1)
+    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
     return faces[np.sort(first[count == 1])]
 
 
-def mesh_faults(mesh, where):
-    """Sentences about an absurd size, inverted elements and loose pieces."""
+def mesh_faults(mesh: Mesh, where: Path | str) -> list[str]:
+    """Sentences about an absurd size, inverted elements and loose pieces; `where` begins each."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -248,20 +269,18 @@ def mesh_faults(mesh, where):
             f"{where}: the body is {size:.3g} m long; mesh_unit should say "
             f"what a length of 1 in the file means (e.g. '1 mm')"
         )
-    least = jacobian_determinants(
-        mesh.points, mesh.tets, np.vstack([quadrature(3)[0], NODES[:4]])
-    ).min(axis=1)
+    position = np.vstack([quadrature(3).position, NODES[:4]])
+    least = jacobian_determinants(mesh.points, mesh.tets, position).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
-        centre = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)
+        x, y, z = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)
         faults.append(
             f"{where}: {len(bad)} inverted elements, the first is number {bad[0] + 1} at "
-            f"({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) m with Jacobian {least[bad[0]]:.3g} m3"
+            f"({x:.4g}, {y:.4g}, {z:.4g}) m with Jacobian {least[bad[0]]:.3g} m3"
         )
     rows = np.repeat(mesh.tets[:, 0], 9)
-    graph = coo_matrix(
-        (np.ones(len(rows)), (rows, mesh.tets[:, 1:].ravel())), shape=(len(mesh.points),) * 2
-    )
+    columns = mesh.tets[:, 1:].ravel()
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(mesh.points),) * 2)
     pieces, label = connected_components(graph, directed=False)
     if pieces > 1:
         largest = ", ".join(str(n) for n in sorted(np.bincount(label), reverse=True)[:6])

@@ -1,12 +1,13 @@
 """A body known by its nodes alone, next to its matrices: nodes, sets and the surfaces they span."""
 
 import csv
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
-from .mesh import GEOMETRY, Mesh, MeshFault, to_body_axes
+from .mesh import Mesh, MeshFault, Region, to_body_axes
 
 AROUND_Y, AROUND_Z, FROM_ABOVE = "around y", "around z", "from above"
 VIEWS = {
@@ -19,7 +20,13 @@ VIEWS = {
 """How each surface is laid flat to be triangulated."""
 
 
-def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0, 0.0)):
+def read_nodes(
+    path: Path | str,
+    surfaces: Mapping[str, Region | None],
+    scale: float = 1.0,
+    axes: Sequence[str] = ("x", "y", "z"),
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+) -> tuple[Mesh, np.ndarray]:
     """Nodes of a CSV file and the surfaces they span, as triangles of three nodes.
 
     The header is `node,x,y,z` or `node,x,y,z,sets`; `sets` holds names of surfaces, separated by
@@ -43,13 +50,14 @@ def read_nodes(path, surfaces, scale=1.0, axes=("x", "y", "z"), origin=(0.0, 0.0
     path = Path(path)
     labels, rows, sets = _table(path)
     points = to_body_axes(rows * scale, axes, origin)
-    faults, faces, members = [], {}, {}
-    for name, rule in surfaces.items():
-        mask = (
-            GEOMETRY[rule[0]](points[:, None, :], *rule[1:])
-            if rule
-            else np.array([name in names for names in sets])
-        )
+    faults = []
+    faces = {}
+    members = {}
+    for name, region in surfaces.items():
+        if region:
+            mask = region.holds(points[:, None, :])
+        else:
+            mask = np.array([name in names for names in sets])
         members[name] = np.flatnonzero(mask)
         if len(members[name]) < 3:
             known = ", ".join(sorted(set().union(*sets))) or "none"
@@ -70,33 +78,34 @@ def _table(path):
     header = [name.strip().lower() for name in rows[0]] if rows else []
     if header not in (["node", "x", "y", "z"], ["node", "x", "y", "z", "sets"]):
         raise MeshFault([f"{path}: the first row must be node,x,y,z or node,x,y,z,sets"])
-    labels, points, sets = [], [], []
+    labels = []
+    points = []
+    sets = []
     for number, row in enumerate(rows[1:], 2):
         try:
-            labels.append(int(row[0]))
-            points.append([float(text) for text in row[1:4]])
-            sets.append(frozenset(row[4].split() if len(row) > 4 else ()))
-        except (ValueError, IndexError):
-            raise MeshFault(
-                [
-                    f"{path}, row {number}: {','.join(row)!r} is no node number with three coordinates"
-                ]
-            ) from None
+            label, x, y, z, *names = row
+            labels.append(int(label))
+            points.append([float(x), float(y), float(z)])
+        except ValueError:
+            what = f"{','.join(row)!r} is no node number with three coordinates"
+            raise MeshFault([f"{path}, row {number}: {what}"]) from None
+        sets.append(frozenset(names[0].split() if names else ()))
     if len(set(labels)) < len(labels):
         raise MeshFault([f"{path}: node numbers occur twice"])
     return np.array(labels), np.array(points), sets
 
 
-def triangulate(points, view):
+def triangulate(points: np.ndarray, view: str) -> np.ndarray:
     """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left
     out.
 
     A gap: a side four times as long as the median one. Nodes in one line span nothing.
     """
     if view == FROM_ABOVE:
-        flat, copies = points[:, [2, 0]], np.arange(len(points))  # z, x: triangles turn about +y
+        flat = points[:, [2, 0]]  # z, x: triangles turn about +y
+        node = np.arange(len(points))
     else:
-        flat, copies = _unrolled(points, view)
+        flat, node = _unrolled(points, view)
     try:
         triangles = Delaunay(flat).simplices
     except QhullError:
@@ -108,24 +117,27 @@ def triangulate(points, view):
         turn = corner[:, :, 0].mean(axis=1)
         half = np.pi * _radius(points, view)
         kept &= (turn >= -half) & (turn < half)
-    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    swap = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
-    triangles[swap] = triangles[swap][:, [0, 2, 1]]
-    return copies[triangles[kept]]
+    first, second, third = corner.swapaxes(0, 1)
+    u = second - first
+    v = third - first
+    clockwise = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
+    triangles[clockwise] = triangles[clockwise][:, [0, 2, 1]]
+    return node[triangles[kept]]
 
 
 def _radius(points, view):
-    return np.hypot(*points[:, [0, 2] if view == AROUND_Y else [0, 1]].T).mean()
+    x, y, z = points.T
+    return np.hypot(x, z if view == AROUND_Y else y).mean()
 
 
 def _unrolled(points, view):
     """Arc length and height of the nodes, (3 n, 2), with a copy to the left and to the right; which
     node each one is.
     """
-    side, along = (2, 1) if view == AROUND_Y else (1, 2)
-    arc = _radius(points, view) * np.arctan2(points[:, 0], points[:, side])
-    turn = 2 * np.pi * _radius(points, view)
-    flat = np.concatenate(
-        [np.stack([arc + k * turn, points[:, along]], axis=1) for k in (-1, 0, 1)]
-    )
+    x, y, z = points.T
+    side, along = (z, y) if view == AROUND_Y else (y, z)
+    radius = _radius(points, view)
+    arc = radius * np.arctan2(x, side)
+    turn = 2 * np.pi * radius
+    flat = np.concatenate([np.stack([arc + k * turn, along], axis=1) for k in (-1, 0, 1)])
     return flat, np.tile(np.arange(len(points)), 3)

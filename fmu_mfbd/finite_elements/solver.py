@@ -7,16 +7,32 @@ import os
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from .element import Sparse
+
 LOOSE = (
-    "the body can still move rigidly (fewer than three held nodes, or all in one line), has a loose piece or an "
-    "inverted element"
+    "the body can still move rigidly (fewer than three held nodes, or all in one line), has a "
+    "loose piece or an inverted element"
 )
+SMALLEST_PIVOT = 1e-12  # of the largest one
+
+
+class Factors(Protocol):
+    """Factors of a symmetric positive definite matrix K, (n, n)."""
+
+    def solve(self, load: np.ndarray) -> np.ndarray:
+        """K^-1 load, shape (n,) or (n, k)."""
+        ...
+
+
+Factorise = Callable[[Sparse], Factors]
 
 
 class SuperLU:
@@ -38,7 +54,7 @@ class SuperLU:
         At non-positive pivots.
     """
 
-    def __init__(self, K):
+    def __init__(self, K: Sparse):
         self._lu = splu(
             K.tocsc(),
             permc_spec="MMD_AT_PLUS_A",
@@ -50,7 +66,7 @@ class SuperLU:
         if bad:
             raise ValueError(f"the stiffness has {bad} non-positive pivots: {LOOSE}")
 
-    def solve(self, load):
+    def solve(self, load: np.ndarray) -> np.ndarray:
         """K^-1 load, shape (n,) or (n, k)."""
         return self._lu.solve(np.ascontiguousarray(load))
 
@@ -63,16 +79,17 @@ class Pardiso:
     """
 
     FACTORISE, SOLVE, RELEASE, MEMORY, SYMMETRIC, NOT_POSITIVE = 12, 33, -1, -2, 2, -4
-    AT_ONCE = (
-        16  # right-hand sides a call: a million rows of sixty need more than the factors leave
-    )
+    # right-hand sides a call: a million rows of sixty need more than the factors leave
+    AT_ONCE = 16
 
-    def __init__(self, K):
-        from pypardiso import PyPardisoSolver
-        from pypardiso.pardiso_wrapper import PyPardisoError
+    def __init__(self, K: Sparse):
+        from pypardiso import PyPardisoSolver  # pyright: ignore[reportMissingImports]
+        from pypardiso.pardiso_wrapper import (  # pyright: ignore[reportMissingImports]
+            PyPardisoError,
+        )
 
         self._solver = PyPardisoSolver(mtype=self.SYMMETRIC)
-        self._upper = sp.triu(K, format="csr")
+        self._upper = sp.csr_matrix(sp.triu(K))
         self._upper.sort_indices()
         self._solver.set_iparm(1, 1)  # the settings below, not the defaults
         self._solver.set_iparm(2, 3)  # nested dissection on all cores
@@ -86,12 +103,11 @@ class Pardiso:
                 ) from None
             raise ValueError(f"the stiffness has a non-positive pivot: {LOOSE}") from None
         push = np.random.default_rng(1).standard_normal(K.shape[0])
-        if (
-            np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT
-        ):  # a pivot that is round-off passes above
+        # a pivot that is round-off passes above
+        if np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT:
             raise ValueError(f"the stiffness is singular: {LOOSE}")
 
-    def solve(self, load):
+    def solve(self, load: np.ndarray) -> np.ndarray:
         """K^-1 load, shape (n,) or (n, k)."""
         columns = np.asarray(load).reshape(len(load), -1)
         parts = np.array_split(columns, -(-columns.shape[1] // self.AT_ONCE), axis=1)
@@ -108,16 +124,12 @@ class Pardiso:
             self._solver.libmkl.MKL_Set_Num_Threads_Local(before)
 
     def __del__(self):
-        if (
-            hasattr(self, "_upper") and not sys.is_finalizing()
-        ):  # PARDISO's own memory outlives the object otherwise
+        # PARDISO's own memory outlives the object otherwise
+        if hasattr(self, "_upper") and not sys.is_finalizing():
             self._call(self.RELEASE, np.zeros((1, 1)))
 
 
-SMALLEST_PIVOT = 1e-12  # of the largest one
-
-
-def factorise(K):
+def factorise(K: Sparse) -> Factors:
     """Factors of a symmetric positive definite matrix: PARDISO where it is installed, else
     SuperLU.
     """
@@ -141,19 +153,21 @@ class Remembering:
         Takes a sentence every ten seconds of solving.
     """
 
-    def __init__(self, folder, say):
-        self.folder, self._say, self._used = Path(folder), say, []
+    def __init__(self, folder: Path | str, say: Callable[[str], None]):
+        self.folder = Path(folder)
+        self._say = say
+        self._used = []
 
-    def __call__(self, K):
-        """Object with `solve`, as of `factorise`."""
-        place = self.folder / _digest(K.data, K.indices, K.indptr)
-        self._used.append(place)
-        return _Remembered(K, place, self._say)
+    def __call__(self, K: Sparse) -> Factors:
+        """Factors that remember, as of `factorise`."""
+        folder = self.folder / _digest(K.data, K.indices, K.indptr)
+        self._used.append(folder)
+        return _Remembered(K, folder, self._say)
 
-    def forget(self):
+    def forget(self) -> None:
         """Remove the solutions kept."""
-        for place in self._used:
-            shutil.rmtree(place, ignore_errors=True)
+        for folder in self._used:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 class _Remembered:
@@ -161,34 +175,39 @@ class _Remembered:
 
     EVERY = 10.0  # seconds between sentences
 
-    def __init__(self, K, place, say):
-        self._K, self._place, self._say, self._factors = K, place, say, None
-        self._count, self._begin = 0, time.monotonic()
+    def __init__(self, K: Sparse, folder: Path, say: Callable[[str], None]):
+        self._K = K
+        self._folder = folder
+        self._say = say
+        self._factors = None
+        self._count = 0
+        self._begin = time.monotonic()
         self._spoken = self._begin
-        if place.is_dir():
-            say(f"goes on with {len(list(place.glob('*.npy')))} solutions found on disk")
+        if folder.is_dir():
+            say(f"goes on with {len(list(folder.glob('*.npy')))} solutions kept on disk")
         else:
-            self._factorise()
-            place.mkdir(parents=True, exist_ok=True)
+            self._factors = self._factorise()
+            folder.mkdir(parents=True, exist_ok=True)
 
-    def _factorise(self):
+    def _factorise(self) -> Factors:
         begin = time.monotonic()
         self._say(f"factorising {self._K.shape[0]} degrees of freedom")
-        self._factors, self._K = factorise(self._K), None
-        if time.monotonic() - begin > self.EVERY:
-            self._say(
-                f"factorised by {type(self._factors).__name__} in {time.monotonic() - begin:.0f} s"
-            )
+        factors = factorise(self._K)
+        del self._K  # the factors hold what of it is needed
+        seconds = time.monotonic() - begin
+        if seconds > self.EVERY:
+            self._say(f"factorised by {type(factors).__name__} in {seconds:.0f} s")
+        return factors
 
-    def solve(self, load):
+    def solve(self, load: np.ndarray) -> np.ndarray:
         """K^-1 load, shape (n,) or (n, k)."""
         load = np.ascontiguousarray(load)
-        path = self._place / f"{_digest(load)}.npy"
+        path = self._folder / f"{_digest(load)}.npy"
         self._count += 1
         if path.exists():
             return np.load(path)
         if self._factors is None:
-            self._factorise()
+            self._factors = self._factorise()
         answer = self._factors.solve(load)
         with open(path.with_suffix(".part"), "wb") as file:
             np.save(file, answer)
@@ -199,7 +218,7 @@ class _Remembered:
         return answer
 
 
-def _digest(*arrays):
+def _digest(*arrays: np.ndarray) -> str:
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(str(array.shape).encode() + np.ascontiguousarray(array).data)

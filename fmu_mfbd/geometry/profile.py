@@ -6,14 +6,45 @@ widening (positive: outwards); both add to the film thickness, and any number of
 superimposed.
 """
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 
-def barrel(height, lower, upper, drop):
+@dataclass(frozen=True)
+class MeasuredShape:
+    """A shape measured over angle and height; a single angle is a round shape.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (m,)
+        theta, rising within one turn [rad].
+    height : ndarray, shape (k,)
+        Rising [m].
+    value : ndarray, shape (k, m)
+        Gap of a skirt, widening of a bore [m].
+    """
+
+    angle: np.ndarray
+    height: np.ndarray
+    value: np.ndarray
+
+
+@dataclass(frozen=True)
+class BoreOrder:
+    """One Fourier order of a bore's distortion: order [-], amplitude [m], phase [rad]."""
+
+    order: int
+    amplitude: float
+    phase: float
+
+
+def barrel(height: np.ndarray, lower: float, upper: float, drop: float) -> np.ndarray:
     """Parabolic barrel: no gap at mid skirt, `drop` at both ends.
 
-    Eq. (P1):  gap = drop ((2 y - y_l - y_u)/(y_u - y_l))^2
+    Eq. (I6):  gap = drop ((2 y - y_l - y_u)/(y_u - y_l))^2
 
     Parameters
     ----------
@@ -29,13 +60,13 @@ def barrel(height, lower, upper, drop):
     ndarray
         Radial gap [m].
     """
-    return drop * ((2 * height - lower - upper) / (upper - lower)) ** 2  # Eq. (P1)
+    return drop * ((2 * height - lower - upper) / (upper - lower)) ** 2  # Eq. (I6)
 
 
-def ovality(angle, difference):
+def ovality(angle: np.ndarray, difference: float) -> np.ndarray:
     """Oval section: full size across the thrust faces, smaller along the pin.
 
-    Eq. (P2):  gap = difference/4 (1 + cos 2 theta)
+    Eq. (I7):  gap = difference/4 (1 + cos 2 theta)
 
     Parameters
     ----------
@@ -49,18 +80,16 @@ def ovality(angle, difference):
     ndarray
         Radial gap [m]: difference/2 at the pin ends, 0 at the thrust faces.
     """
-    return difference / 4 * (1 + np.cos(2 * angle))  # Eq. (P2)
+    return difference / 4 * (1 + np.cos(2 * angle))  # Eq. (I7)
 
 
-def table_shape(table, angle, height):
+def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> np.ndarray:
     """Measured shape, linear between its points, periodic in angle, its outermost rows held beyond
     its ends.
 
     Parameters
     ----------
-    table : dict
-        angle (m,) rising within one turn [rad], height (k,) rising [m], value (k, m) [m]; one angle
-        alone is a round shape.
+    table : MeasuredShape
     angle, height : ndarray, shapes (c,), (a,)
         Where it is wanted [rad], [m].
 
@@ -69,30 +98,31 @@ def table_shape(table, angle, height):
     ndarray, shape (c, a)
         [m]
     """
-    known, value = np.asarray(table["angle"], dtype=float), np.asarray(table["value"], dtype=float)
-    wrapped = np.concatenate([known[-1:] - 2 * np.pi, known, known[:1] + 2 * np.pi])
-    wide = np.hstack([value[:, -1:], value, value[:, :1]])
-    rows = np.asarray(table["height"], dtype=float)
+    first, last = table.angle[:1], table.angle[-1:]
+    around = np.concatenate([last - 2 * np.pi, table.angle, first + 2 * np.pi])
+    value = np.hstack([table.value[:, -1:], table.value, table.value[:, :1]])
+    rows = table.height
     if len(rows) == 1:
-        rows, wide = np.array([rows[0], rows[0] + 1.0]), np.vstack([wide, wide])
-    at = np.meshgrid(
+        rows = np.array([rows[0], rows[0] + 1.0])
+        value = np.vstack([value, value])
+    wanted = np.meshgrid(
         np.clip(height, rows[0], rows[-1]),
-        np.remainder(angle - known[0], 2 * np.pi) + known[0],
+        np.remainder(angle - first, 2 * np.pi) + first,
         indexing="ij",
     )
-    return RegularGridInterpolator((rows, wrapped), wide)(np.stack(at, axis=-1)).T
+    return RegularGridInterpolator((rows, around), value)(np.stack(wanted, axis=-1)).T
 
 
-def fourier_bore(orders, angle):
+def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
     """Bore distortion by orders, as head bolts and heat make it.
 
-    Eq. (P3):  widening = sum_n amplitude_n cos(n (theta - phase_n))
+    Eq. (I8):  widening = sum_n amplitude_n cos(n (theta - phase_n))
 
     Parameters
     ----------
-    orders : list of dict
-        order [-], amplitude [m], phase [rad].
+    orders : iterable of BoreOrder
     angle : ndarray, shape (c,)
+        [rad]
 
     Returns
     -------
@@ -100,21 +130,23 @@ def fourier_bore(orders, angle):
         Radial widening [m]; order 0 is growth, order 1 an offset of the axis, 2 ovality, 4 four
         bolts.
     """
-    out = np.zeros_like(angle)
+    widening = np.zeros_like(angle)
     for term in orders:
-        out += term["amplitude"] * np.cos(term["order"] * (angle - term["phase"]))  # Eq. (P3)
-    return out
+        widening += term.amplitude * np.cos(term.order * (angle - term.phase))  # Eq. (I8)
+    return widening
 
 
-def linear_growth(height, lower, upper, at_lower, at_upper):
+def linear_growth(
+    height: np.ndarray, lower: float, upper: float, at_lower: float, at_upper: float
+) -> np.ndarray:
     """Radial growth that varies linearly between two heights [m], and beyond them likewise."""
     return at_lower + (at_upper - at_lower) * (height - lower) / (upper - lower)
 
 
-def tilt_about_x(angle, height, tilt):
+def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarray:
     """Gap of a skirt turned about the x axis, by a pin that is not square to the bore.
 
-    Eq. (P4):  gap = -tilt y' cos theta
+    Eq. (I9):  gap = -tilt y' cos theta
 
     Parameters
     ----------
@@ -128,4 +160,4 @@ def tilt_about_x(angle, height, tilt):
     ndarray, shape (c, a)
         Radial gap [m].
     """
-    return -tilt * np.outer(np.cos(angle), height)  # Eq. (P4)
+    return -tilt * np.outer(np.cos(angle), height)  # Eq. (I9)

@@ -1,6 +1,10 @@
 """Offline: a small exact body.
 
-reduce         a mesh and a material in, a body out      bases          which shapes a body keeps
-interpolation  from nodes to the film's grid             symmetry       modes even or odd about two planes
-mode_tables    modes, shapes, recovered fields           mode_pictures  modes as pictures
+reduce         a mesh and a material in, a body out
+reduced_body   the body as its file holds it
+bases          which shapes a body keeps (J)
+symmetry       modes even or odd about two planes (J)
+interpolation  from nodes to the film's grid (I)
+mode_tables    modes, shapes, recovered fields (J)
+mode_pictures  modes as pictures
 """

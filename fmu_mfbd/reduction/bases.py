@@ -1,12 +1,24 @@
 """Reduction bases: which displacement shapes a body keeps."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from ..finite_elements.element import rigid_motions
-from ..finite_elements.solver import factorise
+from ..finite_elements.element import Sparse, rigid_motions
+from ..finite_elements.solver import Factorise, Factors, factorise
+
+
+class Modes(NamedTuple):
+    """Mass-orthonormal modes [kg^-1/2], one a column, and their angular frequencies [rad/s],
+    rising.
+    """
+
+    shapes: np.ndarray
+    omega: np.ndarray
 
 
 class Elastic:
@@ -30,7 +42,13 @@ class Elastic:
         If the body can still move rigidly, or the stiffness has a non-positive pivot.
     """
 
-    def __init__(self, K, M, fixed_nodes, factors=factorise):
+    def __init__(
+        self,
+        K: Sparse,
+        M: Sparse,
+        fixed_nodes: np.ndarray,
+        factors: Factorise = factorise,
+    ):
         held = np.zeros(K.shape[0] // 3, dtype=bool)
         held[fixed_nodes] = True
         self.free = np.flatnonzero(np.repeat(~held, 3))
@@ -38,19 +56,19 @@ class Elastic:
         self.K = K.tocsr()[self.free][:, self.free].tocsc()
         self.M = M.tocsr()[self.free][:, self.free].tocsc()
         self.factors = factors
-        self._lu = factors(self.K)
+        self._lu: Factors = factors(self.K)
 
-    def solve(self, load):
+    def solve(self, load: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces, both on the free degrees of freedom."""
         return self._lu.solve(load)
 
-    def forget_factors(self):
+    def forget_factors(self) -> None:
         """Give back the memory of the factors, for large bodies several times that of all else;
         `solve` ends with it.
         """
-        self._lu = None
+        del self._lu
 
-    def full(self, shapes):
+    def full(self, shapes: np.ndarray) -> np.ndarray:
         """Put zeros back at the fixed nodes: (free, k) -> (3 n, k)."""
         out = np.zeros((self.size, shapes.shape[1]))
         out[self.free] = shapes
@@ -61,8 +79,8 @@ class MeanElastic(Elastic):
     """The same for a body whose mean motions over given surfaces vanish instead of every node's
     (RBE3): soft where RBE2 is stiff.
 
-    Eq. (B5):  K u + C^T lambda = f,   C u = 0        row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion
-               there
+    Eq. (J5):  K u + C^T lambda = f,   C u = 0
+               row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion there
 
     Parameters
     ----------
@@ -74,17 +92,27 @@ class MeanElastic(Elastic):
         Rigid-body motions.
     """
 
-    def __init__(self, K, M, conditions, rigid, factors=factorise):
-        self.free, self.size = np.arange(K.shape[0]), K.shape[0]
-        self.K, self.M = K.tocsc(), M.tocsc()
+    def __init__(
+        self,
+        K: Sparse,
+        M: Sparse,
+        conditions: np.ndarray,
+        rigid: np.ndarray,
+        factors: Factorise = factorise,
+    ):
+        self.size = K.shape[0]
+        self.free = np.arange(self.size)
+        self.K = K.tocsc()
+        self.M = M.tocsc()
         # six well-placed degrees of freedom make K regular; what they carry is cancelled by the
         # small system
         touched = np.flatnonzero(conditions.any(axis=0))
-        support = touched[la.qr(rigid[touched].T, mode="r", pivoting=True)[1][:6]]
-        self._loose = np.setdiff1d(self.free, support)
+        order = la.qr(rigid[touched].T, mode="r", pivoting=True)[-1]
+        self._loose = np.setdiff1d(self.free, touched[order[:6]])
         self.factors = factors
         self._lu = factors(self.K[self._loose][:, self._loose].tocsc())
-        self._C, self._R = conditions, rigid
+        self._C = conditions
+        self._R = rigid
         self._answer = self._supported(conditions.T)
         small = np.block(
             [
@@ -99,42 +127,37 @@ class MeanElastic(Elastic):
         out[self._loose] = self._lu.solve(load[self._loose])
         return out
 
-    def solve(self, load):
+    def solve(self, load: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces on all degrees of freedom, mean motions zero (Eq.
-        (B5)).
+        (J5)).
         """
         first = self._supported(load)
         unknown = la.lu_solve(self._small, np.concatenate([self._C @ first, self._R.T @ load]))
         m = len(self._C)
-        return first - self._answer @ unknown[:m] + self._R @ unknown[m:]
+        return first - self._answer @ unknown[:m] + self._R @ unknown[m:]  # Eq. (J5)
 
 
-def mean_conditions(points, weights):
-    """Rows of Eq. (B5), six for each surface: (6 s, 3 n).
+def mean_conditions(points: np.ndarray, weights: Sequence[np.ndarray]) -> np.ndarray:
+    """Rows of C in Eq. (J5), six for each surface: (6 s, 3 n).
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
         [m]
-    weights : list of ndarray, shape (n,)
+    weights : sequence of ndarray, shape (n,)
         Area of each node for each surface [m2].
     """
-    return np.vstack(
-        [
-            (
-                rigid_motions(points - np.average(points, axis=0, weights=w))
-                * np.repeat(w, 3)[:, None]
-            ).T
-            / w.sum()
-            for w in weights
-        ]
-    )
+    rows = []
+    for weight in weights:
+        motions = rigid_motions(points - np.average(points, axis=0, weights=weight))
+        rows.append((motions * np.repeat(weight, 3)[:, None]).T / weight.sum())
+    return np.vstack(rows)
 
 
-def craig_bampton(body, modes):
+def craig_bampton(body: Elastic, modes: int) -> np.ndarray:
     """Fixed-interface normal modes, lowest frequencies first.
 
-    Eq. (B1):  K phi = omega^2 M phi, interface held
+    Eq. (J1):  K phi = omega^2 M phi, interface held
 
     With one master (the frame point A, or the ground) the constraint modes are the rigid motions,
     which the floating frame carries.
@@ -151,20 +174,30 @@ def craig_bampton(body, modes):
 
     References
     ----------
-    [CraigBampton1968]. Checked in tests/verification/test_mfbd.py.
+    [Craig1968]. Checked in tests/verification/test_mfbd.py.
     """
-    inverse = LinearOperator(body.K.shape, matvec=body.solve, dtype=float)
-    _, shapes = eigsh(
-        body.K, modes, body.M, sigma=0.0, OPinv=inverse, v0=_start(body.K.shape[0]), tol=1e-10
-    )  # Eq. (B1)
+    return _lowest(body.K, body.M, body.solve, modes)  # Eq. (J1)
+
+
+def _lowest(K, M, solve, modes):
+    """Shapes of the lowest frequencies; `solve` applies K^-1."""
+    inverse = LinearOperator(K.shape, matvec=solve, dtype=float)  # pyright: ignore
+    start = _start(K.shape[0])
+    _, shapes = eigsh(K, modes, M, sigma=0.0, OPinv=inverse, v0=start, tol=1e-10)  # pyright: ignore
     return shapes
 
 
-def pressure_modes(body, radial, weight, modes, extra_loads):
+def pressure_modes(
+    body: Elastic,
+    radial: Sparse,
+    weight: np.ndarray,
+    modes: int,
+    extra_loads: np.ndarray,
+) -> np.ndarray:
     """Static shapes under the pressure patterns to which a surface yields most, and under given
     loads.
 
-    Eq. (B2):  D W K^-1 W^T D p = mu p,   phi = K^-1 W^T D p,   largest mu first
+    Eq. (J2):  D W K^-1 W^T D p = mu p,   phi = K^-1 W^T D p,   largest mu first
 
     W reads the normal displacement at the points of a regular grid, W^T spreads forces at these
     points, D says where force is expected. The spectrum mu falls fast, so that few shapes catch
@@ -188,49 +221,55 @@ def pressure_modes(body, radial, weight, modes, extra_loads):
     -------
     ndarray, shape (free, modes)
 
-    References ---------- Own choice; compliance modes are a Lanczos-truncated interface reduction,
-    [CastanierTanPierre2001] for the idea. Measured by `piston-cosim verify mfbd`.
+    References
+    ----------
+    Own choice; compliance modes are a Lanczos-truncated interface reduction, [Castanier2001] for
+    the idea. Measured by `piston-cosim verify mfbd`.
     """
-    radial = sp.diags(weight) @ radial
+    radial = _diagonal(weight) @ radial
     spread = radial.T.tocsr()
-    extra = (
-        body.solve(extra_loads[:, : modes // 2])
-        if extra_loads.shape[1] and modes > 1
-        else np.empty((body.K.shape[0], 0))
-    )
+    if extra_loads.shape[1] and modes > 1:
+        extra = body.solve(extra_loads[:, : modes // 2])
+    else:
+        extra = np.empty((body.K.shape[0], 0))
     count = modes - extra.shape[1]
-    compliance = LinearOperator(
-        (radial.shape[0],) * 2,
-        matvec=lambda p: radial @ body.solve(spread @ p.ravel()),
-        dtype=float,
-    )
-    _, patterns = eigsh(compliance, count, v0=_start(radial.shape[0]), tol=1e-8)
-    shapes = body.solve(spread @ patterns)  # Eq. (B2)
+    points = radial.shape[0]
+
+    def compliance(p):
+        return radial @ body.solve(spread @ p.ravel())
+
+    operator = LinearOperator((points, points), matvec=compliance, dtype=float)  # pyright: ignore
+    _, patterns = eigsh(operator, count, v0=_start(points), tol=1e-8)  # pyright: ignore
+    shapes = body.solve(spread @ patterns)  # Eq. (J2)
     return np.hstack([shapes, extra])
 
 
-def expected_pressure(angle, n_axial):
+def expected_pressure(angle: np.ndarray, n_axial: int) -> np.ndarray:
     """Where on a skirt or bore film pressure is expected: across the pin, where the side force acts
     and the profile stands out.
 
-    Eq. (B4):  weight = 0.1 + sin^2 theta      at (theta_i, height_j), j fastest
+    Eq. (J4):  weight = 0.1 + sin^2 theta      at (theta_i, height_j), j fastest
 
     On the shipped piston it halves the error that an even weight leaves.
     """
-    return np.repeat(0.1 + np.sin(angle) ** 2, n_axial)  # Eq. (B4)
+    return np.repeat(0.1 + np.sin(angle) ** 2, n_axial)  # Eq. (J4)
 
 
-def _start(size):
+def _diagonal(values: np.ndarray) -> Sparse:
+    return sp.diags(values)
+
+
+def _start(size: int) -> np.ndarray:
     """Start vector of a Lanczos run: fixed, so that the same body always reduces to the same
     bytes.
     """
     return np.random.default_rng(1).standard_normal(size)
 
 
-def orthonormal_modes(body, shapes):
+def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
     """Combine shapes into modes that are orthonormal in mass and orthogonal in stiffness.
 
-    Eq. (B3):  Phi^T M Phi = I,   Phi^T K Phi = diag(omega^2)
+    Eq. (J3):  Phi^T M Phi = I,   Phi^T K Phi = diag(omega^2)
 
     Parameters
     ----------
@@ -240,10 +279,8 @@ def orthonormal_modes(body, shapes):
 
     Returns
     -------
-    modes : ndarray, shape (free, k)
-        [kg^-1/2], by rising frequency; the largest entry of each is positive.
-    omega : ndarray, shape (k,)
-        Angular eigenfrequencies [rad/s].
+    Modes
+        Shapes (free, k); the largest entry of each is positive.
 
     Raises
     ------
@@ -253,23 +290,26 @@ def orthonormal_modes(body, shapes):
     shapes = shapes / np.sqrt(np.einsum("ik,ik->k", shapes, body.K @ shapes))
     gram = shapes.T @ (body.K @ shapes)
     strength, turn = la.eigh((gram + gram.T) / 2)
-    if strength[0] < 1e-13 * strength[-1]:
-        dependent = np.sum(strength < 1e-13 * strength[-1])
+    dependent = np.count_nonzero(strength < 1e-13 * strength[-1])
+    if dependent:
         raise ValueError(
-            f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer modes"
+            f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer "
+            "modes"
         )
     shapes = shapes @ (turn / np.sqrt(strength))
     mass = shapes.T @ (body.M @ shapes)
     square, turn = la.eigh((mass + mass.T) / 2)
-    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]  # Eq. (B3)
+    # Eq. (J3)
+    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]
     modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
-    return modes, 1.0 / np.sqrt(square[::-1])
+    return Modes(modes, 1.0 / np.sqrt(square[::-1]))
 
 
-def characteristic_constraint_modes(body, interface, modes):
+def characteristic_constraint_modes(body: Elastic, interface: np.ndarray, modes: int) -> np.ndarray:
     """Lowest eigenmodes of the body condensed statically onto its interface.
 
-    Eq. (B6):  K_cc x = omega^2 M_cc x,  K_cc = Psi^T K Psi,  M_cc = Psi^T M Psi,  Psi = [1; -K_ii^-1 K_ic];   phi = Psi x
+    Eq. (J6):  K_cc x = omega^2 M_cc x,  phi = Psi x
+               K_cc = Psi^T K Psi,  M_cc = Psi^T M Psi,  Psi = [1; -K_ii^-1 K_ic]
 
     Parameters
     ----------
@@ -284,10 +324,11 @@ def characteristic_constraint_modes(body, interface, modes):
 
     References
     ----------
-    [CastanierTanPierre2001]
+    [Castanier2001]
     """
     chosen = np.isin(body.free, (3 * np.asarray(interface)[:, None] + np.arange(3)).ravel())
-    inner, outer = np.flatnonzero(~chosen), np.flatnonzero(chosen)
+    inner = np.flatnonzero(~chosen)
+    outer = np.flatnonzero(chosen)
     within = body.factors(body.K[inner][:, inner].tocsc())
     link = body.K[inner][:, outer].tocsr()
 
@@ -298,31 +339,23 @@ def characteristic_constraint_modes(body, interface, modes):
         out[inner] = -within.solve(link @ x)
         return out
 
-    def press(f):
-        """Psi^T f."""
+    def stiff(x):
+        """K_cc x."""
+        return (body.K @ extend(x.ravel()))[outer]
+
+    def heavy(x):
+        """M_cc x."""
+        f = body.M @ extend(x.ravel())
         return f[outer] - link.T @ within.solve(f[inner])
 
     def answer(f):
         """K_cc^-1 f: the body's own compliance, seen from the interface."""
         load = np.zeros(body.K.shape[0])
-        load[outer] = f
+        load[outer] = f.ravel()
         return body.solve(load)[outer]
 
-    operator = [
-        LinearOperator((len(outer),) * 2, matvec=apply, dtype=float)
-        for apply in (
-            lambda x: (body.K @ extend(x.ravel()))[outer],
-            lambda x: press(body.M @ extend(x.ravel())),
-            lambda f: answer(f.ravel()),
-        )
-    ]
-    _, shapes = eigsh(
-        operator[0],
-        modes,
-        operator[1],
-        sigma=0.0,
-        OPinv=operator[2],
-        v0=_start(len(outer)),
-        tol=1e-10,
-    )
-    return np.column_stack([extend(x) for x in shapes.T])  # Eq. (B6)
+    size = (len(outer), len(outer))
+    K_cc = LinearOperator(size, matvec=stiff, dtype=float)  # pyright: ignore
+    M_cc = LinearOperator(size, matvec=heavy, dtype=float)  # pyright: ignore
+    shapes = _lowest(K_cc, M_cc, answer, modes)
+    return np.column_stack([extend(x) for x in shapes.T])  # Eq. (J6)

@@ -2,17 +2,42 @@
 matrix.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 
+from ..finite_elements.element import Sparse
 from ..finite_elements.faces import triangle_functions
 
 
-def interpolation(points, triangles, angle, height, radius):
+class SurfacePoints(NamedTuple):
+    """Points on triangles: number of the triangle and s, t in it, each of shape (p,)."""
+
+    triangle: np.ndarray
+    s: np.ndarray
+    t: np.ndarray
+
+
+class SurfaceReading(NamedTuple):
+    """Matrices (grid points, 3 n) that read the outward radial and the axial displacement."""
+
+    radial: Sparse
+    axial: Sparse
+
+
+def interpolation(
+    points: np.ndarray,
+    triangles: np.ndarray,
+    angle: np.ndarray,
+    height: np.ndarray,
+    radius: float,
+) -> Sparse:
     """Matrix that takes nodal values of a cylinder's faces to the grid points (angle_i, height_j),
     j fastest.
 
-    Eq. (S1):  value(theta, y) = sum_k N_k(s, t) value_k     triangle that covers (theta, y) on the developed surface
+    Eq. (I1):  value(theta, y) = sum_k N_k(s, t) value_k     triangle that covers (theta, y) on the
+                                                             developed surface
 
     A grid point with no surface under it (the pin holes) takes the value of the nearest surface
     point.
@@ -32,80 +57,95 @@ def interpolation(points, triangles, angle, height, radius):
     scipy.sparse.csr_matrix, shape (len(angle) * len(height), n)
         Rows add up to 1.
     """
-    theta, y = np.repeat(angle, len(height)), np.tile(height, len(angle))
+    theta = np.repeat(angle, len(height))
+    y = np.tile(height, len(angle))
     corner = points[triangles[:, :3]]
     turn = np.arctan2(corner[:, :, 0], corner[:, :, 2])
     first = turn[:, :1]
-    turn = (
-        first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
-    )  # one triangle never straddles the cut
-    rows, columns, values = [], [], []
+    # one triangle never straddles the cut
+    turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
+    centre = turn.mean(axis=1)
+    flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
+    rows = []
+    columns = []
+    values = []
     for chunk in np.array_split(np.arange(len(theta)), max(1, len(theta) // 400)):
-        centre = turn.mean(axis=1)
-        shift = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
-        best, s, t = _nearest(
-            np.stack([radius * turn, corner[:, :, 1]], axis=-1), radius * shift, y[chunk]
-        )
+        branch = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
+        at = _nearest(flat, radius * branch, y[chunk])
         rows.append(np.repeat(chunk, triangles.shape[1]))
-        columns.append(triangles[best].ravel())
-        values.append(triangle_functions(s, t, triangles.shape[1])[0].ravel())  # Eq. (S1)
-    shape = (len(theta), len(points))
-    return sp.csr_matrix(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
-    )
+        columns.append(triangles[at.triangle].ravel())
+        shape = triangle_functions(at.s, at.t, triangles.shape[1])
+        values.append(shape.value.ravel())  # Eq. (I1)
+    ij = np.concatenate(rows), np.concatenate(columns)
+    return sp.csr_matrix((np.concatenate(values), ij), shape=(len(theta), len(points)))
 
 
-def _nearest(corners, x, y):
-    """Triangle nearest to each point and the nearest point's s, t in it.
+def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints:
+    """Nearest point of the surface to each point.
 
     corners (t, 3, 2); x (p, t), because each triangle sees the point on its own branch of the
     angle; y (p,).
     """
-    origin, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    det = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    dx, dy = x - origin[:, 0], y[:, None] - origin[:, 1]
-    s, t = (dx * v[:, 1] - dy * v[:, 0]) / det, (dy * u[:, 0] - dx * u[:, 1]) / det
+    origin, second, third = corners.swapaxes(0, 1)
+    u = second - origin
+    v = third - origin
+    ux, uy = u.T
+    vx, vy = v.T
+    det = ux * vy - uy * vx
+    dx = x - origin[:, 0]
+    dy = y[:, None] - origin[:, 1]
+    s = (dx * vy - dy * vx) / det
+    t = (dy * ux - dx * uy) / det
     s, t = _clamp(s, t, u, v)
-    gap = np.hypot(dx - s * u[:, 0] - t * v[:, 0], dy - s * u[:, 1] - t * v[:, 1])
+    gap = np.hypot(dx - s * ux - t * vx, dy - s * uy - t * vy)
     best = gap.argmin(axis=1)
     point = np.arange(len(y))
-    return best, s[point, best], t[point, best]
+    return SurfacePoints(best, s[point, best], t[point, best])
 
 
 def _clamp(s, t, u, v):
     """Nearest point of the triangle to the point s u + t v: itself inside, else the nearest of the
     three edges' nearest points.
     """
-    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    uu = (u * u).sum(1)
+    uv = (u * v).sum(1)
+    vv = (v * v).sum(1)
+    ww = uu - 2 * uv + vv
     inside = (s >= 0) & (t >= 0) & (s + t <= 1)
     on_u = np.clip(s + t * uv / uu, 0, 1)
     on_v = np.clip(t + s * uv / vv, 0, 1)
-    ww = uu - 2 * uv + vv
     on_w = np.clip((t * (vv - uv) - (s - 1) * (uu - uv)) / ww, 0, 1)
-    candidates = [(on_u, np.zeros_like(t)), (np.zeros_like(s), on_v), (1 - on_w, on_w)]
+    nothing = np.zeros_like(s)
+    edge_s = [on_u, nothing, 1 - on_w]
+    edge_t = [nothing, on_v, on_w]
     gaps = [
-        uu * (s - a) ** 2 + 2 * uv * (s - a) * (t - b) + vv * (t - b) ** 2 for a, b in candidates
+        uu * (s - a) ** 2 + 2 * uv * (s - a) * (t - b) + vv * (t - b) ** 2
+        for a, b in zip(edge_s, edge_t)
     ]
-    pick = np.argmin(gaps, axis=0)
+    nearest = np.argmin(gaps, axis=0)
     return (
-        np.where(inside, s, np.choose(pick, [a for a, _ in candidates])),
-        np.where(inside, t, np.choose(pick, [b for _, b in candidates])),
+        np.where(inside, s, np.choose(nearest, edge_s)),
+        np.where(inside, t, np.choose(nearest, edge_t)),
     )
 
 
-def radial_and_axial(interpolate, angle, n_axial):
-    """Matrices (grid points x 3 n) that read the outward radial and the axial displacement at the
-    grid points.
+def radial_and_axial(interpolate: Sparse, angle: np.ndarray, n_axial: int) -> SurfaceReading:
+    """Matrices that read the displacement at the grid points.
 
-    Eq. (S2):  u_r = u_x sin theta + u_z cos theta
+    Eq. (I2):  u_r = u_x sin theta + u_z cos theta
+
+    Parameters
+    ----------
+    interpolate : scipy.sparse.csr_matrix, shape (grid points, n)
+        `interpolation`.
+    angle : ndarray
+        Grid lines [rad].
+    n_axial : int
+        Points on each.
     """
     theta = np.repeat(angle, n_axial)
-    pick = [
-        sp.kron(sp.identity(interpolate.shape[1], format="csr"), np.eye(3)[[a]], format="csr")
-        for a in range(3)
-    ]
-    radial = (
-        sp.diags(np.sin(theta)) @ interpolate @ pick[0]
-        + sp.diags(np.cos(theta)) @ interpolate @ pick[2]
-    )  # Eq. (S2)
-    return radial.tocsr(), (interpolate @ pick[1]).tocsr()
+    identity = sp.identity(interpolate.shape[1], format="csr")
+    x, y, z = (sp.kron(identity, row[None, :], format="csr") for row in np.eye(3))
+    across: Sparse = sp.diags(np.sin(theta)) @ interpolate @ x
+    along_pin: Sparse = sp.diags(np.cos(theta)) @ interpolate @ z
+    return SurfaceReading((across + along_pin).tocsr(), (interpolate @ y).tocsr())  # Eq. (I2)

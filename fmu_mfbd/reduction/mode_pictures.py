@@ -6,16 +6,22 @@ import matplotlib
 
 matplotlib.use("Agg")  # files only, also without a display
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from .mode_tables import ModeRow
+from .reduced_body import Anatomy
 
 COLUMNS, ROWS = 4, 3
 LARGEST = 0.08  # displacement drawn, of the body's size
 LIGHT = np.array([0.6, 0.75, 0.28])
 
 
-def draw_modes(body, table, path):
+def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> None:
     """One PNG of the modes with the largest share in film thickness, by rising frequency.
 
     Red moves out of the body, blue into it; thrust side to the right front, pin axis to the left
@@ -23,23 +29,20 @@ def draw_modes(body, table, path):
 
     Parameters
     ----------
-    body : mapping of ndarray
-        A reduced piston or block (`reduction`).
-    table : list of dict
-        Its `report.mode_table`.
+    anatomy : Anatomy
+    table : sequence of ModeRow
+        The body's `mode_tables.mode_table`.
     path : Path
     """
-    chosen = sorted(
-        sorted(table, key=lambda row: -row["film_share"])[: COLUMNS * ROWS],
-        key=lambda row: row["mode"],
-    )
-    shapes, points, corners = body["shapes"], body["points"], body["skin"][:, :3]
+    largest = sorted(table, key=lambda row: -row.film_share)[: COLUMNS * ROWS]
+    corners = anatomy.skin[:, :3]
     figure = plt.figure(figsize=(3.2 * COLUMNS, 3.4 * ROWS), layout="constrained")
-    for k, row in enumerate(chosen):
+    for k, row in enumerate(sorted(largest, key=lambda row: row.number)):
         axes = figure.add_subplot(ROWS, COLUMNS, k + 1, projection="3d", proj_type="ortho")
-        _draw(axes, points, corners, shapes[:, :, row["mode"] - 1])
+        _draw(axes, anatomy.points, corners, anatomy.shapes[:, :, row.number - 1])
         axes.set_title(
-            f"mode {row['mode']}   {row['frequency'] / 1e3:.2f} kHz\n{row['film_share']:.1%} of the film's share",
+            f"mode {row.number}   {row.frequency / 1e3:.2f} kHz\n"
+            f"{row.film_share:.1%} of the film's share",
             fontsize=9,
         )
     figure.savefig(path, dpi=110)
@@ -49,17 +52,19 @@ def draw_modes(body, table, path):
 def _draw(axes, points, corners, shape):
     """One deformed, shaded skin."""
     size = np.ptp(points, axis=0).max()
-    place = points + shape * (LARGEST * size / np.linalg.norm(shape, axis=1).max())
-    normal = _normals(place[corners])
+    deformed = points + shape * (LARGEST * size / np.linalg.norm(shape, axis=1).max())
+    normal = _normals(deformed[corners])
     outwards = np.einsum("ta,ta->t", shape[corners].mean(axis=1), _normals(points[corners]))
-    colour = matplotlib.colormaps["RdBu_r"](0.5 + 0.5 * outwards / np.abs(outwards).max())
+    colour = plt.get_cmap("RdBu_r")(0.5 + 0.5 * outwards / np.abs(outwards).max())
     colour[:, :3] *= (0.55 + 0.45 * np.abs(normal @ LIGHT) / np.linalg.norm(LIGHT))[:, None]
-    turned = place[corners][:, :, [2, 0, 1]]  # y, towards the head, upwards on paper
+    turned = deformed[corners][:, :, [2, 0, 1]]  # y, towards the head, upwards on paper
     axes.add_collection3d(
         Poly3DCollection(turned, facecolors=colour, edgecolors=colour, linewidths=0.2)
     )
-    low, high = turned.reshape(-1, 3).min(axis=0), turned.reshape(-1, 3).max(axis=0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    low = turned.reshape(-1, 3).min(axis=0)
+    high = turned.reshape(-1, 3).max(axis=0)
+    x, y, z = zip(low, high)
+    axes.set(xlim=x, ylim=y, zlim=z)
     axes.set_box_aspect(high - low, zoom=1.2)
     axes.view_init(elev=22, azim=40)
     axes.set_axis_off()
@@ -67,5 +72,6 @@ def _draw(axes, points, corners, shape):
 
 def _normals(corner):
     """Unit normals of triangles (t, 3, 3)."""
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    first, second, third = corner.swapaxes(0, 1)
+    normal = np.cross(second - first, third - first)
     return normal / np.linalg.norm(normal, axis=1)[:, None]

@@ -2,49 +2,107 @@
 as VTU files.
 """
 
+from pathlib import Path
+from typing import NamedTuple
+
 import numpy as np
 
 from ..finite_elements.element import nodal_stress, von_mises
+from .reduced_body import Anatomy, ReducedBody
 
 
-def mode_table(body):
-    """One row a mode: number, frequency, modal mass, share in film thickness, symmetry class.
+class ModeRow(NamedTuple):
+    """One mode of a reduced body.
 
-    Eq. (T1):  modal mass = 1/max(phi)^2 over the film surface;   share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches
-               p, sum 1
+    Parameters
+    ----------
+    number : int
+        From 1, by rising frequency.
+    frequency : float
+        [Hz]
+    modal_mass : float
+        [kg]
+    film_share : float
+        Of what all modes add to the film thickness [-].
+    kind : int
+        Symmetry class.
+    """
+
+    number: int
+    frequency: float
+    modal_mass: float
+    film_share: float
+    kind: int
+
+    @property
+    def kind_in_words(self) -> str:
+        """The symmetry class in words."""
+        return CLASSES[self.kind]
+
+
+CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
+"""Words for the symmetry classes of modes (`symmetry`)."""
+
+
+class MassProperties(NamedTuple):
+    """Mass of a body [kg], its centre of mass from the body's origin, (3,) [m], and its inertia
+    about that centre, (3, 3) [kg m2].
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+
+
+class Recovered(NamedTuple):
+    """Fields on a body's mesh.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (n, 3)
+        [m]
+    stress : ndarray, shape (n, 6), or None
+        xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
+    """
+
+    displacement: np.ndarray
+    stress: np.ndarray | None
+
+
+def mode_table(body: ReducedBody, angles: int) -> list[ModeRow]:
+    """One row a mode.
+
+    Eq. (J10):  modal mass = 1/max(phi)^2 over the film surface
+    Eq. (J11):  share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches p, sum over k is 1
 
     The share weighs what the mode adds to the film thickness, statically, under film-like patches
     on the thrust and the other side.
 
     Parameters
     ----------
-    body : mapping of ndarray
-        A reduced piston or block (`reduction`).
-
-    Returns
-    -------
-    list of dict
-        mode (from 1), frequency [Hz], modal_mass [kg], film_share [-], kind.
+    body : ReducedPiston or ReducedBlock
+    angles : int
+        Of the film grid.
     """
-    k = len(body["omega"])
-    field = body["radial"].reshape(int(body["angles"]), -1, k)
-    patches = film_patches(*field.shape[:2])
+    count = len(body.omega)
+    field = body.radial.reshape(angles, -1, count)
+    patches = film_patches(field.shape[0], field.shape[1])
     force = np.abs(np.einsum("pij,ijk->pk", patches, field, optimize=True)).mean(axis=0)
-    share = np.sqrt((field**2).mean(axis=(0, 1))) * force / body["omega"] ** 2  # Eq. (T1)
-    mass = 1.0 / np.abs(field).max(axis=(0, 1)) ** 2
+    share = np.sqrt((field**2).mean(axis=(0, 1))) * force / body.omega**2  # Eq. (J11)
+    mass = 1.0 / np.abs(field).max(axis=(0, 1)) ** 2  # Eq. (J10)
     return [
-        dict(
-            mode=n + 1,
-            frequency=float(body["omega"][n] / (2 * np.pi)),
-            modal_mass=float(mass[n]),
-            film_share=float(share[n] / share.sum()),
-            kind=int(body["kind"][n]),
+        ModeRow(
+            number=k + 1,
+            frequency=float(body.omega[k] / (2 * np.pi)),
+            modal_mass=float(mass[k]),
+            film_share=float(share[k] / share.sum()),
+            kind=int(body.kind[k]),
         )
-        for n in range(k)
+        for k in range(count)
     ]
 
 
-def film_patches(angles, rows):
+def film_patches(angles: int, rows: int) -> np.ndarray:
     """Smooth pressure patches on both thrust faces at three heights, (6, angles, rows)."""
     theta = (np.arange(angles) + 0.5) * 2 * np.pi / angles
     height = (np.arange(rows) + 0.5) / rows
@@ -53,81 +111,59 @@ def film_patches(angles, rows):
     return np.array([np.outer(a, b) for a in around for b in along])
 
 
-def write_modes(body, path):
+def write_modes(anatomy: Anatomy, path: Path | str) -> None:
     """All mode shapes of a reduced body as point data `mode 1`, `mode 2`, ... of one VTU file."""
-    modes = body["shapes"]
-    _write(path, body, {f"mode {k + 1}": modes[:, :, k] for k in range(modes.shape[2])})
+    shapes = np.moveaxis(anatomy.shapes, -1, 0)
+    _write(path, anatomy, {f"mode {k}": shape for k, shape in enumerate(shapes, 1)})
 
 
-def recover(body, modal_coordinate, path=None):
+def recover(
+    anatomy: Anatomy, modal_coordinate: np.ndarray, path: Path | str | None = None
+) -> Recovered:
     """Displacement and stress of a body at an instant, on its mesh, as a VTU file.
 
-    Eq. (T2):  u = Phi q
+    Eq. (J12):  u = Phi q
 
     Parameters
     ----------
-    body : mapping of ndarray
-        A reduced piston or block (`reduction`).
+    anatomy : Anatomy
     modal_coordinate : ndarray, shape (k,)
         Of this body at the instant [kg^1/2 m].
     path : Path, optional
         Of the file.
-
-    Returns
-    -------
-    displacement : ndarray, shape (n, 3)
-        [m]
-    stress : ndarray, shape (n, 6), or None
-        xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
     """
-    displacement, fields = body["shapes"] @ modal_coordinate, {}  # Eq. (T2)
+    displacement = anatomy.shapes @ modal_coordinate  # Eq. (J12)
+    fields = {"displacement": displacement}
     stress = None
-    if len(body["tets"]) and np.isfinite(body["young"]):
+    if len(anatomy.tets) and np.isfinite(anatomy.young):
         stress = nodal_stress(
-            body["points"], body["tets"], displacement, float(body["young"]), float(body["poisson"])
+            anatomy.points, anatomy.tets, displacement, anatomy.young, anatomy.poisson
         )
-        fields = {"stress": stress, "von_mises": von_mises(stress)}
+        fields |= {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:
-        _write(path, body, {"displacement": displacement} | fields)
-    return displacement, stress
+        _write(path, anatomy, fields)
+    return Recovered(displacement, stress)
 
 
-def _write(path, body, point_data):
+def _write(path, anatomy, point_data):
     import meshio
 
-    cells = ("tetra10", body["tets"]) if len(body["tets"]) else ("triangle", body["skin"])
-    meshio.write(
-        path, meshio.Mesh(body["points"], [cells], point_data=point_data), file_format="vtu"
-    )
+    solid = len(anatomy.tets) > 0
+    cells = ("tetra10", anatomy.tets) if solid else ("triangle", anatomy.skin)
+    mesh = meshio.Mesh(anatomy.points, [cells], point_data=point_data)
+    meshio.write(path, mesh, file_format="vtu")
 
 
-CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
-"""Words for the symmetry classes of modes (`symmetry`)."""
+def mass_properties(anatomy: Anatomy) -> MassProperties:
+    """Mass, centre of mass and inertia of a reduced piston (origin A) or block (origin on the crank
+    axis).
 
-
-def mass_properties(body):
-    """Mass, centre of mass and inertia of a reduced body.
-
-    Eq. (T3):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
-
-    Parameters
-    ----------
-    body : mapping of ndarray
-        A reduced piston (origin A) or block (origin on the crank axis).
-
-    Returns
-    -------
-    mass : float
-        [kg]
-    centre : ndarray, shape (3,)
-        From the origin [m].
-    inertia : ndarray, shape (3, 3)
-        About the centre of mass [kg m2].
+    Eq. (J13):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
     """
-    matrix = body["rigid_mass"]
-    mass, moment = matrix[0, 0], matrix[3:, :3]
-    centre = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
-    cross = np.array(
-        [[0, -centre[2], centre[1]], [centre[2], 0, -centre[0]], [-centre[1], centre[0], 0]]
-    )
-    return float(mass), centre, matrix[3:, 3:] + mass * cross @ cross  # Eq. (T3)
+    matrix = anatomy.rigid_mass
+    mass = matrix[0, 0]
+    moment = matrix[3:, :3]
+    x, y, z = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    inertia = matrix[3:, 3:] + mass * cross @ cross  # Eq. (J13)
+    return MassProperties(float(mass), np.array([x, y, z]), inertia)

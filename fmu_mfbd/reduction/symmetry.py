@@ -2,85 +2,97 @@
 both planes.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
-from .bases import orthonormal_modes
+from .bases import Elastic, Modes, orthonormal_modes
 
 
-def mirror_image(points, axis):
+class ClassedModes(NamedTuple):
+    """Modes on all degrees of freedom, (3 n, k) [kg^-1/2], their angular frequencies [rad/s],
+    rising, and their classes 2 x + z (x, z = 1 where odd across x = 0, z = 0), -1 for none, (k,).
+    """
+
+    shapes: np.ndarray
+    omega: np.ndarray
+    kind: np.ndarray
+
+
+def mirror_image(points: np.ndarray, axis: int) -> np.ndarray | None:
     """Node that is the mirror image of each node about the plane axis = 0, or None if one has none
     within 1e-6 of the size.
     """
     flipped = points.copy()
     flipped[:, axis] *= -1.0
-    distance, image = cKDTree(points).query(flipped)
-    return image if distance.max() <= 1e-6 * np.ptp(points) else None
+    distance, image = KDTree(points).query(flipped)
+    return np.asarray(image) if np.max(distance) <= 1e-6 * np.ptp(points) else None
 
 
-def class_parts(modes, points):
+def class_parts(modes: np.ndarray, points: np.ndarray) -> np.ndarray | None:
     """Parts of modes (n, 3, k) in the four classes, (4, n, 3, k), or None without both symmetries.
 
-    Eq. (Y1):  phi_(sx sz) = (1 + sx S_x)(1 + sz S_z) phi / 4      class 2 x + z: x, z = 1 where the sign is -1 (odd)
+    Eq. (J9):  phi_(sx sz) = (1 + sx S_x)(1 + sz S_z) phi / 4
+               class 2 x + z: x, z = 1 where the sign is -1 (odd)
     """
-    images = [mirror_image(points, axis) for axis in (0, 2)]
-    if any(image is None for image in images):
+    image_x = mirror_image(points, 0)
+    image_z = mirror_image(points, 2)
+    if image_x is None or image_z is None:
         return None
-    reflect = [
-        modes[image] * np.where(np.arange(3) == axis, -1.0, 1.0)[None, :, None]
-        for axis, image in zip((0, 2), images)
+    reflect_x = modes[image_x] * np.array([-1.0, 1.0, 1.0])[None, :, None]
+    flip_z = np.array([1.0, 1.0, -1.0])[None, :, None]
+    reflect_z = modes[image_z] * flip_z
+    both = reflect_x[image_z] * flip_z
+    parts = [
+        (modes + sx * reflect_x + sz * reflect_z + sx * sz * both) / 4  # Eq. (J9)
+        for sx in (1, -1)
+        for sz in (1, -1)
     ]
-    both = reflect[0][images[1]] * np.array([1.0, 1.0, -1.0])[None, :, None]
-    return np.stack(
-        [
-            (modes + sx * reflect[0] + sz * reflect[1] + sx * sz * both) / 4  # Eq. (Y1)
-            for sx in (1, -1)
-            for sz in (1, -1)
-        ]
-    )
+    return np.stack(parts)
 
 
-def symmetric_modes(body, modes, omega, points):
+def symmetric_modes(body: Elastic, modes: Modes, points: np.ndarray) -> ClassedModes:
     """Clean modes of round-off and of mesh noise across the symmetry planes.
 
     Parameters
     ----------
     body : Elastic
-    modes : ndarray, shape (3 n, k)
-        Mass-orthonormal modes on all degrees of freedom [kg^-1/2].
-    omega : ndarray, shape (k,)
-        [rad/s]
+    modes : Modes
+        On all degrees of freedom, (3 n, k).
     points : ndarray, shape (n, 3)
         Nodes, the planes through the origin [m].
 
     Returns
     -------
-    modes, omega
-        As given, or exactly even or odd and orthonormal again, by rising frequency.
-    kind : ndarray of int, shape (k,)
-        Class 2 x + z of each mode (x, z = 1 where odd across x = 0, z = 0); -1 for a body without
-        these symmetries.
+    ClassedModes
+        As given, or exactly even or odd and orthonormal again, by rising frequency; class -1 for a
+        body without these symmetries.
     """
-    parts = class_parts(modes.reshape(len(points), 3, len(omega)), points)
-    if parts is None or not len(omega):
-        return modes, omega, np.full(len(omega), -1)
-    parts = [body_part.reshape(len(modes), -1)[body.free] for body_part in parts]
+    shapes, omega = modes
+    count = len(omega)
+    unchanged = ClassedModes(shapes, omega, np.full(count, -1))
+    parts = class_parts(shapes.reshape(len(points), 3, count), points)
+    if parts is None or not count:
+        return unchanged
+    parts = [part.reshape(len(shapes), -1)[body.free] for part in parts]
     spectra = [np.linalg.eigh(part.T @ (body.M @ part)) for part in parts]
     # each class holds as many directions of the modes' space as its Gram matrix has eigenvalues
     # near 1
     share = np.concatenate([value for value, _ in spectra])
-    kept = np.sort(np.argsort(share)[-len(omega) :])
-    pure, frequency, kind = np.empty_like(modes), np.empty_like(omega), kept // len(omega)
-    for c, (part, (_, vectors)) in enumerate(zip(parts, spectra)):
-        mine = np.flatnonzero(kind == c)
+    kept = np.sort(np.argsort(share)[-count:])
+    kind = kept // count
+    pure = np.empty_like(shapes)
+    frequency = np.empty_like(omega)
+    for number, (part, (_, vectors)) in enumerate(zip(parts, spectra)):
+        mine = np.flatnonzero(kind == number)
         if len(mine):
-            shapes, frequency[mine] = orthonormal_modes(
-                body, part @ vectors[:, kept[mine] % len(omega)]
-            )
-            pure[:, mine] = body.full(shapes)
+            of_class = orthonormal_modes(body, part @ vectors[:, kept[mine] % count])
+            frequency[mine] = of_class.omega
+            pure[:, mine] = body.full(of_class.shapes)
     gram = pure[body.free].T @ (body.M @ pure[body.free])
     # nodes may mirror where elements do not, or a half-kept pair of modes may leave a class
-    if share[kept].min() < 0.5 or np.abs(gram - np.eye(len(omega))).max() > 1e-9:
-        return modes, omega, np.full(len(omega), -1)
+    if share[kept].min() < 0.5 or np.abs(gram - np.eye(count)).max() > 1e-9:
+        return unchanged
     order = np.argsort(frequency, kind="stable")
-    return pure[:, order], frequency[order], kind[order]
+    return ClassedModes(pure[:, order], frequency[order], kind[order])

@@ -62,13 +62,13 @@ def command(
         ):
             stress = (
                 ""
-                if body["largest_stress"] is None
-                else f", von Mises stress up to {body['largest_stress'] / 1e6:.4g} MPa"
+                if body.largest_stress is None
+                else f", von Mises stress up to {body.largest_stress / 1e6:.4g} MPa"
             )
             console.print(
-                f"t = {1e3 * instant:.6g} ms  {body['name']}: displacement up to "
-                f"{1e6 * body['largest_displacement']:.4g} um{stress}",
+                f"t = {1e3 * instant:.6g} ms  {body.name}: displacement up to "
+                f"{1e6 * body.largest_displacement:.4g} um{stress}",
                 highlight=False,
                 soft_wrap=True,
             )
-            console.print(f"file  {body['file']}", highlight=False, soft_wrap=True)
+            console.print(f"file  {body.file}", highlight=False, soft_wrap=True)

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 from rich.table import Table
 
 from ..case.schema import case_names, find_case, read_tree
@@ -69,14 +68,14 @@ def build_table(tree):
 
 def print_body(body):
     """Size, mass properties, cost, and the table of modes."""
-    centre, inertia = (np.array(body[key]) for key in ("centre", "inertia"))
+    centre, inertia = body.centre, body.inertia
     console.print(
-        f"\n[bold]{body['name']}[/]  {body['nodes']} nodes, {body['elements']} elements, "
-        f"{body['degrees_of_freedom']} degrees of freedom",
+        f"\n[bold]{body.name}[/]  {body.nodes} nodes, {body.elements} elements, "
+        f"{body.degrees_of_freedom} degrees of freedom",
         highlight=False,
     )
     console.print(
-        f"mass {body['mass']:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
+        f"mass {body.mass:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
         highlight=False,
     )
     console.print(
@@ -92,21 +91,21 @@ def print_body(body):
         highlight=False,
     )
     console.print(
-        f"reduced in {body['seconds']:.1f} s, peak memory of the process {body['peak_memory'] / 1e9:.2f} GB",
+        f"reduced in {body.seconds:.1f} s, peak memory of the process {body.peak_memory / 1e9:.2f} GB",
         highlight=False,
     )
     table = Table(
         "mode", "frequency [Hz]", "modal mass [g]", "share in film thickness", "class", box=None
     )
-    for row in body["modes"]:
+    for row in body.modes:
         table.add_row(
-            str(row["mode"]),
-            f"{row['frequency']:.1f}",
-            f"{1e3 * row['modal_mass']:.3g}",
-            f"{row['film_share']:.2%}",
-            row["class"],
+            str(row.number),
+            f"{row.frequency:.1f}",
+            f"{1e3 * row.modal_mass:.3g}",
+            f"{row.film_share:.2%}",
+            row.kind_in_words,
         )
-    if body["modes"]:
+    if body.modes:
         console.print(table)
-    for file in body["files"]:
+    for file in body.files:
         console.print(f"file  {file}", highlight=False, soft_wrap=True)

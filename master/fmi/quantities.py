@@ -63,9 +63,14 @@ def to_si(value, unit):
     return float(quantity.to(target).magnitude)
 
 
+def in_unit(unit: str) -> BeforeValidator:
+    """Reads a pydantic field of floats from text with a unit, into SI `unit`."""
+    return BeforeValidator(lambda value: to_si(value, unit))
+
+
 def Quantity(unit):
     """Pydantic field type: float in SI `unit`, read from text with a unit."""
-    return Annotated[float, BeforeValidator(lambda value: to_si(value, unit))]
+    return Annotated[float, in_unit(unit)]
 
 
 def short(value, unit):

@@ -1,12 +1,12 @@
 """Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does
-not).
+not). Writes both files beside this script:
 
-python -m piston_cosim.models.fired_motorcycle.make_meshes          writes both files beside this script
+python -m piston_cosim.models.fired_motorcycle.make_meshes
 """
 
 from pathlib import Path
 
-from piston_cosim.models.meshes import Block, Piston, make
+from ..meshes import Block, Fineness, Piston, make_both
 
 PISTON = Piston(
     skirt_radius=36.475,
@@ -40,13 +40,5 @@ BLOCK = Block(
     seat=10.5,
 )
 
-
-def main():
-    """Both meshes."""
-    here = Path(__file__).parent
-    make(here / "piston.msh.gz", PISTON, 4.6, 12)
-    make(here / "block.msh.gz", BLOCK, 12.0, 10)
-
-
 if __name__ == "__main__":
-    main()
+    make_both(Path(__file__).parent, PISTON, Fineness(4.6, 12), BLOCK, Fineness(12.0, 10))

@@ -1,12 +1,12 @@
 """Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does
-not).
+not). Writes both files beside this script:
 
-python -m piston_cosim.models.numerical_example.make_meshes          writes both files beside this script
+python -m piston_cosim.models.numerical_example.make_meshes
 """
 
 from pathlib import Path
 
-from piston_cosim.models.meshes import Block, Piston, make
+from ..meshes import Block, Fineness, Piston, make_both
 
 PISTON = Piston(
     skirt_radius=28.225,  # 25 um nominal radial clearance
@@ -40,13 +40,5 @@ BLOCK = Block(
     seat=9.0,
 )
 
-
-def main():
-    """Both meshes."""
-    here = Path(__file__).parent
-    make(here / "piston.msh.gz", PISTON, 3.9, 12)
-    make(here / "block.msh.gz", BLOCK, 9.0, 10)
-
-
 if __name__ == "__main__":
-    main()
+    make_both(Path(__file__).parent, PISTON, Fineness(3.9, 12), BLOCK, Fineness(9.0, 10))

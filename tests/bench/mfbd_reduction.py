@@ -28,7 +28,7 @@ def reduce_one(name, basis, modes):
     table = {"grid": [40, 40]} | {
         body: {"mesh": f"{body}.msh.gz", **material} for body in ("piston", "block")
     }
-    options = read_options(table, CASE)[name]
+    options = getattr(read_options(table, CASE), name)
     begin = time.perf_counter()
     body = (reduce_piston if name == "piston" else reduce_block)(
         options, (40, 40), lambda text: None
@@ -36,7 +36,7 @@ def reduce_one(name, basis, modes):
     seconds = time.perf_counter() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
     print(
-        f"{name:>8} {3 * len(body['points']):>8} dof  {modes:>3} {basis:<34} {seconds:6.1f} s {peak:5.2f} GB"
+        f"{name:>8} {3 * len(body.anatomy.points):>8} dof  {modes:>3} {basis:<34} {seconds:6.1f} s {peak:5.2f} GB"
     )
 
 

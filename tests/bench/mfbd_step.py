@@ -6,13 +6,16 @@ python tests/bench/mfbd_step.py            the shipped case's bodies, and 0 to 2
 
 import itertools
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
-from piston_cosim.fmu_mfbd.variables import parameters
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
 CASE = Path(__file__).parents[2] / "models" / "numerical_example"
 MATERIAL = {"density": "2700 kg/m^3", "young": "78 GPa", "poisson": 0.33}
@@ -40,10 +43,11 @@ def model(modes, symmetric=True):
         name: {"mesh": f"{name}.msh.gz", "modes": modes, **MATERIAL} for name in ("piston", "block")
     }
     options, files = prepare(table, CASE, lambda text: None)
-    piston, block = (dict(np.load(path)) for path in files)
+    piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
     if not symmetric:
-        piston["kind"], block["kind"] = -np.ones_like(piston["kind"]), -np.ones_like(block["kind"])
-    return assemble(piston, block, options, {v.name: v.start for v in parameters()})
+        piston = replace(piston, kind=-np.ones_like(piston.kind))
+        block = replace(block, kind=-np.ones_like(block.kind))
+    return assemble(piston, block, BuildOptions.from_json(options), Parameters())
 
 
 def row(modes, symmetric=True):

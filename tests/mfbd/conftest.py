@@ -98,11 +98,14 @@ def coarse(tmp_path_factory):
 def reduced(bodies, tmp_path_factory):
     """(options, piston, block) of the small bodies, reduced."""
     from piston_cosim.fmu_mfbd.build import prepare
+    from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
+    from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
         options, files = prepare(bodies[1], bodies[0], lambda text: None)
-        return (options, *(dict(np.load(path)) for path in files))
+        piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
+        return BuildOptions.from_json(options), piston, block
 
 
 @pytest.fixture
@@ -111,8 +114,7 @@ def model(reduced):
     mechanism.
     """
     from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-    from piston_cosim.fmu_mfbd.variables import parameters
+    from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 
     options, piston, block = reduced
-    values = {v.name: v.start for v in parameters()} | {"crank_offset": 1e-3}
-    return assemble(piston, block, options, values)
+    return assemble(piston, block, options, Parameters(crank_offset=1e-3))

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
-    FlexibleBody,
     FrameMotion,
     frame_arrow,
     frame_force,
@@ -18,7 +17,7 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, 
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
-from piston_cosim.fmu_mfbd.verification import bar, beam_in_frame, box_mesh
+from piston_cosim.fmu_mfbd.verification import bar, beam_in_frame, box_mesh, flexible_body
 
 
 @pytest.fixture(scope="module")
@@ -33,16 +32,8 @@ def lump():
     body = Elastic(K, M, np.flatnonzero(points[:, 1] < points[:, 1].min() + 5e-3))
     modes, omega = orthonormal_modes(body, craig_bampton(body, 5))
     modes = body.full(modes).reshape(len(points), 3, -1)
-    integrals = {
-        k: np.ascontiguousarray(v) if np.ndim(v) else v
-        for k, v in floating_frame_integrals(M, points, modes).items()
-    }
-    return (
-        points,
-        M,
-        modes,
-        FlexibleBody(**integrals, stiffness=omega**2, damping=np.zeros_like(omega)),
-    )
+    integrals = floating_frame_integrals(M, points, modes)
+    return points, M, modes, flexible_body(integrals, omega)
 
 
 def kinetic_energy(points, M, modes, coordinates, rates):

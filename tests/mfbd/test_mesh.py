@@ -6,15 +6,12 @@ import meshio
 import numpy as np
 import pytest
 from piston_cosim.fmu_mfbd.build import reduced_bodies
-from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
+from piston_cosim.fmu_mfbd.finite_elements.mesh import Cylinder, MeshFault, Plane, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
 from scipy.spatial import cKDTree
 
-SKIRT, HELD, CROWN = (
-    ("cylinder", 28e-3, -16e-3, 8e-3),
-    ("cylinder", 24e-3, -9e-3, 9e-3),
-    ("plane", 20e-3),
-)
+SKIRT = Cylinder(28e-3, -16e-3, 8e-3)
+CROWN = Plane(20e-3)
 
 
 @pytest.fixture(scope="module")

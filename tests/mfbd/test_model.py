@@ -4,7 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, damping, damping_bands
+from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import rod_turn
 
 SPEED = 314.0
@@ -49,11 +52,17 @@ def rubbing(reduced):
 
 def assembled(reduced, **values):
     """The small bodies with some parameters changed."""
-    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-    from piston_cosim.fmu_mfbd.variables import parameters
-
     options, piston, block = reduced
-    return assemble(piston, block, options, {v.name: v.start for v in parameters()} | values)
+    return assemble(piston, block, options, Parameters(**values))
+
+
+def without_modes(piston, block):
+    """The bodies with no modes at all."""
+    last = ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")
+    rigid = {name: getattr(piston, name)[..., :0] for name in last}
+    rigid |= {name: getattr(piston, name)[:0, :0] for name in ("B", "G")}
+    bore = {name: getattr(block, name)[..., :0] for name in ("radial", "axial", "omega", "kind")}
+    return dataclasses.replace(piston, **rigid), dataclasses.replace(block, **bore)
 
 
 @pytest.fixture
@@ -183,16 +192,8 @@ def test_non_finite_force_is_refused(model):
 
 def test_rigid_bodies_run(reduced):
     """No modes at all: the film moves as one rigid piston."""
-    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-    from piston_cosim.fmu_mfbd.variables import parameters
-
     options, piston, block = reduced
-    piston = piston | {
-        k: piston[k][..., :0] for k in ("T", "b", "g", "radial", "axial", "omega", "gas_force")
-    }
-    piston |= {k: piston[k][:0, :0] for k in "BG"}
-    block = block | {k: block[k][..., :0] for k in ("radial", "axial", "omega")}
-    rigid = assemble(piston, block, options, {v.name: v.start for v in parameters()})
+    rigid = assemble(*without_modes(piston, block), options, Parameters())
     state, out = run(rigid)
     opening = out["film_thickness"] - rigid.system.skirt.gap
     lateral, angle = state.position
@@ -221,23 +222,12 @@ def test_free_crank_keeps_the_energy(reduced):
     """Rigid piston, no gas, no load, no film: kinetic energy of all is constant, its error falls
     with the step (order 2).
     """
-    from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-    from piston_cosim.fmu_mfbd.variables import parameters
-
     options, piston, block = reduced
-    piston = piston | {
-        k: piston[k][..., :0]
-        for k in ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")
-    }
-    piston |= {k: piston[k][:0, :0] for k in "BG"}
-    values = {v.name: v.start for v in parameters()} | {
-        "crank_free": 1,
-        "crank_inertia": 2e-4,
-        "rod_mass": 0.0,
-        "rod_inertia": 0.0,
-        "pin_mass": 0.4,
-    }
-    model = assemble(piston | {"S": 0 * piston["S"]}, block, options, values)
+    rigid, _ = without_modes(piston, block)
+    parameters = Parameters(
+        crank_free=1, crank_inertia=2e-4, rod_mass=0.0, rod_inertia=0.0, pin_mass=0.4
+    )
+    model = assemble(dataclasses.replace(rigid, S=0 * piston.S), block, options, parameters)
     nothing = np.zeros(model.system.skirt.gap.shape)
     drift, swing = [], []
     for step in (2e-5, 1e-5):
@@ -245,11 +235,11 @@ def test_free_crank_keeps_the_energy(reduced):
         levels, speeds = [], []
         for _ in range(int(0.01 / step)):
             state, out = model.advance(state, Inputs(200.0, 0.0, nothing, nothing), step)
-            mass = float(piston["mass"]) + 0.4
+            mass = piston.mass + 0.4
             levels.append(
                 0.5 * 2e-4 * state.crank_speed**2
                 + 0.5 * mass * (out["piston_velocity"] ** 2 + state.velocity[0] ** 2)
-                + 0.5 * float(piston["I0"]) * state.velocity[1] ** 2
+                + 0.5 * piston.I0 * state.velocity[1] ** 2
             )
             speeds.append(state.crank_speed)
         drift.append(np.abs(np.array(levels) / levels[0] - 1).max())
@@ -290,14 +280,13 @@ def test_free_crank_turns_against_its_load(reduced):
     assert out["crank_torque"] == -50.0
 
 
-def test_damping_by_ratio_band_and_rayleigh(bodies):
-    from piston_cosim.fmu_mfbd.dynamics.assembly import damping, damping_bands
+def test_damping_by_ratio_band_and_rayleigh(reduced, bodies):
     from piston_cosim.fmu_mfbd.options import read_options
-    from piston_cosim.fmu_mfbd.variables import parameters
     from piston_cosim.master.fmi.errors import BadInput
 
     omega = 2 * np.pi * np.array([1e3, 2e4, 3e4])
-    two = damping_bands({v.name: v.start for v in parameters()}, {"damping_bands": []})
+    plain = reduced[0]
+    two = damping_bands(plain, Parameters())
     np.testing.assert_allclose(damping(omega, two, 0.0, 0.0), [0.04 * omega[0], omega[1], omega[2]])
     folder, options = bodies
     text = [
@@ -305,12 +294,14 @@ def test_damping_by_ratio_band_and_rayleigh(bodies):
         {"above": "5 kHz", "ratio": 0.02},
         {"above": "25 kHz", "ratio": 1.0},
     ]
-    bands = read_options(options | {"damping_bands": text}, folder)["damping_bands"]
-    np.testing.assert_allclose(
-        damping_bands({}, {"damping_bands": bands}), [(0, 0.01), (5e3, 0.02), (25e3, 1.0)]
-    )
+    read = read_options(options | {"damping_bands": text}, folder).damping_bands
+    bands = tuple(DampingBand(band.above, band.ratio) for band in read)
+    assert bands == (DampingBand(0, 0.01), DampingBand(5e3, 0.02), DampingBand(25e3, 1.0))
+    banded = dataclasses.replace(plain, damping_bands=bands)
+    assert damping_bands(BuildOptions.from_json(banded.to_json()), Parameters()) == bands
     np.testing.assert_allclose(damping(omega, bands, 0.0, 0.0) / omega, [0.02, 0.04, 2.0])
-    np.testing.assert_allclose(damping(omega, [(0.0, 0.0)], 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    none = [DampingBand(0.0, 0.0)]
+    np.testing.assert_allclose(damping(omega, none, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
     with pytest.raises(BadInput, match="the first band begins at 0 Hz"):
         read_options(options | {"damping_bands": text[1:]}, folder)
 

@@ -24,12 +24,12 @@ def test_one_body_from_a_small_table(bodies, cache, tmp_path):
         {"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", lambda text: None
     )
     assert (
-        block["name"] == "block"
-        and block["degrees_of_freedom"] == 3 * block["nodes"]
-        and len(block["modes"]) == 10
+        block.name == "block"
+        and block.degrees_of_freedom == 3 * block.nodes
+        and len(block.modes) == 10
     )
-    assert 0 < block["seconds"] < 600 and 1e7 < block["peak_memory"] < 1e11
-    assert [file.name for file in block["files"]] == [
+    assert 0 < block.seconds < 600 and 1e7 < block.peak_memory < 1e11
+    assert [file.name for file in block.files] == [
         "block.npz",
         "block-modes.csv",
         "block-modes.vtu",
@@ -38,7 +38,7 @@ def test_one_body_from_a_small_table(bodies, cache, tmp_path):
     with open(tmp_path / "out" / "block-modes.csv") as file:
         rows = list(csv.reader(file))
     assert rows[0][1] == "frequency [Hz]" and len(rows) == 11
-    assert float(rows[3][1]) == block["modes"][2]["frequency"]
+    assert float(rows[3][1]) == block.modes[2].frequency
     assert (tmp_path / "out" / "block-modes.png").stat().st_size > 20_000
 
 

@@ -17,6 +17,13 @@ from piston_cosim.fmu_mfbd.reduction.mode_tables import (
     recover,
     write_modes,
 )
+from piston_cosim.fmu_mfbd.reduction.reduce import Reduced
+from piston_cosim.fmu_mfbd.reduction.reduced_body import (
+    Anatomy,
+    ReducedBlock,
+    ReducedPiston,
+    load,
+)
 from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -25,26 +32,27 @@ from piston_cosim.master.fmi.errors import BadInput
 def report(bodies, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        files = reduced_bodies(bodies[1], bodies[0], lambda text: None)
         yield {
-            name: dict(np.load(path))
-            for name, path in reduced_bodies(bodies[1], bodies[0], lambda text: None).items()
+            "piston": Reduced(load(ReducedPiston, files["piston"]), load(Anatomy, files["piston"])),
+            "block": Reduced(load(ReducedBlock, files["block"]), load(Anatomy, files["block"])),
         }
 
 
 def test_table_of_modes(report):
-    for body in report.values():
-        rows = mode_table(body)
-        assert [row["mode"] for row in rows] == list(range(1, len(body["omega"]) + 1))
-        assert np.all(np.diff([row["frequency"] for row in rows]) >= 0)
-        assert sum(row["film_share"] for row in rows) == pytest.approx(1.0)
-        assert all(0 < row["modal_mass"] < 10 for row in rows)
+    for body, anatomy in report.values():
+        rows = mode_table(body, anatomy.angles)
+        assert [row.number for row in rows] == list(range(1, len(body.omega) + 1))
+        assert np.all(np.diff([row.frequency for row in rows]) >= 0)
+        assert sum(row.film_share for row in rows) == pytest.approx(1.0)
+        assert all(0 < row.modal_mass < 10 for row in rows)
 
 
 def test_mass_properties_of_a_tube(report):
     """Against the closed form; twelve sides of the mesh's circle, curved: (pi/24)^4/6 of the
     volume.
     """
-    mass, centre, inertia = mass_properties(report["block"])
+    mass, centre, inertia = mass_properties(report["block"].anatomy)
     low, high, inner, outer, density = 50e-3, 155e-3, 28.025e-3, 36e-3, 2700.0
     exact = density * np.pi * (outer**2 - inner**2) * (high - low)
     assert mass == pytest.approx(exact, rel=1e-3)
@@ -56,10 +64,10 @@ def test_mass_properties_of_a_tube(report):
 
 
 def test_mode_shapes_are_written_and_belong_to_the_film(report, tmp_path):
-    body = report["piston"]
-    write_modes(body, tmp_path / "modes.vtu")
+    anatomy = report["piston"].anatomy
+    write_modes(anatomy, tmp_path / "modes.vtu")
     mesh = meshio.read(tmp_path / "modes.vtu")
-    np.testing.assert_allclose(mesh.point_data["mode 3"], body["shapes"][:, :, 2])
+    np.testing.assert_allclose(mesh.point_data["mode 3"], anatomy.shapes[:, :, 2])
 
 
 def test_stress_of_a_pulled_bar(tmp_path):
@@ -83,11 +91,11 @@ def test_stress_of_a_pulled_bar(tmp_path):
 
 
 def test_recovery_is_linear_in_the_modes(report, tmp_path):
-    body = report["block"]
-    q = np.zeros(len(body["omega"]))
+    body, anatomy = report["block"]
+    q = np.zeros(len(body.omega))
     q[1] = 1e-6
-    displacement, stress = recover(body, q, tmp_path / "block.vtu")
-    np.testing.assert_allclose(displacement, 1e-6 * body["shapes"][:, :, 1])
+    displacement, stress = recover(anatomy, q, tmp_path / "block.vtu")
+    np.testing.assert_allclose(displacement, 1e-6 * anatomy.shapes[:, :, 1])
     assert (
         "von_mises" in meshio.read(tmp_path / "block.vtu").point_data and np.abs(stress).max() > 0
     )
@@ -101,6 +109,6 @@ def test_modes_switched_off(bodies, report, tmp_path, monkeypatch):
     )
     omega = np.load(files[0])["omega"]
     assert options["piston"]["modes"] == len(omega) == 10
-    np.testing.assert_array_equal(omega, np.delete(report["piston"]["omega"], [1, 4]))
+    np.testing.assert_array_equal(omega, np.delete(report["piston"].body.omega, [1, 4]))
     with pytest.raises(BadInput, match="piston.modes_off: 13: there are 12 modes"):
         prepare(bodies[1] | {"piston": bodies[1]["piston"] | {"modes_off": [13]}}, folder, print)

@@ -1,10 +1,14 @@
 """Gas tables, measured profiles, bore shapes: values, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
 from piston_cosim.fmu_mfbd.dynamics.tables import (
     TableFault,
@@ -14,8 +18,14 @@ from piston_cosim.fmu_mfbd.dynamics.tables import (
     profile_table,
     read_numbers,
 )
-from piston_cosim.fmu_mfbd.geometry.profile import fourier_bore, ovality, table_shape
-from piston_cosim.fmu_mfbd.variables import parameters
+from piston_cosim.fmu_mfbd.geometry.profile import (
+    BoreOrder,
+    MeasuredShape,
+    fourier_bore,
+    ovality,
+    table_shape,
+)
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
 from scipy.integrate import solve_ivp
 
@@ -147,10 +157,7 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
 
 def test_orders():
     angle = np.linspace(0, 6, 50)
-    terms = [
-        {"order": 0, "amplitude": 25e-6, "phase": 0.0},
-        {"order": 2, "amplitude": 25e-6, "phase": 0.0},
-    ]
+    terms = [BoreOrder(0, 25e-6, 0.0), BoreOrder(2, 25e-6, 0.0)]
     np.testing.assert_allclose(fourier_bore(terms, angle), ovality(angle, 100e-6), atol=1e-18)
 
 
@@ -177,11 +184,9 @@ def shaped(bodies, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
         options, files = prepare(table, folder, lambda text: None)
-    values = {v.name: v.start for v in parameters()} | {
-        "skirt_growth_upper": 4e-6,
-        "bore_growth_lower": 3e-6,
-    }
-    return assemble(*(dict(np.load(path)) for path in files), options, values)
+    piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
+    parameters = Parameters(skirt_growth_upper=4e-6, bore_growth_lower=3e-6)
+    return assemble(piston, block, BuildOptions.from_json(options), parameters)
 
 
 def test_shapes_enter_the_film_and_its_work(shaped):
@@ -250,15 +255,15 @@ EFFECTS = {
 @pytest.mark.parametrize("name", EFFECTS)
 def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
     options, piston, block = reduced
-    start, films = {v.name: v.start for v in parameters()}, []
+    films = []
     for more in (0.0, SIZE):
-        values = start | {name: start[name] + more}
+        values = Parameters(**{name: getattr(Parameters(), name) + more})
         model = assemble(piston, block, options, values)
         nothing = np.zeros(model.system.skirt.gap.shape)
         out = model.start(
             0.5,
-            values["start_lateral_displacement"],
-            values["start_rocking_angle"],
+            values.start_lateral_displacement,
+            values.start_rocking_angle,
             Inputs(314.0, 0.0, nothing, nothing),
         )[1]
         films.append(out["film_thickness"])
@@ -270,19 +275,17 @@ def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
 
 def test_two_profiles_and_two_orders_add_up(reduced):
     options, piston, block = reduced
-    one = {"angle": [0.0, np.pi], "height": [0.0], "value": [[3e-6, 1e-6]]}
-    two = {"angle": [0.0], "height": [-16e-3, 10e-3], "value": [[0.0], [5e-6]]}
-    orders = [
-        {"order": 2, "amplitude": 4e-6, "phase": 0.3},
-        {"order": 3, "amplitude": 2e-6, "phase": 0.0},
-    ]
+    one = MeasuredShape(np.array([0.0, np.pi]), np.zeros(1), np.array([[3e-6, 1e-6]]))
+    two = MeasuredShape(np.zeros(1), np.array([-16e-3, 10e-3]), np.array([[0.0], [5e-6]]))
+    orders = [BoreOrder(2, 4e-6, 0.3), BoreOrder(3, 2e-6, 0.0)]
 
     def film(profiles, orders):
-        shaped = options | {
-            "piston": options["piston"] | {"profiles": profiles},
-            "block": options["block"] | {"orders": orders},
-        }
-        model = assemble(piston, block, shaped, {v.name: v.start for v in parameters()})
+        shaped = replace(
+            options,
+            piston=replace(options.piston, profiles=tuple(profiles)),
+            block=replace(options.block, orders=tuple(orders)),
+        )
+        model = assemble(piston, block, shaped, Parameters())
         nothing = np.zeros(model.system.skirt.gap.shape)
         return model.start(0.5, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
 
@@ -298,9 +301,9 @@ def test_two_profiles_and_two_orders_add_up(reduced):
 def test_a_free_crank_has_no_table(reduced):
     options, piston, block = reduced
     table = speed_table(inline_numbers("speed", [(0, 300), (1, 310)]), "time", 2 * np.pi, 1.0, 1.0)
-    values = {v.name: v.start for v in parameters()} | {"crank_free": 1}
-    assert faults(values, piston, block, options) == []
-    (fault,) = faults(values, piston, block, options | {"speed": table})
+    free = Parameters(crank_free=1)
+    assert faults(piston, block, options, free) == []
+    (fault,) = faults(piston, block, replace(options, speed=table), free)
     assert fault.startswith("crank_free = 1: must be 0 with a table of crank speed")
 
 

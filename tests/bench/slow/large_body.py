@@ -70,7 +70,7 @@ def main(cells):
                 "modes": 60,
             }
         }
-        options = read_options(table, folder, Bodies)["block"]
+        options = read_options(table, folder, Bodies).block
         begin = time.perf_counter()
 
         def say(text):

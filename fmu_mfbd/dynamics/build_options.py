@@ -1,0 +1,129 @@
+"""What is decided when the FMU is built, as its build.json holds it."""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..geometry.profile import BoreOrder, MeasuredShape
+from .speed_table import SpeedTable
+from .start_state import StartState
+from .tables import GasTable
+
+
+@dataclass(frozen=True)
+class PistonOptions:
+    """The piston of the FMU.
+
+    Parameters
+    ----------
+    file : str
+        Of the reduced body, among the FMU's resources.
+    modes : int
+    pin_offset : float
+        x of pin point A from the skirt's axis [m].
+    profiles : tuple of MeasuredShape
+        Gaps that add to barrel and ovality.
+    """
+
+    file: str
+    modes: int
+    pin_offset: float
+    profiles: tuple[MeasuredShape, ...] = ()
+
+
+@dataclass(frozen=True)
+class BlockOptions:
+    """The cylinder block of the FMU.
+
+    Parameters
+    ----------
+    file : str
+        Of the reduced body, among the FMU's resources.
+    modes : int
+    orders : tuple of BoreOrder
+    profiles : tuple of MeasuredShape
+        Widenings that add to those orders.
+    """
+
+    file: str
+    modes: int
+    orders: tuple[BoreOrder, ...] = ()
+    profiles: tuple[MeasuredShape, ...] = ()
+
+
+@dataclass(frozen=True)
+class DampingBand:
+    """Modal damping ratio [-] from a frequency on [Hz], to the next band."""
+
+    above: float
+    ratio: float
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """All of it, in SI.
+
+    Parameters
+    ----------
+    grid : (int, int)
+        Film grid cells around and along the skirt.
+    piston : PistonOptions
+    block : BlockOptions
+    gas : GasTable, optional
+        Added to the input `gas_pressure`.
+    speed : SpeedTable, optional
+        In place of the input `crank_speed`.
+    start : StartState, optional
+        In place of the parameters start_*.
+    damping_bands : tuple of DampingBand
+        In place of the parameters damping_ratio, high_frequency_damping_ratio and
+        damping_transition_frequency, unless empty; the first begins at 0 Hz.
+    """
+
+    grid: tuple[int, int]
+    piston: PistonOptions
+    block: BlockOptions
+    gas: GasTable | None = None
+    speed: SpeedTable | None = None
+    start: StartState | None = None
+    damping_bands: tuple[DampingBand, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """As build.json holds it: numbers, texts, lists and tables of them."""
+        return json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
+
+    @classmethod
+    def from_json(cls, content: dict[str, Any]) -> "BuildOptions":
+        """The options that `to_json` made this of."""
+        around, along = content["grid"]
+        piston = content["piston"] | {"profiles": _shapes(content["piston"]["profiles"])}
+        block = content["block"] | {
+            "orders": tuple(BoreOrder(**order) for order in content["block"]["orders"]),
+            "profiles": _shapes(content["block"]["profiles"]),
+        }
+        gas = content["gas"]
+        speed = content["speed"]
+        start = content["start"]
+        return cls(
+            grid=(around, along),
+            piston=PistonOptions(**piston),
+            block=BlockOptions(**block),
+            gas=GasTable(**_arrays(gas)) if gas else None,
+            speed=SpeedTable(**_arrays(speed)) if speed else None,
+            start=StartState(**_arrays(start)) if start else None,
+            damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
+        )
+
+
+def _shapes(tables: list[dict[str, Any]]) -> tuple[MeasuredShape, ...]:
+    return tuple(MeasuredShape(**_arrays(table)) for table in tables)
+
+
+def _arrays(table: dict[str, Any]) -> dict[str, Any]:
+    """A table with its lists as arrays."""
+    return {
+        key: np.array(value, dtype=float) if isinstance(value, list) else value
+        for key, value in table.items()
+    }

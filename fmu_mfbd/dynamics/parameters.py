@@ -1,0 +1,122 @@
+"""The parameters of the body FMU: what a user may set."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+def _declared(
+    unit: str,
+    description: str,
+    start: float,
+    minimum: float | None = None,
+    maximum: float | None = None,
+) -> Any:
+    """A parameter's default and, for the table of variables, its unit, description and range."""
+    metadata = dict(unit=unit, description=description, minimum=minimum, maximum=maximum)
+    return field(default=start, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Values of all parameters in SI. This is their one declaration: the table of variables
+    (`variables.parameters`) is read from it; the defaults are those of the shipped case.
+    """
+
+    radial_clearance: float = _declared(
+        "m", "Bore radius minus skirt radius at the thrust faces, mid skirt", 25e-6, 1e-6, 1e-3
+    )
+    barrel: float = _declared(
+        "m", "Radial drop of the skirt profile at its upper and lower edge", 30e-6, 0.0, 1e-3
+    )
+    ovality: float = _declared(
+        "m", "Skirt diameter across the thrust faces minus that along the pin", 150e-6, 0.0, 2e-3
+    )
+    skirt_growth_lower: float = _declared(
+        "m",
+        "Radial thermal growth of the skirt at its lower edge, linear to the upper one",
+        0.0,
+        -1e-3,
+        1e-3,
+    )
+    skirt_growth_upper: float = _declared(
+        "m", "Radial thermal growth of the skirt at its upper edge", 0.0, -1e-3, 1e-3
+    )
+    bore_growth_lower: float = _declared(
+        "m",
+        "Radial thermal growth of the bore at its lower end, linear to the upper one",
+        0.0,
+        -1e-3,
+        1e-3,
+    )
+    bore_growth_upper: float = _declared(
+        "m", "Radial thermal growth of the bore at its upper end", 0.0, -1e-3, 1e-3
+    )
+    crank_radius: float = _declared("m", "Half the stroke", 24.75e-3, 1e-3, 0.5)
+    rod_length: float = _declared("m", "Between the eyes", 0.1, 5e-3, 2.0)
+    crank_offset: float = _declared("m", "x of the crank axis from the bore axis", 0.0, -0.1, 0.1)
+    rod_mass: float = _declared("kg", "Connecting rod", 0.14, 0.0, 100.0)
+    rod_inertia: float = _declared(
+        "kg.m2", "Of the rod about its centre of mass", 2.2e-4, 0.0, 10.0
+    )
+    rod_centre: float = _declared(
+        "m", "Distance of the rod's centre of mass from the big end", 0.03, 0.0, 2.0
+    )
+    pin_mass: float = _declared(
+        "kg", "Piston pin (and what else moves with A without turning)", 0.03, 0.0, 20.0
+    )
+    pin_friction_coefficient: float = _declared(
+        "1", "Coulomb friction between pin and piston; 0: none", 0.0, 0.0, 1.0
+    )
+    pin_radius: float = _declared("m", "Arm of the friction at the pin", 7e-3, 1e-4, 0.1)
+    pin_friction_speed: float = _declared(
+        "rad/s",
+        "Relative angular velocity at which Coulomb friction has 76 % of its size",
+        5.0,
+        1e-3,
+        1e3,
+    )
+    pin_friction_damping: float = _declared(
+        "N.m.s/rad",
+        "Viscous friction at the pin: moment by relative angular velocity",
+        0.0,
+        0.0,
+        1e3,
+    )
+    crank_free: int = _declared(
+        "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1
+    )
+    crank_inertia: float = _declared(
+        "kg.m2", "Crank, flywheel and what they drive", 0.01, 1e-6, 1e4
+    )
+    load_torque: float = _declared("N.m", "Torque that a free crank works against", 0.0, -1e5, 1e5)
+    pin_tilt: float = _declared(
+        "rad",
+        "Held rotation of pin and piston about +x: a pin that is not square to the bore's axis",
+        0.0,
+        -0.01,
+        0.01,
+    )
+    start_crank_angle: float = _declared("rad", "Crank angle at the start", 0.0)
+    start_lateral_displacement: float = _declared("m", "Of A at the start", 0.0, -1e-3, 1e-3)
+    start_rocking_angle: float = _declared("rad", "At the start", 0.0, -0.05, 0.05)
+    damping_ratio: float = _declared(
+        "1", "Modal damping ratio below the transition frequency", 0.02, 0.0, 2.0
+    )
+    high_frequency_damping_ratio: float = _declared(
+        "1", "Modal damping ratio above it", 0.5, 0.0, 2.0
+    )
+    damping_transition_frequency: float = _declared(
+        "Hz", "Where the strong damping begins", 20e3, 0.0, 1e9
+    )
+    quasi_static_frequency: float = _declared(
+        "Hz", "Modes above it follow their load without inertia", 1e9, 0.0, 1e9
+    )
+    rayleigh_mass_factor: float = _declared(
+        "1/s", "Further damping proportional to mass", 0.0, 0.0, 1e6
+    )
+    rayleigh_stiffness_factor: float = _declared(
+        "s", "Further damping proportional to stiffness", 0.0, 0.0, 1.0
+    )
+    spectral_radius: float = _declared(
+        "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0
+    )

@@ -1,0 +1,160 @@
+"""A reduced body as it stands in its .npz file: what the running model needs, and what reports,
+pictures and recovery need besides.
+"""
+
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class ReducedPiston:
+    """Mass properties, modes and their values on the skirt; k modes, which may be none.
+
+    Parameters
+    ----------
+    mass : float
+        [kg]
+    S, I0, T, b, B, g, G
+        Inertia in planar motion, Eq. (J7).
+    omega : ndarray, shape (k,)
+        Angular eigenfrequencies [rad/s], rising.
+    kind : ndarray of int, shape (k,)
+        Symmetry class of each mode, -1 without symmetry (`symmetry`).
+    gas_force : ndarray, shape (k,)
+        Modal force of a gas force of 1 N on the crown [kg^-1/2].
+    radial, axial : ndarray, shape (grid points, k)
+        Displacement of the skirt, outwards and along y, at the cells of the film grid [kg^-1/2].
+    radius : float
+        Of the skirt [m].
+    skirt_lower, skirt_upper : float
+        Its edges above A [m].
+    """
+
+    mass: float
+    S: np.ndarray
+    I0: float
+    T: np.ndarray
+    b: np.ndarray
+    B: np.ndarray
+    g: np.ndarray
+    G: np.ndarray
+    omega: np.ndarray
+    kind: np.ndarray
+    gas_force: np.ndarray
+    radial: np.ndarray
+    axial: np.ndarray
+    radius: float
+    skirt_lower: float
+    skirt_upper: float
+
+
+@dataclass(frozen=True)
+class ReducedBlock:
+    """Modes and their values on a table of the bore; k modes, which may be none.
+
+    Parameters
+    ----------
+    omega, kind
+        As of `ReducedPiston`.
+    radial, axial : ndarray, shape (angles, stations, k)
+        Displacement of the bore, outwards and along y [kg^-1/2].
+    heights : ndarray, shape (stations,)
+        Above the crank axis, equally spaced [m].
+    radius : float
+        Of the bore [m].
+    """
+
+    omega: np.ndarray
+    kind: np.ndarray
+    radial: np.ndarray
+    axial: np.ndarray
+    heights: np.ndarray
+    radius: float
+
+
+@dataclass(frozen=True)
+class Anatomy:
+    """What a reduced body keeps for reports, pictures and recovery; no FMU carries it.
+
+    Eq. (J8):  rigid_mass = R^T M R      R the six rigid motions about the body's origin
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Nodes from the body's origin [m].
+    tets : ndarray of int, shape (e, 10)
+        None (e = 0) for a body of matrices.
+    skin : ndarray of int, shape (t, 6 or 3)
+        Outer faces.
+    shapes : ndarray, shape (n, 3, k)
+        Modes [kg^-1/2].
+    young, poisson : float
+        [Pa], [-]; nan for a body of matrices.
+    rigid_mass : ndarray, shape (6, 6)
+        [kg], [kg m], [kg m2]
+    angles : int
+        Of the film grid.
+    seconds : float
+        What the reduction took [s].
+    peak_memory : int
+        Of the process that made it [bytes].
+    """
+
+    points: np.ndarray
+    tets: np.ndarray
+    skin: np.ndarray
+    shapes: np.ndarray
+    young: float
+    poisson: float
+    rigid_mass: np.ndarray
+    angles: int
+    seconds: float = 0.0
+    peak_memory: int = 0
+
+
+ReducedBody = ReducedPiston | ReducedBlock
+Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | Anatomy)
+
+
+def mode_classes(body: ReducedBody) -> np.ndarray | None:
+    """Symmetry classes of a body's modes, None where it has no two planes of symmetry."""
+    known = body.kind.size == body.omega.size and body.kind.min(initial=0) >= 0
+    return body.kind if known else None
+
+
+def load(part: type[Part], path: Path) -> Part:
+    """Read one part of a reduced body.
+
+    Parameters
+    ----------
+    part : type
+        ReducedPiston, ReducedBlock or Anatomy.
+    path : Path
+        .npz
+
+    Raises
+    ------
+    ValueError
+        Naming what the file lacks.
+    """
+    if not zipfile.is_zipfile(path):
+        raise ValueError(f"{path.name} is no .npz file")
+    names = [one.name for one in fields(part)]
+    with np.load(path) as stored:
+        missing = [name for name in names if name not in stored]
+        if missing:
+            raise ValueError(f"{path.name} lacks {', '.join(missing)}")
+        arrays = {name: stored[name] for name in names}
+    return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
+
+
+def save(path: Path, *parts: ReducedBody | Anatomy) -> None:
+    """Write parts of a reduced body into one .npz, in one go."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(".partial.npz")
+    np.savez(partial, **{name: value for part in parts for name, value in vars(part).items()})
+    partial.replace(path)
