@@ -161,7 +161,7 @@ class March:
             reduction.add(values)
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
-            account.work.add(time, solution.x, self.stepper.interface.read())
+            account.work.add(time, solution.inputs, self.stepper.interface.read())
         self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
 
     def keep(self):

@@ -10,7 +10,7 @@ from .solution import NotConverged, Solution
 @dataclass(frozen=True)
 class Explicit:
     """One sweep from the predicted iterate, accepted as it is; its residual tells how far the wires
-    are from agreeing.
+    are from agreeing. The next step is predicted from what the outputs then say.
 
     Stable only where the coupling is weak: film and piston amplify an error some hundred-fold a
     step.
@@ -27,4 +27,4 @@ class Explicit:
             raise NotConverged(
                 "a participant's output is not finite", interface, residual, y, history
             )
-        return Solution(used, history)
+        return Solution(y, history, held=used)

@@ -31,11 +31,12 @@ class MacroStep:
 
 @dataclass(frozen=True)
 class Solution:
-    """A converged macro step.
+    """An accepted macro step.
 
-    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians :
-    linearisations; products : directional derivatives of the whole sweep; probes : sweeps that took
-    their place.
+    x : the wires at its end, which the next step goes by; held : what the inputs were set to where
+    that is something else, in a step that was not iterated; history : `Interface.measure` of every
+    iteration; jacobians : linearisations; products : directional derivatives of the whole sweep;
+    probes : sweeps that took their place.
     """
 
     x: np.ndarray
@@ -43,6 +44,12 @@ class Solution:
     jacobians: int = 0
     products: int = 0
     probes: int = 0
+    held: np.ndarray | None = None
+
+    @property
+    def inputs(self):
+        """What the inputs were set to."""
+        return self.x if self.held is None else self.held
 
     @property
     def iterations(self):
