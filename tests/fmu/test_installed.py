@@ -1,0 +1,118 @@
+"""What is installed works beside other people's packages called `models` and `master`."""
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("fmu_ehd", "fmu_mfbd", "master", "models")
+CASES = {"elastic_tube", "fired_motorcycle", "numerical_example", "two_mass_oscillator"}
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    """A copy of what a wheel is made of, so that building leaves nothing in the checkout."""
+    copy = tmp_path_factory.mktemp("source")
+    for name in PARTS:
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in (
+        "pyproject.toml",
+        "README.md",
+        "LICENSE",
+        "__init__.py",
+        "__main__.py",
+        "py.typed",
+    ):
+        shutil.copy(ROOT / name, copy)
+    return copy
+
+
+@pytest.fixture(scope="module")
+def wheel(source, tmp_path_factory):
+    """The wheel."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "-q",
+        "--no-deps",
+        "-w",
+        str(folder),
+        str(source),
+    ]
+    subprocess.run(build, check=True, capture_output=True)
+    return next(folder.glob("*.whl"))
+
+
+@pytest.fixture(scope="module", params=["wheel", "editable"])
+def python(request, source, tmp_path_factory):
+    """Interpreter of an environment with the wheel, or with the checkout installed as editable."""
+    folder = tmp_path_factory.mktemp(request.param)
+    subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
+    interpreter = folder / "bin" / "python"
+    site = next(folder.glob("lib/python*/site-packages"))
+    dependencies = Path(pytest.__file__).parents[1]  # numpy and all others, as they are here
+    (site / "dependencies.pth").write_text(f"{dependencies}\n")
+    what = [request.getfixturevalue("wheel")] if request.param == "wheel" else ["-e", source]
+    install = [str(interpreter), "-m", "pip", "install", "-q", "--no-deps", *map(str, what)]
+    subprocess.run(install, check=True, capture_output=True)
+    return interpreter
+
+
+@pytest.fixture
+def crowded(tmp_path):
+    """A folder with foreign packages of the parts' names, which break whoever imports them."""
+    for name in PARTS:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise RuntimeError('not ours')\n")
+    return tmp_path
+
+
+def said(interpreter, folder, *words):
+    """What a command prints when it is run in a folder that is on the path."""
+    done = subprocess.run(
+        [str(interpreter), "-m", *words], cwd=folder, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_cases_are_listed_and_the_version_is_told(python, crowded):
+    assert set(said(python, crowded, "piston_cosim", "list").split()) >= CASES
+    version = next(
+        line.split('"')[1]
+        for line in (ROOT / "pyproject.toml").read_text().splitlines()
+        if line.startswith("version")
+    )
+    assert said(python, crowded, "piston_cosim", "--version").strip() == version
+
+
+def test_a_case_runs(python, crowded):
+    words = ("run", "two_mass_oscillator", "--only", "linear", "--no-plots", "--output", "here")
+    said(python, crowded, "piston_cosim", *words, "--set", "time.stop=0.1 s")
+    assert list((crowded / "here").glob("*.h5"))
+
+
+def test_the_wheel_brings_one_package(wheel):
+    tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"piston_cosim"}
+    assert wheel.stat().st_size < 3e6
+
+
+def test_an_fmu_carries_the_same_tree(fmu):
+    """Every source file of the FMU is the project's, at its place in the tree, to the byte."""
+    with zipfile.ZipFile(fmu) as archive:
+        code = archive.read("resources/slavemodule.txt").decode().removesuffix("_entry")
+        inside = {
+            name.removeprefix(f"resources/{code}/"): archive.read(name)
+            for name in archive.namelist()
+            if name.startswith(f"resources/{code}/")
+        }
+    assert {"__init__.py", "fmu_ehd/slave.py", "master/fmi/slave.py"} <= set(inside)
+    assert all((ROOT / name).read_bytes() == data for name, data in inside.items())

@@ -1,0 +1,95 @@
+"""Kernels kept on disk: true to what they call, made again when damaged, done without if it must."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+LEAF = """
+from piston_cosim.master.fmi.compiled import compiled
+
+@compiled(inline="always")
+def leaf(x):
+    return 2.0 * x
+"""
+MIDDLE = """
+from piston_cosim.master.fmi.compiled import compiled
+from .leaf import leaf
+
+@compiled
+def middle(x):
+    return leaf(x) + 1.0
+"""
+TOP = """
+from piston_cosim.master.fmi.compiled import compiled
+from . import middle
+
+inner = middle.middle
+
+@compiled
+def top(x):
+    return 10.0 * inner(x)
+"""
+
+
+class Package:
+    """A package of three kernels, each calling the next, in a folder of its own."""
+
+    def __init__(self, folder):
+        self.folder, self.home = folder, folder / "kernels"
+        self.home.mkdir()
+        for name, text in (("__init__", ""), ("leaf", LEAF), ("middle", MIDDLE), ("top", TOP)):
+            (self.home / f"{name}.py").write_text(text)
+        self.environment = os.environ | {"PYTHONPATH": str(folder), "HOME": str(folder)}
+
+    def top(self):
+        """(top(3), how many times the top kernel was read from disk), in a new process."""
+        code = "from kernels.top import top; print(top(3.0), sum(top.stats.cache_hits.values()))"
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
+        )
+        assert done.returncode == 0, done.stderr
+        value, hits = done.stdout.split()
+        return float(value), int(hits)
+
+    def kept(self, ending):
+        """Files of kept kernels."""
+        return list(self.home.rglob(f"*.{ending}"))
+
+
+@pytest.fixture
+def package(tmp_path):
+    return Package(tmp_path)
+
+
+def test_a_kept_kernel_is_read_again(package):
+    assert package.top() == (70.0, 0)
+    assert package.top() == (70.0, 1)
+
+
+def test_an_edit_two_calls_away_takes_effect(package):
+    assert package.top() == (70.0, 0)
+    (package.home / "leaf.py").write_text(LEAF.replace("2.0", "4.0"))
+    assert package.top() == (130.0, 0)
+    assert package.top() == (130.0, 1)
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_damaged_kernel_is_made_again(package, ending):
+    package.top()
+    for path in package.kept(ending):
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    assert package.top() == (70.0, 0)
+    assert package.top() == (70.0, 1)
+
+
+def test_a_kernel_is_compiled_where_nothing_can_be_kept(package):
+    """A file stands wherever there would be a folder for it."""
+    shutil.rmtree(package.home / "__pycache__", ignore_errors=True)
+    (package.home / "__pycache__").write_text("")
+    package.environment |= {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null"}
+    package.environment |= {"PYTHONDONTWRITEBYTECODE": "1"}
+    assert package.top() == (70.0, 0)
+    assert not package.kept("nbi")

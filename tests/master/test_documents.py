@@ -1,0 +1,56 @@
+"""Equations can be found: each label is defined once and stands where it is computed; each citation
+has its work.
+"""
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LABEL = r"\(([A-Z]\d+[a-z]?)\)"
+CITATION = re.compile(r"\[([A-Z][A-Za-z]+\d{4}[a-z]?)\]")
+
+
+@pytest.fixture(scope="module")
+def texts():
+    """File -> text of all code that computes."""
+    parts = ("fmu_ehd", "fmu_mfbd", "master", "models")
+    return {path: path.read_text() for part in parts for path in (ROOT / part).rglob("*.py")}
+
+
+def defined(text):
+    """Labels that a text defines: "Eq. (E1):  ..."."""
+    return re.findall(rf"(?m)^\s*Eq\. {LABEL}:", text)
+
+
+def computed(text):
+    """Labels in comments: "# Eq. (E1)", "# Eqs. (E1), (E2)", "# Eqs. (E1) to (E3)"."""
+    labels = []
+    for comment in re.findall(r"#[^\n]*?\b(Eqs?\. [^\n]*)", text):
+        labels += re.findall(LABEL, comment)
+        for letter, first, last in re.findall(r"\(([A-Z])(\d+)\) to \([A-Z](\d+)\)", comment):
+            labels += [f"{letter}{k}" for k in range(int(first), int(last))]
+    return labels
+
+
+def test_every_equation_has_a_label_of_its_own(texts):
+    count = Counter(label for text in texts.values() for label in defined(text))
+    assert {label for label, times in count.items() if times > 1} == set()
+
+
+def test_every_equation_stands_where_it_is_computed(texts):
+    labels = {label for text in texts.values() for label in defined(text)}
+    assert labels - {label for text in texts.values() for label in computed(text)} == set()
+
+
+def test_every_equation_that_is_named_is_defined(texts):
+    labels = {label for text in texts.values() for label in defined(text)}
+    named = {label for text in texts.values() for label in computed(text)}
+    assert named - labels == set()
+
+
+def test_every_citation_can_be_looked_up(texts):
+    listed = set(CITATION.findall((ROOT / "docs" / "references.md").read_text()))
+    assert {key for text in texts.values() for key in CITATION.findall(text)} - listed == set()
