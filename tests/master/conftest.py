@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from piston_cosim.master.case.system import Connection
+from piston_cosim.master.case.system import Wire
 from piston_cosim.master.fmi.errors import Discard
 
 
@@ -89,7 +89,7 @@ PADS = 7
 
 @pytest.fixture
 def pair():
-    """Participants and connections of PADS masses on films, started at h = 10 um."""
+    """Participants and wires of PADS masses on films, started at h = 10 um."""
     h = 1e-5 * np.linspace(0.6, 1.4, PADS)
     mass = Mass(
         "mass",
@@ -103,13 +103,13 @@ def pair():
         h.copy(),
         {"film": h.copy(), "force": 0 * h},
     )
-    connections = (
-        Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
-        Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
+    wires = (
+        Wire(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
+        Wire(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
     )
     return SimpleNamespace(
         participants={"film": film, "mass": mass},
         order=("film", "mass"),
-        connections=connections,
+        wires=wires,
         parallel=False,
     )
