@@ -60,13 +60,13 @@ class ParticipantTable(Table):
         return self
 
 
-class Wire(Table):
+class WireTable(Table):
     """A field that goes from an output to an input.
 
     tolerance : largest difference between output and input in a converged step; text with the
     field's unit, or a number that multiplies its nominal value. relative_tolerance : root mean
     square of the difference as a share of the field's. residual_relative_tolerance : root mean
-    square of the difference as a share of what it was in the macro step's first sweep. Of these
+    square of the difference as a share of what it was in the macro step's first evaluation. Of these
     three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire
     that runs against the stepping order. A wire along the order hands over what has just been
     computed: it is not measured, unless one of the three is given; then by how far it has moved
@@ -95,16 +95,16 @@ class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
     method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants;
-    methods/secants.py); aitken, or constant relaxation; explicit: one sweep a macro step, not
+    methods/secants.py); aitken, or constant relaxation; explicit: one evaluation a macro step, not
     iterated, and what is off by more than its tolerance counted. order : the order in which the
     participants step; the wires that run against it are the unknowns. parallel : Jacobi's order in
     place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others. mixing : share taken of
     what the secants leave unexplained. probing : a macro step without secants, or led astray by
-    them, is taken by Newton on differences of sweeps. windows : of how many macro steps iqn_ils and
+    them, is taken by Newton on differences of evaluations. windows : of how many macro steps iqn_ils and
     iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some. largest_krylov_space :
-    products per Newton update at most. differences : products by differences of sweeps, not by the
+    products per Newton update at most. differences : products by differences of evaluations, not by the
     participants' derivatives. halvings : how often a macro step that fails may be halved.
     """
 
@@ -239,7 +239,7 @@ class Case(Table):
     label: str = "base"
     time: Time
     participants: dict[str, ParticipantTable]
-    wires: list[Wire]
+    wires: list[WireTable]
     coupling: Coupling
     record: Record = Record()
     summary: dict[str, str] = {}

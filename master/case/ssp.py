@@ -51,7 +51,7 @@ def export_ssp(tree, system, path):
     """
     mixed = [
         f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; take one version on both"
-        for c in system.connections
+        for c in system.wires
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
@@ -100,13 +100,13 @@ def _structure(tree, system, version):
         _component(
             elements,
             participant,
-            {end[1] for c in system.connections for end in (c.source, c.target) if end[0] == name},
+            {end[1] for c in system.wires for end in (c.source, c.target) if end[0] == name},
         )
-    connections = SubElement(top, _q("ssd:Connections"))
-    for c in system.connections:
+    joined = SubElement(top, _q("ssd:Connections"))
+    for c in system.wires:
         for index in [""] if _has_arrays(system.participants[c.source[0]]) else _indices(c.shape):
             SubElement(
-                connections,
+                joined,
                 _q("ssd:Connection"),
                 {
                     "startElement": c.source[0],
@@ -116,7 +116,7 @@ def _structure(tree, system, version):
                 },
             )
     units = SubElement(root, _q("ssd:Units"))
-    for unit in sorted({c.unit for c in system.connections} - {"1"}):
+    for unit in sorted({c.unit for c in system.wires} - {"1"}):
         SubElement(
             SubElement(units, _q("ssc:Unit"), {"name": unit}),
             _q("ssc:BaseUnit"),

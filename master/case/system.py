@@ -6,7 +6,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from math import inf
 
-from ..coupling.wiring import Connection, System, is_unknown
+from ..coupling.wiring import Wire, System, is_unknown
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
@@ -41,12 +41,10 @@ def open_system(case, folder, progress):
         name: _parameters(participants[name], case.participants[name].parameters, faults)
         for name in participants
     }
-    connections = [
-        c for wire in case.wires if (c := _connection(wire, participants, case.coupling, faults))
-    ]
+    wires = [c for wire in case.wires if (c := _wire(table, participants, case.coupling, faults))]
     participants = _interpolating(case, participants, faults)
     try:
-        conjugates(connections, case.wires)
+        conjugates(wires, case.wires)
     except BadInput as error:
         faults += error.faults
     _check_capabilities(participants, faults)
@@ -58,11 +56,11 @@ def open_system(case, folder, progress):
         faults += error.faults
     if faults:
         raise BadInput(faults)
-    connections += _slopes(case, participants, connections, clock[1])
+    wires += _slopes(case, participants, wires, clock[1])
     return System(
         participants,
         tuple(case.coupling.order),
-        tuple(connections),
+        tuple(wires),
         parameters,
         *clock,
         str(folder),
@@ -149,7 +147,7 @@ def _field(port, causalities, participants, where, faults):
     return field
 
 
-def _connection(wire, participants, coupling, faults):
+def _wire(table, participants, coupling, faults):
     where = f"wire {wire.source} -> {wire.target}"
     source = _field(wire.source, ("output",), participants, where, faults)
     target = _field(wire.target, ("input",), participants, where, faults)
@@ -175,7 +173,7 @@ def _connection(wire, participants, coupling, faults):
         faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
     if tolerance is not None and not tolerance > 0:
         faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive")
-    connection = Connection(
+    connection = Wire(
         tuple(wire.source.split(".")),
         tuple(wire.target.split(".")),
         target.shape,
@@ -189,7 +187,7 @@ def _connection(wire, participants, coupling, faults):
     )
     if wire.tolerance is not None or wire.relative_tolerance or wire.residual_relative_tolerance:
         return connection
-    unknown = is_unknown(connection, coupling.order, coupling.parallel)
+    unknown = is_unknown(wire, coupling.order, coupling.parallel)
     return replace(connection, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
@@ -250,13 +248,13 @@ def _rate(participant, name):
     )
 
 
-def _slopes(case, participants, connections, step):
+def _slopes(case, participants, wires, step):
     """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the
     value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
     found = []
-    for c in connections:
+    for c in wires:
         (owner, name), (target, inlet) = c.source, c.target
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
             found.append(

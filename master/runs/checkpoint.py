@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from ..coupling.stepping import Counters
-from ..coupling.work import WorkBalance
+from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput
 
 
@@ -35,14 +35,14 @@ def kept(output):
 class Account:
     """What a run has brought and taken so far: all that its summary is made of.
 
-    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went
+    counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they went
     into; steps_done : macro steps of the case; rows : of the results file, and wall_time [s], both
     as of the last checkpoint.
     """
 
     counters: Counters
     reductions: list
-    work: WorkBalance
+    work: InterfaceWork
     spent: dict
     steps_done: int = 0
     rows: int = 0

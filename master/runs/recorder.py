@@ -89,7 +89,7 @@ class Recorder:
             for field in fields:
                 self._series(f"{name}/{field.name}", field.unit, field.description)
         for name, text in (
-            ("iterations", "sweeps of the macro step"),
+            ("iterations", "evaluations of the macro step"),
             ("derivative_products", "directional derivatives"),
             ("residual", "largest residual / tolerance of the accepted step"),
         ):

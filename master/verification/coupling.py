@@ -166,7 +166,7 @@ def slow_checks():
         flexible["mean_iterations"],
         2.5,
         "design target",
-        "Newton: the second sweep of most steps is below the tolerance",
+        "Newton: the second evaluation of most steps is below the tolerance",
     )
     yield at_most(
         case,
@@ -203,7 +203,7 @@ def slow_checks():
     )
     yield at_most(
         case,
-        "mean sweeps without derivatives, probes counted",
+        "mean evaluations without derivatives, probes counted",
         aged["residual_evaluations"] / aged["steps"],
         8.0,
         "design target",
@@ -293,7 +293,7 @@ def adaptive_checks():
     )
     yield at_most(
         case,
-        "sweeps, of rejected steps too / those of 1 deg",
+        "evaluations, of rejected steps too / those of 1 deg",
         adaptive["residual_evaluations"] / fixed["residual_evaluations"],
         1.0,
         "steps of 1 deg",

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from piston_cosim.master.case.system import Connection, System
+from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 
 
@@ -90,7 +90,7 @@ PADS = 7
 
 @pytest.fixture
 def pair():
-    """Participants and connections of PADS masses on films, started at h = 10 um."""
+    """Participants and wires of PADS masses on films, started at h = 10 um."""
     h = 1e-5 * np.linspace(0.6, 1.4, PADS)
     mass = Mass(
         "mass",
@@ -104,14 +104,14 @@ def pair():
         h.copy(),
         {"film": h.copy(), "force": 0 * h},
     )
-    connections = (
-        Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
-        Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
+    wires = (
+        Wire(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
+        Wire(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
     )
     return SimpleNamespace(
         participants={"film": film, "mass": mass},
         order=("film", "mass"),
-        connections=connections,
+        wires=wires,
         parallel=False,
     )
 
@@ -197,12 +197,12 @@ def affine():
         parallel = given.pop("parallel", False)
         more = (None, *(given.get(key, d) for key, d in WIRE_DEFAULTS.items()))
         back = [
-            Connection(("echo", f"w{k}"), ("plant", f"u{k}"), shape, "m", size, tolerance, *more)
+            Wire(("echo", f"w{k}"), ("plant", f"u{k}"), shape, "m", size, tolerance, *more)
             for k, (shape, size) in enumerate(zip(shapes, nominal))
         ]
         along = tolerance if parallel else np.inf
         forth = [
-            Connection(("plant", f"y{k}"), ("echo", f"v{k}"), shape, "N", size, along, None)
+            Wire(("plant", f"y{k}"), ("echo", f"v{k}"), shape, "N", size, along, None)
             for k, (shape, size) in enumerate(zip(shapes, nominal))
         ]
         participants = {"plant": plant, "echo": echo}

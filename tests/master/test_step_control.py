@@ -133,8 +133,8 @@ def test_remaining_time_is_cut_into_equal_steps():
 
 
 def test_each_wire_has_its_own_allowed_error(pair):
-    assert step_control(pair.connections, 1e-6) is None
-    film, force = pair.connections
+    assert step_control(pair.wires, 1e-6) is None
+    film, force = pair.wires
     both = [
         film.__class__(**vars(film) | {"local_error": 1e-8}),
         force.__class__(**vars(force) | {"local_error": 0.1}),

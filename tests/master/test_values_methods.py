@@ -29,20 +29,29 @@ ROUND_OFF = 1e-10
 """A measure that is zero but for rounding: some 1e-15 of numbers of order 1, over FINE."""
 
 
+class Trails:
+    """An observer that keeps the measures of every attempt."""
+
+    def __init__(self):
+        self.attempts = []
+
+    def attempted(self, time, step, trail, failure):
+        self.attempts.append(trail)
+
+    def accepted(self, time, solution):
+        pass
+
+
 def trail_of(system, method, steps=1, order=0):
     """Measures of the unknown wires, sweep by sweep, of every attempt; the stepper."""
-    attempts, unknown = [], len(system.participants["plant"].inputs)
-
-    def note(time, step, trail, failure):
-        attempts.append(np.array(trail)[:, :unknown])
-
-    stepper = Stepper(system, method, 0, order=order, attempted=note)
+    trails, unknown = Trails(), len(system.participants["plant"].inputs)
+    stepper = Stepper(system, method, 0, trails, order)
     try:
         for k in range(steps):
             stepper.advance(float(k), 1.0)
     except StepFailed:
         pass
-    return attempts, stepper
+    return [np.array(trail)[:, :unknown] for trail in trails.attempts], stepper
 
 
 def residuals(system, method):
@@ -222,14 +231,10 @@ def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
 
 def test_in_jacobi_s_order_a_value_takes_a_sweep_to_each_side(affine):
     # x = 2 plainly iterated: plant says 2 at once, echo a sweep later, both agree in the third
-    attempts = []
-
-    def note(time, step, trail, failure):
-        attempts.append(trail)
-
+    trails = Trails()
     system = affine([[0.0]], lambda t: 2.0, 0.1, parallel=True)
-    Stepper(system, Relaxation(1.0, False, 9), 0, order=0, attempted=note).advance(0.0, 1.0)
-    assert attempts == [[[0.0, 20.0], [20.0, 0.0], [0.0, 0.0]]]
+    Stepper(system, Relaxation(1.0, False, 9), 0, trails, 0).advance(0.0, 1.0)
+    assert trails.attempts == [[[0.0, 20.0], [20.0, 0.0], [0.0, 0.0]]]
 
 
 @pytest.mark.parametrize(
@@ -248,7 +253,7 @@ def test_in_jacobi_s_order_a_value_takes_a_sweep_to_each_side(affine):
 def test_largest_decrease_by_hand(affine, smallest, change, share):
     system = affine(np.zeros((2, 2)), lambda t: np.zeros(2), shapes=((2,),))
     stepper = Stepper(system, Newton(), 0)
-    wire = stepper.interface.connections[0]
+    wire = stepper.interface.wires[0]
     object.__setattr__(wire, "largest_decrease", 0.5)
     x, whole = np.array([smallest, 2.0, 0.0, 0.0]), np.array([*change, -9.0, -9.0])
     assert step_length(stepper.interface, x, whole) == pytest.approx(share, rel=1e-12)

@@ -21,7 +21,7 @@ from piston_cosim.master.coupling.methods import (
 from piston_cosim.master.coupling.step_control import StepControl, step_control
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import start
-from piston_cosim.master.coupling.work import WorkBalance
+from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.interpolated import (
     InterpolatedParticipant,
@@ -38,17 +38,15 @@ class Watched:
     """A stepper whose attempts and accepted steps are noted."""
 
     def __init__(self, system, method=PLAIN, halvings=0, order=0, control=None):
-        self.attempts, self.accepted = [], []
-        self.stepper = Stepper(
-            system, method, halvings, self.accept, order, self.attempt, control=control
-        )
+        self.attempts, self.times = [], []
+        self.stepper = Stepper(system, method, halvings, self, order, control)
         self.advance = self.stepper.advance
         self.counters = self.stepper.counters
 
-    def accept(self, time, solution):
-        self.accepted.append(time)
+    def accepted(self, time, solution):
+        self.times.append(time)
 
-    def attempt(self, time, step, trail, failure):
+    def attempted(self, time, step, trail, failure):
         first = trail[0][0] * FINE if trail else None
         self.attempts.append((time, step, first, failure and str(failure)))
 
@@ -139,7 +137,7 @@ def test_halves_are_halved_again_and_nothing_is_stepped_twice(affine):
         (0.5, 0.25, True),
         (0.75, 0.25, True),
     ]
-    assert watched.accepted == [0.25, 0.5, 0.75, 1.0]
+    assert watched.times == [0.25, 0.5, 0.75, 1.0]
     assert watched.counters.steps == 4
     assert watched.counters.halved_steps == 3
     # what the participants have lived through, and b(1): exact in binary
@@ -177,7 +175,7 @@ def test_sweeps_of_a_step_that_does_not_converge_are_counted(affine):
 def controlled(affine, allowed, smallest=1.0):
     """Steps of x = t^3 up to 7 s by local error."""
     system = affine([[0.0]], lambda t: t**3, FINE, local_error=allowed)
-    watched = Watched(system, control=step_control(system.connections, smallest))
+    watched = Watched(system, control=step_control(system.wires, smallest))
     watched.advance(0.0, 7.0)
     return watched
 
@@ -186,7 +184,7 @@ def test_steps_by_local_error(affine):
     # 1 s to begin with, twice that, twice again: then three vectors give an estimate, Eq. (A1):
     # x - x_quad = (7 - 0)(7 - 1)(7 - 3) = 168, e = 168 x 4 x 6 / (10 x 7) / allowed = 57.6 / 460.8
     watched = controlled(affine, 460.8)
-    assert watched.accepted == pytest.approx([1.0, 3.0, 7.0], rel=1e-12)
+    assert watched.times == pytest.approx([1.0, 3.0, 7.0], rel=1e-12)
     assert watched.stepper.control.error == pytest.approx(0.125, rel=1e-9)
     # Eq. (A2): 4 x 0.9 x 2
     assert watched.stepper.control.step == pytest.approx(7.2, rel=1e-9)
@@ -197,7 +195,7 @@ def test_a_step_with_too_large_an_error_is_taken_again_shorter(affine):
     # e = 57.6 / 7.2 = 8, 4 x 0.9 / 2 = 1.8 s next; 4 s are then three steps of 4/3 s at most, of
     # which the later ones would be allowed 1.43 and 1.58 s
     watched = controlled(affine, 7.2)
-    assert watched.accepted == pytest.approx([1.0, 3.0, 13 / 3, 17 / 3, 7.0], rel=1e-12)
+    assert watched.times == pytest.approx([1.0, 3.0, 13 / 3, 17 / 3, 7.0], rel=1e-12)
     assert watched.counters.rejected_steps == 1
     assert watched.attempts[2][1] == 4.0
     assert watched.attempts[2][3] == "local error 8 times the allowed one"
@@ -231,7 +229,7 @@ def test_error_is_the_mean_over_a_wire_and_the_largest_of_wires():
 
 def test_a_discarded_step_is_halved_down_to_the_smallest(affine):
     system = affine([[0.0]], square, FINE, local_error=1e9)
-    control = step_control(system.connections, 0.25)
+    control = step_control(system.wires, 0.25)
     watched = Watched(system, control=control)
     watched.advance(0.0, 0.25)
     system.participants["echo"].longest = 0.4
@@ -239,7 +237,7 @@ def test_a_discarded_step_is_halved_down_to_the_smallest(affine):
     watched.advance(0.25, 1.0)
     # 1, 1/2, 1/4 of what remains; then twice that or equal shares of the rest
     assert [step for _, step, _, failure in watched.attempts if failure] == [1.0, 0.5]
-    assert watched.accepted == [0.25, 0.5, 0.875, 1.25]
+    assert watched.times == [0.25, 0.5, 0.875, 1.25]
     system.participants["echo"].longest = 0.1
     with pytest.raises(StepFailed):
         watched.advance(1.25, 1.0)
@@ -285,17 +283,17 @@ class Interface(SimpleNamespace):
 )
 def test_work_on_both_sides_by_hand(affine, unit, first, second, exchanged):
     # W1: side 1 computes q from F, side 2 F from q
-    wires = [
+    tables = [
         SimpleNamespace(source="a.q", target="b.q", conjugate="b.F"),
         SimpleNamespace(source="b.F", target="a.F", conjugate=None),
     ]
-    make = affine([[0.0]], square).connections[0].__class__
-    connections = (
+    make = affine([[0.0]], square).wires[0].__class__
+    wires = (
         make(("a", "q"), ("b", "q"), (2,), unit, 1.0, 1.0, None),
         make(("b", "F"), ("a", "F"), (2,), "N", 1.0, 1.0, None),
     )
-    interface = Interface(connections=connections, parts=[slice(0, 2), slice(2, 4)])
-    work = WorkBalance(interface, wires)
+    interface = Interface(wires=wires, parts=[slice(0, 2), slice(2, 4)])
+    work = InterfaceWork(interface, tables)
     work.add(0.5, np.array([1.25, 2.5, 11.0, 22.0]), np.array([1.5, 3.0, 12.0, 18.0]))
     assert work.work.tolist() == pytest.approx([first, second], rel=1e-14)
     # back to where it began: the amounts add, the work does not
@@ -317,14 +315,14 @@ def test_work_on_both_sides_by_hand(affine, unit, first, second, exchanged):
     ],
 )
 def test_what_is_no_conjugate_is_refused(affine, conjugate, unit, message):
-    wires = [SimpleNamespace(source="a.q", target="b.q", conjugate=conjugate)]
-    make = affine([[0.0]], square).connections[0].__class__
-    connections = (
+    tables = [SimpleNamespace(source="a.q", target="b.q", conjugate=conjugate)]
+    make = affine([[0.0]], square).wires[0].__class__
+    wires = (
         make(("a", "q"), ("b", "q"), (2,), "m", 1.0, 1.0, None),
         make(("b", "F"), ("a", "F"), (2,), unit, 1.0, 1.0, None),
     )
     with pytest.raises(BadInput, match=message):
-        WorkBalance(Interface(connections=connections, parts=[slice(0, 2), slice(2, 4)]), wires)
+        InterfaceWork(Interface(wires=wires, parts=[slice(0, 2), slice(2, 4)]), tables)
 
 
 def test_courses_by_hand():
