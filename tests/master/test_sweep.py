@@ -20,7 +20,11 @@ from piston_cosim.master.runs.sweep import (
 )
 
 PATH = find_case("fired_motorcycle")
-TREE = read_tree(PATH)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return read_tree(PATH)
 
 
 class Answering(Executor):
@@ -45,12 +49,12 @@ class Answering(Executor):
         return future
 
 
-def test_axis_of_a_range_and_of_a_list():
-    axis = parse_axis("radial_clearance=10um..0.03mm:3", TREE)
+def test_axis_of_a_range_and_of_a_list(tree):
+    axis = parse_axis("radial_clearance=10um..0.03mm:3", tree)
     assert axis.keys == ("participants.bodies.parameters.radial_clearance",)
     assert axis.values == ("10 um", "20 um", "30 um")
     grids = parse_axis(
-        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", TREE
+        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", tree
     )
     assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
 
@@ -65,13 +69,13 @@ def test_axis_of_a_range_and_of_a_list():
         ("crank_speed=1rpm..2rpm:1", "at least 2"),
     ],
 )
-def test_bad_axes_say_what_is_wrong(text, message):
+def test_bad_axes_say_what_is_wrong(tree, text, message):
     with pytest.raises(BadInput, match=message):
-        parse_axis(text, TREE)
+        parse_axis(text, tree)
 
 
-def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
-    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", TREE)])
+def test_failures_are_rows_and_a_second_start_runs_nothing_again(tree, tmp_path):
+    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()
     rows = sweep(found, PATH.parent, tmp_path, first)
     assert [row["status"] for row in rows] == ["done", "failed", "failed"]
@@ -88,7 +92,7 @@ def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def trends(tmp_path_factory):
+def trends(tree, tmp_path_factory):
     """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing
     top dead centre.
     """
@@ -100,10 +104,10 @@ def trends(tmp_path_factory):
         ("time.step", "2 deg"),
         ("participants.bodies.parameters.start_crank_angle", "-30 deg"),
         ("record.fields", []),
-        *TREE["variants"]["rigid"].items(),
+        *tree["variants"]["rigid"].items(),
     ]
     axes = {
-        name: parse_axis(text, TREE)
+        name: parse_axis(text, tree)
         for name, text in (
             ("clearance", "radial_clearance=15um;30um;45um"),
             ("ovality", "ovality=100um;200um;400um"),

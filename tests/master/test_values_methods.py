@@ -43,7 +43,7 @@ class Trails:
 
 
 def trail_of(system, method, steps=1, order=0):
-    """Measures of the unknown wires, sweep by sweep, of every attempt; the stepper."""
+    """Measures of the unknown wires, evaluation by evaluation, of every attempt; the stepper."""
     trails, unknown = Trails(), len(system.participants["plant"].inputs)
     stepper = Stepper(system, method, 0, trails, order)
     try:
@@ -55,7 +55,7 @@ def trail_of(system, method, steps=1, order=0):
 
 
 def residuals(system, method):
-    """Residuals of the first macro step, sweep by sweep."""
+    """Residuals of the first macro step, evaluation by evaluation."""
     return trail_of(system, method)[0][0] * FINE
 
 
@@ -124,12 +124,12 @@ def loads(t):
     [
         # the first step: no pair, one, two (everything of a map of two unknowns), converged. The
         # second step begins with both. It teaches one pair, which alone does not answer the third
-        # step's residual: one window leaves that step a sweep more than two.
+        # step's residual: one window leaves that step an evaluation more than two.
         (LeastSquares(windows=0), [4, 4, 4]),
         (LeastSquares(windows=1), [4, 2, 3]),
         (LeastSquares(windows=2), [4, 2, 2]),
         (MultiVector(windows=0), [4, 4, 4]),
-        # its old pair acts only on what the step's own pair leaves: a sweep more
+        # its old pair acts only on what the step's own pair leaves: an evaluation more
         (MultiVector(windows=1), [4, 2, 4]),
         (MultiVector(windows=2), [4, 2, 2]),
         (Ageing(noise=1e-12, drift=0.0), [4, 2, 2]),
@@ -166,7 +166,7 @@ def test_filters_compare_what_is_new_with_different_sizes(rule, kept):
 
 
 def test_newton_on_an_affine_map_needs_one_update(affine):
-    # two sweeps; I - J = diag(2, 1) has two eigenvalues: two products, and one for the outputs
+    # two evaluations; I - J = diag(2, 1) has two eigenvalues: two products, and one for the outputs
     attempts, stepper = trail_of(affine(A, lambda t: B, FINE), Newton())
     assert attempts[0] == pytest.approx(np.array([[200, 100], [0, 0]]), abs=ROUND_OFF)
     counters = stepper.counters
@@ -176,7 +176,7 @@ def test_newton_on_an_affine_map_needs_one_update(affine):
     assert counters.derivative_products == 3
 
 
-def test_products_by_differences_are_counted_as_sweeps(affine):
+def test_products_by_differences_are_counted_as_evaluations(affine):
     _, stepper = trail_of(affine(A, lambda t: B, FINE), Newton(differences=True))
     counters = stepper.counters
     assert counters.iterations == [2]
@@ -218,7 +218,7 @@ def test_gmres_minimises_the_residual_and_counts_its_products():
 
 
 def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
-    # loose coupling of x = -x/2 + 3 is the plain iteration, a sweep a step: 0, 3, 3/2, 9/4
+    # loose coupling of x = -x/2 + 3 is the plain iteration, an evaluation a step: 0, 3, 3/2, 9/4
     system = affine([[-0.5]], lambda t: 3.0, 1e-6)
     values, stepper = [], Stepper(system, Explicit(), 0, order=0)
     for k in range(4):
@@ -229,8 +229,8 @@ def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
     assert stepper.counters.unconverged_steps == 4
 
 
-def test_in_jacobi_s_order_a_value_takes_a_sweep_to_each_side(affine):
-    # x = 2 plainly iterated: plant says 2 at once, echo a sweep later, both agree in the third
+def test_in_jacobi_s_order_a_value_takes_an_evaluation_to_each_side(affine):
+    # x = 2 plainly iterated: plant says 2 at once, echo in the second, both agree in the third
     trails = Trails()
     system = affine([[0.0]], lambda t: 2.0, 0.1, parallel=True)
     Stepper(system, Relaxation(1.0, False, 9), 0, trails, 0).advance(0.0, 1.0)
@@ -270,9 +270,9 @@ def test_a_failure_names_the_worst_element_and_every_measure(affine):
 
 
 @pytest.mark.parametrize(
-    "given, sweeps",
+    "given, evaluations",
     [
-        # relaxed by 1/2 from (3, 4) the residual halves each sweep
+        # relaxed by 1/2 from (3, 4) the residual halves each evaluation
         ({"tolerance": 0.6}, 4),  # max 4, 2, 1, 0.5
         # rms of residual and of what the outputs say, (3, 4) all along: 1/8 < 0.13
         ({"tolerance": 0.0, "relative_tolerance": 0.13}, 4),
@@ -283,8 +283,8 @@ def test_a_failure_names_the_worst_element_and_every_measure(affine):
         ({"tolerance": 0.6, "residual_relative_tolerance": 0.26}, 3),
     ],
 )
-def test_each_criterion_ends_the_iteration_where_it_is_met(affine, given, sweeps):
+def test_each_criterion_ends_the_iteration_where_it_is_met(affine, given, evaluations):
     system = affine(np.zeros((2, 2)), lambda t: np.array([3.0, 4.0]), shapes=((2,),), **given)
     stepper = Stepper(system, Relaxation(0.5, False, 20), 0, order=0)
     stepper.advance(0.0, 1.0)
-    assert stepper.counters.iterations == [sweeps]
+    assert stepper.counters.iterations == [evaluations]

@@ -1,8 +1,8 @@
 """Whole runs on toys: results file, logs, summary and checkpoint hold the numbers one can work out.
 
 x = t^2 (1, 2, 3) in steps of 1 s, plainly iterated, tolerance 0.1: the first macro step begins 1, 2
-and 3 off and the second 2, 4 and 6, each converged in the second sweep; then the parabola of the
-predictor meets it at once. All numbers are whole, so they are compared as they are.
+and 3 off and the second 2, 4 and 6, each converged in the second evaluation; then the parabola of
+the predictor meets it at once. All numbers are whole, so they are compared as they are.
 """
 
 import json

@@ -31,7 +31,7 @@ from piston_cosim.master.participants.interpolated import (
 
 FINE = 1e-3
 PLAIN = Relaxation(1.0, False, 9)
-"""Exact in one sweep where A = 0; the second finds so."""
+"""Exact in one evaluation where A = 0; the second finds so."""
 
 
 class Watched:
@@ -99,7 +99,7 @@ def test_a_failed_step_leaves_the_predictor_its_last_value_alone(affine):
 
 @pytest.mark.parametrize("secants", [LeastSquares(), MultiVector(), Ageing()])
 def test_a_failed_step_leaves_no_secants(affine, secants):
-    # two unknowns take four sweeps without secants and two with (tests of the methods)
+    # two unknowns take four evaluations without secants and two with (tests of the methods)
     a, b = ((-1.0, 0.0), (0.0, 0.0)), np.array([2.0, 1.0])
     system = affine(a, lambda t: t * b, FINE)
     watched = Watched(system, QuasiNewton(secants, 0.25), halvings=1)
@@ -159,8 +159,8 @@ def test_so_many_halvings_and_no_more(affine):
     assert float(system.participants["plant"].state[0]) == 0.0
 
 
-def test_sweeps_of_a_step_that_does_not_converge_are_counted(affine):
-    # relaxed by 1/2, b = 2 t: from 0 the residuals 2, 1, 1/2, 1/4, 1/8 miss 0.1 in five sweeps;
+def test_evaluations_of_a_step_that_does_not_converge_are_counted(affine):
+    # relaxed by 1/2, b = 2 t: from 0 the residuals 2, 1, 1/2, 1/4, 1/8, none below 0.1;
     # half the step: 1 .. 1/16; then 2 - (1 - 1/16) .. / 16
     watched = Watched(affine([[0.0]], lambda t: 2 * t, 0.1), Relaxation(0.5, False, 5), 1)
     watched.advance(0.0, 1.0)
@@ -383,7 +383,7 @@ def test_a_step_begins_with_the_ends_of_the_last_one(kind, first, second):
         participant.set("der(u)", [0.5])
     for time, end, slope, course in ((0.0, 3.0, 4.0, first), (2.0, 2.0, 0.0, second)):
         saved = participant.save()
-        for attempt in (99.0, end):  # every sweep begins at the saved ends, not at those tried
+        for attempt in (99.0, end):  # every evaluation begins at the saved ends, not at those tried
             participant.restore(saved)
             participant.set("u", [attempt])
             if kind == "hermite":
