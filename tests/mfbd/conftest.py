@@ -95,12 +95,18 @@ def coarse(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def reduced(bodies, tmp_path_factory):
+def kept_bodies(tmp_path_factory):
+    """Cache of reduced bodies for the whole session: each small body is reduced once."""
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="session")
+def reduced(bodies, kept_bodies):
     """(options, piston, block) of the small bodies, reduced."""
     from piston_cosim.fmu_mfbd.build import prepare
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
         options, files = prepare(bodies[1], bodies[0], lambda text: None)
         return (options, *(dict(np.load(path)) for path in files))
 
