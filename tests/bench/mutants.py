@@ -39,7 +39,7 @@ FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/maste
 """The fast tier: the tests of each part."""
 NEEDED = 0.9
 """Share that must be killed."""
-TIMEOUT = 1800.0
+TIMEOUT = 900.0
 """Seconds for one run of pytest: several times what the whole tier takes. Who hangs is noticed."""
 TESTS_FAILED, INTERRUPTED = 1, 2
 """Exit codes of pytest: a test failed; a test module could not even be imported."""
