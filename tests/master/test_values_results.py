@@ -32,7 +32,7 @@ TREE = {
 TIME = [0.0, 1.0, 2.0, 3.0, 4.0]
 SERIES = {
     "x": ([0.0, 3.0, 3.0, 1.0, 1.0], "m"),
-    "y": ([2.0, 2.0, -1.0, -1.0, 5.0], "N"),
+    "y": ([2.0, 4.0, -1.0, -3.0, 5.0], "N"),
     "z": ([1.0, 1.0, 0.0, 0.0, 1.0], "N"),
 }
 
@@ -63,9 +63,9 @@ def test_extremes_are_the_first_of_their_value(results):
     assert extremes(case, results) == [
         {
             "name": "min a.y",
-            "value": -1.0,
+            "value": -3.0,
             "unit": "N",
-            "time": 2.0,
+            "time": 3.0,
             "monitor": {"z": (0.0, "N")},
         },
         {
@@ -78,7 +78,7 @@ def test_extremes_are_the_first_of_their_value(results):
     ]
 
 
-@pytest.mark.parametrize("kind, value", [("min", -1.0), ("max", 5.0), ("last", 5.0)])
+@pytest.mark.parametrize("kind, value", [("min", -3.0), ("max", 5.0), ("last", 5.0)])
 def test_windows_hold_their_ends(results, kind, value):
     for low, high, inside in ((0, 1, True), (-1, 0, True), (0.1, 1, False), (-1, -0.1, False)):
         limits = [f"{value + low} N", f"{value + high} N"]
@@ -106,15 +106,15 @@ def test_last_period_holds_its_first_row(results):
 @pytest.mark.parametrize(
     "given, work",
     [
-        # trapezia of y over x = 0, 3, 3, 1, 1: 3 x 2 + 0 - 2 x (-1) + 0
-        ({"y": ["a.y"]}, 8.0),
-        # y + z: 3 x 3 + 2
-        ({"y": ["a.y", "a.z"]}, 11.0),
-        ({"y": ["a.y"], "unit": "mJ"}, 8000.0),
+        # trapezia of y over x = 0, 3, 3, 1, 1: 3 x (2 + 4)/2 + 0 - 2 x (-1 - 3)/2 + 0
+        ({"y": ["a.y"]}, 13.0),
+        # y + z: 3 x (3 + 5)/2 + 4
+        ({"y": ["a.y", "a.z"]}, 16.0),
+        ({"y": ["a.y"], "unit": "mJ"}, 13000.0),
         # over the displaced volume
-        ({"y": ["a.y"], "per": "4 cm^3", "unit": "MPa"}, 2.0),
-        # the last 3 s: nothing, and 2 x 1 on the way back
-        ({"y": ["a.y"], "period": "6 rad"}, 2.0),
+        ({"y": ["a.y"], "per": "4 cm^3", "unit": "MPa"}, 3.25),
+        # the last 3 s: nothing, and 2 x 2 on the way back
+        ({"y": ["a.y"], "period": "6 rad"}, 4.0),
     ],
 )
 def test_loop_work_by_hand(results, given, work):

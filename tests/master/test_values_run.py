@@ -222,7 +222,7 @@ def test_an_interrupted_run_goes_on_with_the_same_bits(toys, tmp_path, instant, 
     with pytest.raises(Interrupted, match=f"interrupted at t = {instant:g} s; .*resume"):
         go(toys(), output, interrupt_at(instant))
     assert not output.exists()
-    checkpoint = Checkpoint.read(Checkpoint.path(output))
+    checkpoint = Checkpoint.read(tmp_path / "run.h5.checkpoint")
     assert checkpoint.tree == TREE
     assert checkpoint.account.steps_done == instant
     assert checkpoint.account.rows == rows_kept
