@@ -59,7 +59,8 @@ def export_fmu(case, folder, progress):
         if not table.package
     ]
     given += [
-        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; inside one FMU inputs are held"
+        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; "
+        "inside one FMU inputs are held"
         for wire in case.wires
         if wire.interpolation != "held"
     ]

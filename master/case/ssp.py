@@ -50,7 +50,8 @@ def export_ssp(tree, system, path):
         If a wire joins an array with scalars: an FMU of FMI 3.0 with one of FMI 2.0.
     """
     mixed = [
-        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; take one version on both"
+        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; "
+        "take one version on both"
         for c in system.wires
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
@@ -205,7 +206,7 @@ def read_ssp(path):
     components = list(root.iter(_q("ssd:Component")))
     participants = {
         node.get("name"): {
-            "fmu": str(folder / node.get("source")),
+            "fmu": str(folder / node.get("source", "")),
             "parameters": _read_parameters(node, folder),
         }
         for node in components
@@ -220,7 +221,7 @@ def read_ssp(path):
     experiment = root.find(_q("ssd:DefaultExperiment"))
     own = root.find(f"{_q('ssd:Annotations')}/{_q('ssc:Annotation')}[@type='{VENDOR}']/case")
     tree = (
-        json.loads(own.text)
+        json.loads(own.text or "{}")
         if own is not None
         else {
             "title": root.get("name"),

@@ -45,8 +45,8 @@ class CouplingLog:
     def attempt(self, time, step, trail, failure):
         """Note an attempt at the macro step from `time` over `step` [s].
 
-        trail : residual / tolerance of every wire, by evaluation; failure : why it failed, None if it
-        converged.
+        trail : residual / tolerance of every wire, by evaluation; failure : why it failed, None if
+        it converged.
         """
         self.total += len(trail)
         window = self.windows + 1

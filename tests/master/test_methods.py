@@ -28,7 +28,10 @@ STEP, PADS = 1e-4, 7
 
 def closed_form(h0, step):
     """Film after one backward-Euler step of one mass on its film, by bracketing."""
-    from_force = lambda h: h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)
+
+    def from_force(h):
+        return h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)
+
     return brentq(from_force, h0 * 1e-3, h0, xtol=1e-18, rtol=1e-14)
 
 
