@@ -13,12 +13,13 @@ from piston_cosim.master.fmi.description import BASE_UNITS
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import pint_unit, registry, short, to_si
 from piston_cosim.master.results.compare import (
+    Measured,
     against_first,
     against_last_cycle,
     against_measured,
     score,
 )
-from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.file import Results, Series
 from piston_cosim.master.results.judgement import extremes, last_period, loop_work, windows
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
 
@@ -128,17 +129,17 @@ def test_scores_by_hand():
     reference = np.array([0.0, 2.0, 4.0, 2.0, 0.0])
     # twice as large: amplitude 2, differences 0, 2, 4, 2, 0: rms sqrt(24 / 5) over a range of 4
     found = score(x, 2 * reference, x, reference)
-    assert found["amplitude"] == 2.0
-    assert found["rms"] == pytest.approx(np.sqrt(24 / 5) / 4, rel=1e-14)
+    assert found.amplitude == 2.0
+    assert found.rms == pytest.approx(np.sqrt(24 / 5) / 4, rel=1e-14)
     # the range is that of the reference
     found = score(x, reference + np.array([0, 0, 4, 0, 0]), x, reference)
-    assert (found["amplitude"], found["rms"]) == pytest.approx((2.0, np.sqrt(16 / 5) / 4))
+    assert (found.amplitude, found.rms) == pytest.approx((2.0, np.sqrt(16 / 5) / 4))
     # a reference beyond the curve does not count: of 0..4 only 1..3, range 2, all 1 too high
     found = score(x[1:4], reference[1:4] + 1.0, x, reference)
-    assert (found["amplitude"], found["rms"]) == pytest.approx((1.0, 0.5), rel=1e-14)
+    assert (found.amplitude, found.rms) == pytest.approx((1.0, 0.5), rel=1e-14)
     # a curve between its points is a line
     found = score(np.array([0.0, 4.0]), np.array([0.0, 4.0]), x, np.array([0.0, 1, 2, 3, 4]))
-    assert (found["amplitude"], found["rms"]) == (1.0, 0.0)
+    assert (found.amplitude, found.rms) == (1.0, 0.0)
 
 
 @pytest.mark.parametrize("shift", [-0.0313, 0.0, 0.05])
@@ -146,14 +147,14 @@ def test_phase_is_positive_for_a_curve_that_comes_later(shift):
     x = np.linspace(0.0, 1.0, 2001)
     # offset and shape alike; linear interpolation and the parabola of the search leave 1e-5
     found = score(x, 7.0 + np.sin(2 * np.pi * (x - shift)), x, np.sin(2 * np.pi * x))
-    assert found["phase"] == pytest.approx(shift, abs=1e-5)
+    assert found.phase == pytest.approx(shift, abs=1e-5)
 
 
 class Runs(SimpleNamespace):
     """Results with given series and times."""
 
     def series(self, port):
-        return *self.known[port], ""
+        return Series(*self.known[port], "")
 
 
 def ramp(end, factor=1.0):
@@ -166,30 +167,30 @@ def test_runs_against_the_first():
     runs = {"one": ramp(1.0), "two": ramp(1.0, 3.0)}
     ((label, port, found),) = against_first(runs, "a.x", ["a.y"])
     assert (label, port) == ("two", "a.y")
-    assert found["amplitude"] == pytest.approx(3.0, rel=1e-14)
+    assert found.amplitude == pytest.approx(3.0, rel=1e-14)
 
 
 def test_runs_against_measured_values_in_their_own_units():
     # 0, 0.5 and 1 s in ms; 0, 0.25 and 1 m in mm, 10 % too large
     measured = {
-        "a.x": (np.array([0.0, 500.0, 1000.0]), "ms"),
-        "a.y": (1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
+        "a.x": Measured(np.array([0.0, 500.0, 1000.0]), "ms"),
+        "a.y": Measured(1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
     }
     ((label, port, found),) = against_measured({"run": ramp(1.0)}, measured)
     assert (label, port) == ("run", "a.y")
-    assert found["amplitude"] == pytest.approx(1 / 1.1, rel=1e-12)
+    assert found.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
     with pytest.raises(BadInput, match="measured column"):
-        against_measured({"run": ramp(1.0)}, measured | {"a.y": (np.ones(3), "kg")})
+        against_measured({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
 
 
 def test_last_cycle_against_the_one_before():
     # t^2 in the last second of two, against that of the first: (1..4 - 0..1), range 3 and 1
     timed = check_case(TREE | {"time": {"stop": "2 s", "step": "1 s"}}, "case.toml")
     ((_, _, found),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
-    assert found["amplitude"] == pytest.approx(3.0, rel=1e-12)
+    assert found.amplitude == pytest.approx(3.0, rel=1e-12)
     # (t + 1)^2 - t^2 = 2 t + 1 at t = 0, 0.02 .. 1: mean of squares 1/51 sum
     t = np.linspace(0.0, 1.0, 51)
-    assert found["rms"] == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
+    assert found.rms == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
 
 
 @pytest.mark.parametrize(
