@@ -3,6 +3,9 @@ case's participant.
 """
 
 import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from ...models import MODELS
@@ -17,32 +20,99 @@ CAPABILITIES = (
     "canSerializeFMUstate",
 )
 
+Variables = dict[str, dict[str, str]]
+"""Shape ("field", "scalar") -> name -> unit."""
 
-def contract():
-    """The contract's table of each role."""
+
+@dataclass(frozen=True)
+class Curve:
+    """One thing by which FMUs of a role are held against each other; see the contract's head."""
+
+    fields: list[str]
+    cells: str
+    number: str
+    instants: str
+    unit: str
+    title: str = ""
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Role:
+    """What the contract asks of an FMU in one role; see the contract's head."""
+
+    participant: str
+    parameters: dict[str, str]
+    inputs: Variables
+    outputs: Variables
+    reported: Variables
+    model_parameter: str | None = None
+    curves: tuple[Curve, ...] = field(default=())
+
+
+@cache
+def contract() -> dict[str, Role]:
+    """The contract's roles by their names."""
     whole = tomllib.loads(CONTRACT.read_text())
-    return {name: terms for name, terms in whole.items() if name != "version"}
+    return {
+        name: Role(
+            **{**terms, "curves": tuple(Curve(**entry) for entry in terms.get("curves", ()))}
+        )
+        for name, terms in whole.items()
+        if name != "version"
+    }
 
 
-def role_of(participant):
-    """Role ("lubrication", "bodies") whose outputs the FMU has; None if it has those of none."""
-    for role, terms in contract().items():
-        outputs = {
-            name for name, field in participant.fields.items() if field.causality == "output"
-        }
-        if terms["outputs"]["field"].keys() <= outputs:
-            return role
+def role_of(participant) -> str | None:
+    """Role whose outputs the FMU has; None if it has those of none."""
+    outputs = {f.name for f in participant.fields.values() if f.causality == "output"}
+    for name, role in contract().items():
+        if role.outputs["field"].keys() <= outputs:
+            return name
     return None
 
 
-def check_fmu(path, role=None):
+def players(tree: dict, role: str) -> list[str]:
+    """Participants of a case's TOML tree that play a role: those that say so, else the one that the
+    contract names.
+    """
+    tables = tree["participants"]
+    said = [name for name, table in tables.items() if table.get("role") == role]
+    usual = contract()[role].participant
+    return said or [name for name in tables if name == usual]
+
+
+def in_place_of(tree: dict, role: str, text: str) -> tuple[str, str]:
+    """Participant and file (or model) of "FILE" or "PARTICIPANT=FILE", as --ROLE takes it.
+
+    Raises
+    ------
+    BadInput
+        If the case has no such participant, or several of the role and none is named.
+    """
+    known = players(tree, role)
+    named, sign, rest = text.rpartition("=")
+    if sign and named in known:
+        return named, rest
+    if sign and named.isidentifier():
+        raise BadInput(f"--{role} {text}: participants in this role are {', '.join(known)}")
+    if len(known) == 1:
+        return known[0], text
+    if not known:
+        raise BadInput(f"--{role} {text}: no participant of the case has role = {role!r}")
+    raise BadInput(
+        f"--{role} {text}: {', '.join(known)} have this role; write --{role} {known[0]}={text}"
+    )
+
+
+def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list[str]]:
     """Differences between an FMU and the contract.
 
     Parameters
     ----------
     path : Path
     role : str, optional
-        "lubrication" or "bodies"; without it, whichever the FMU's outputs fit.
+        Without it, whichever the FMU's outputs fit.
 
     Returns
     -------
@@ -61,19 +131,19 @@ def check_fmu(path, role=None):
     role = role or role_of(participant)
     if role is None:
         wanted = "; ".join(
-            f"{name}: {', '.join(terms['outputs']['field'])}" for name, terms in contract().items()
+            f"{name}: {', '.join(known.outputs['field'])}" for name, known in contract().items()
         )
         raise BadInput(f"{path}: has the outputs of no role of the contract ({wanted})")
     terms = contract()[role]
     breaches, remarks = _capabilities(participant)
-    _compare(participant, {"scalar": terms["parameters"]}, ("parameter",), breaches)
-    _compare(participant, terms["inputs"], ("input", "parameter"), breaches)
-    _compare(participant, terms["outputs"], ("output",), breaches)
-    _compare(participant, terms["reported"], ("output",), remarks)
+    _compare(participant, {"scalar": terms.parameters}, ("parameter",), breaches)
+    _compare(participant, terms.inputs, ("input", "parameter"), breaches)
+    _compare(participant, terms.outputs, ("output",), breaches)
+    _compare(participant, terms.reported, ("output",), remarks)
     shapes = {
         participant.fields[name].shape
-        for kind in ("inputs", "outputs")
-        for name in terms[kind].get("field", {})
+        for side in (terms.inputs, terms.outputs)
+        for name in side.get("field", {})
         if name in participant.fields
     }
     if len(shapes) > 1:
@@ -109,27 +179,30 @@ def _capabilities(participant):
     return breaches, remarks
 
 
-def swap_all(trees, given, say):
-    """Trees of all variants with the FMUs `given` (role -> path or None) in place; says once what
-    was left out.
+def swap_all(
+    trees: dict[str, dict], given: Mapping[str, str | None], say: Callable[[str], None]
+) -> dict[str, dict]:
+    """Trees of all variants with the FMUs `given` (role -> "FILE" or "PARTICIPANT=FILE") in place;
+    says once what was left out.
     """
-    for role, path in given.items():
-        if path is None:
+    for role, text in given.items():
+        if text is None:
             continue
-        if not path.is_file():
-            raise BadInput(f"--{role} {path}: no such file")
-        pairs = {
-            label: swap(tree, contract()[role]["participant"], path)
-            for label, tree in trees.items()
-        }
+        name, file = in_place_of(next(iter(trees.values())), role, text)
+        if not Path(file).is_file():
+            raise BadInput(f"--{role} {file}: no such file")
+        pairs = {label: swap(tree, name, Path(file)) for label, tree in trees.items()}
         trees = {label: tree for label, (tree, _) in pairs.items()}
         left_out = next(iter(pairs.values()))[1]
         if left_out:
-            say(f"{path.name} has no variable for, and the run goes without: {', '.join(left_out)}")
+            say(
+                f"{Path(file).name} has no variable for, and the run goes without: "
+                f"{', '.join(left_out)}"
+            )
     return trees
 
 
-def swap(tree, name, path):
+def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
     """A case's TOML tree with an FMU in the place of participant `name`.
 
     What the case says about variables the FMU does not have is left out: parameters, recorded
@@ -143,7 +216,7 @@ def swap(tree, name, path):
         Keys of what was left out.
     """
     fields = open_fmu(name, path).fields
-    left_out = []
+    left_out: list[str] = []
 
     def known(port):
         owner, _, variable = port.split()[-1].partition(".")
@@ -164,7 +237,7 @@ def swap(tree, name, path):
             name: {
                 "fmu": str(Path(path).resolve()),
                 "parameters": {key: given[key] for key in parameters},
-                **{key: table[key] for key in ("isolated", "timeout") if key in table},
+                **{key: table[key] for key in ("role", "isolated", "timeout") if key in table},
             }
         },
         "record": record

@@ -14,9 +14,17 @@ from .system import open_system
 
 COUPLING = [
     f"master.coupling.{name}"
-    for name in ("coupled", "freezing", "interface", "methods", "stepping", "wiring")
+    for name in (
+        "coupled",
+        "freezing",
+        "interface",
+        "methods",
+        "step_control",
+        "stepping",
+        "wiring",
+    )
 ]
-COUPLING += ["master.participants.local"]
+COUPLING += ["master.participants.local", "master.participants.participant"]
 """The part of the master that goes inside."""
 
 
@@ -51,7 +59,8 @@ def export_fmu(case, folder, progress):
         if not table.package
     ]
     given += [
-        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; inside one FMU inputs are held"
+        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; "
+        "inside one FMU inputs are held"
         for wire in case.wires
         if wire.interpolation != "held"
     ]
@@ -73,7 +82,7 @@ def export_fmu(case, folder, progress):
         "participants": {name: slave_of(package) for name, package in packages.items()},
         "order": list(system.order),
         "step": system.step,
-        "connections": [asdict(c) for c in system.connections],
+        "wires": [asdict(c) for c in system.wires],
         "coupling": case.coupling.model_dump(),
         "variables": [asdict(variable) for variable, _ in exposed],
         **{
@@ -98,7 +107,7 @@ def _variables(package, options):
 
 def _exposed(tables, system):
     """Pairs (variable as seen from outside, (participant, name inside))."""
-    fed = {connection.target for connection in system.connections}
+    fed = {wire.target for wire in system.wires}
     chosen = [
         (owner, v)
         for owner, table in tables.items()
@@ -106,12 +115,12 @@ def _exposed(tables, system):
         if _is_exposed(v, (owner, v.name) in fed)
     ]
     shared = Counter(v.name for _, v in chosen)
-    found = []
+    exposed = []
     for owner, v in chosen:
         start = type(v.start)(system.parameters[owner].get(v.name, v.start))
         name = v.name if shared[v.name] == 1 else f"{owner}.{v.name}"
-        found.append((replace(v, name=name, start=start), (owner, v.name)))
-    return found
+        exposed.append((replace(v, name=name, start=start), (owner, v.name)))
+    return exposed
 
 
 def _is_exposed(variable, is_fed):

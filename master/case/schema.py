@@ -2,7 +2,7 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
@@ -39,7 +39,8 @@ class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one
     file ("FILE.py:CLASS"); and its parameters and input starts.
 
-    isolated : the FMU runs in a process of its own, which is ended if it takes longer than
+    role : what it does by the contract of `models`, so that another FMU of that role can take its
+    place. isolated : the FMU runs in a process of its own, which is ended if it takes longer than
     `timeout` for any one answer.
     """
 
@@ -48,6 +49,7 @@ class ParticipantTable(Table):
     fmu: str | None = None
     build: dict[str, Any] = {}
     parameters: dict[str, str | bool | float | int] = {}
+    role: str | None = None
     isolated: bool = False
     timeout: str = "120 s"
 
@@ -60,15 +62,15 @@ class ParticipantTable(Table):
         return self
 
 
-class Wire(Table):
+class WireTable(Table):
     """A field that goes from an output to an input.
 
     tolerance : largest difference between output and input in a converged step; text with the
     field's unit, or a number that multiplies its nominal value. relative_tolerance : root mean
     square of the difference as a share of the field's. residual_relative_tolerance : root mean
-    square of the difference as a share of what it was in the macro step's first sweep. Of these
-    three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a wire
-    that runs against the stepping order. A wire along the order hands over what has just been
+    square of the difference as a share of what it was in the macro step's first evaluation. Of
+    these three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a
+    wire that runs against the stepping order. A wire along the order hands over what has just been
     computed: it is not measured, unless one of the three is given; then by how far it has moved
     since the iterate. largest_decrease : no update of an iterate may lower the field's smallest
     element by more than this share of itself. local_error : local error allowed in a macro step,
@@ -95,17 +97,18 @@ class Coupling(Table):
     """How a macro step is brought to its fixed point.
 
     method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants;
-    methods/secants.py); aitken, or constant relaxation; explicit: one sweep a macro step, not
+    methods/secants.py); aitken, or constant relaxation; explicit: one evaluation a macro step, not
     iterated, and what is off by more than its tolerance counted. order : the order in which the
     participants step; the wires that run against it are the unknowns. parallel : Jacobi's order in
     place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
     predictor : order of the extrapolation that begins a macro step, 0 for the last values.
     relaxation : factor of constant relaxation, first factor of the others. mixing : share taken of
     what the secants leave unexplained. probing : a macro step without secants, or led astray by
-    them, is taken by Newton on differences of sweeps. windows : of how many macro steps iqn_ils and
-    iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some. largest_krylov_space :
-    products per Newton update at most. differences : products by differences of sweeps, not by the
-    participants' derivatives. halvings : how often a macro step that fails may be halved.
+    them, is taken by Newton on differences of evaluations. windows : of how many macro steps
+    iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
+    largest_krylov_space : products per Newton update at most. differences : products by differences
+    of evaluations, not by the participants' derivatives. halvings : how often a macro step that
+    fails may be halved.
     """
 
     method: Literal[
@@ -140,8 +143,8 @@ class Record(Table):
 
 class Picture(Table):
     """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a
-    panel each; section: `fields` at a time along their first index, within `angles` of its circle,
-    at the share `height` of their second.
+    panel each; section: `fields` at a time along their first index, within `angles` (its whole
+    length is 360 deg), at the share `height` of their second.
     """
 
     file: str
@@ -162,6 +165,49 @@ class Picture(Table):
         if missing:
             raise ValueError(f"a picture of kind {self.kind!r} needs {' and '.join(missing)}")
         return self
+
+
+class Axis(Table):
+    """What one index of a field runs along, from the beginning of the first cell to the end of the
+    last.
+
+    range : of the positions, in `unit`. marks : word -> position, written beside the axis.
+    """
+
+    label: str
+    unit: str = ""
+    range: tuple[float, float] = (0.0, 1.0)
+    marks: dict[str, float] = {}
+
+    @property
+    def title(self) -> str:
+        """Label and unit, as on a picture."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    @property
+    def marked(self) -> str:
+        """Title and marks, as a sentence."""
+        marks = ", ".join(f"{word} {position:g}" for word, position in self.marks.items())
+        return f"{self.title}; {marks}" if marks else self.title
+
+    def positions(self, shares):
+        """Positions at shares of the whole length, 0 its beginning and 1 its end."""
+        low, high = self.range
+        return low + shares * (high - low)
+
+
+class Axes(Table):
+    """What the two indices of the fields of some participants run along: words for axes, shown and
+    nowhere computed with.
+    """
+
+    participants: list[str] = Field(min_length=1)
+    first: Axis = Axis(label="first index / its number")
+    second: Axis = Axis(label="second index / its number")
+
+
+NEUTRAL = Axes(participants=[""])
+"""Of a field that the case says nothing about."""
 
 
 class Loop(Table):
@@ -231,20 +277,21 @@ class Case(Table):
     start; what one has at the start begins the inputs of those after it. summary : name ->
     "min|max|mean|last participant.variable", what the last screen and --summary-json say. window :
     "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in
-    pictures and reports. monitor : as summary, shown while running. variants : name -> {dotted key:
-    value} changes that make a further run.
+    pictures and reports. axes : what the indices of 2-D fields run along. monitor : as summary,
+    shown while running. variants : name -> {dotted key: value} changes that make a further run.
     """
 
     title: str
     label: str = "base"
     time: Time
     participants: dict[str, ParticipantTable]
-    wires: list[Wire]
+    wires: list[WireTable]
     coupling: Coupling
-    record: Record = Record()
+    record: Record = Field(default_factory=lambda: Record.model_validate({}))
     summary: dict[str, str] = {}
     monitor: dict[str, str] = {}
     pictures: list[Picture] = []
+    axes: list[Axes] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
     studies: dict[str, Study] = {}
@@ -273,23 +320,9 @@ class Case(Table):
 
     @model_validator(mode="after")
     def names_exist(self):
-        ports = [p for w in self.wires for p in (w.source, w.target)] + self.record.fields
-        ports += [self.time.angular_speed] if self.time.angular_speed else []
-        ports += [p for pic in self.pictures for p in [pic.x, *pic.fields, *sum(pic.y, [])] if p]
-        ports += [
-            text.split()[1]
-            for text in [*self.summary.values(), *self.monitor.values(), *self.window]
-        ]
-        ports += [p for loop in self.report.loops.values() for p in [loop.x, *loop.y]]
-        ports += (
-            [self.report.motion.across, self.report.motion.along, self.report.motion.rotation]
-            if self.report.motion
-            else []
-        )
-        unknown = sorted(
-            {p.split(".")[0] for p in ports} | set(self.coupling.order) - set(self.participants)
-        )
-        unknown = [name for name in unknown if name not in self.participants]
+        used = {port.partition(".")[0] for port in self._ports()}
+        used |= {name for pair in self.axes for name in pair.participants}
+        unknown = sorted((used | set(self.coupling.order)) - set(self.participants))
         if unknown:
             raise ValueError(
                 f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}"
@@ -299,6 +332,29 @@ class Case(Table):
                 f"coupling.order must name each participant once: {', '.join(self.participants)}"
             )
         return self
+
+    def _ports(self) -> list[str]:
+        """Every "participant.variable" that the file names."""
+        ports = [port for wire in self.wires for port in (wire.source, wire.target)]
+        ports += self.record.fields
+        if self.time.angular_speed:
+            ports.append(self.time.angular_speed)
+        for picture in self.pictures:
+            ports += [picture.x] if picture.x else []
+            ports += picture.fields
+            ports += [port for panel in picture.y for port in panel]
+        for entries in (self.summary.values(), self.monitor.values(), self.window):
+            ports += [text.split()[1] for text in entries]
+        for loop in self.report.loops.values():
+            ports += [loop.x, *loop.y]
+        if motion := self.report.motion:
+            ports += [motion.across, motion.along, motion.rotation]
+        return ports
+
+    def axes_of(self, port: str) -> Axes:
+        """What the indices of a field "participant.name" run along."""
+        owner = port.partition(".")[0]
+        return next((pair for pair in self.axes if owner in pair.participants), NEUTRAL)
 
 
 def case_names():
@@ -351,7 +407,10 @@ def _change(tree, key, value):
         if not isinstance(node, (dict, list)):
             return f"{key}: there is no table {'.'.join(parents[: k + 1])} in the case"
     if isinstance(node, list):
-        return f"{key}: {'.'.join(parents)} is a list; name a key in one of its entries, counted from 0"
+        return (
+            f"{key}: {'.'.join(parents)} is a list; "
+            "name a key in one of its entries, counted from 0"
+        )
     node[last] = value
     return None
 
@@ -374,21 +433,28 @@ def _sentence(fault):
     return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
 
 
-def times(case, speed):
-    """Stop time, macro step and smallest macro step [s]; `speed` [rad/s] turns angles into
-    times.
-    """
-    faults, values = [], []
+class Clock(NamedTuple):
+    """Stop time, macro step and smallest macro step [s]."""
+
+    stop: float
+    step: float
+    smallest_step: float
+
+
+def times(case: Case, speed: float | None) -> Clock:
+    """Times of the run; `speed` [rad/s] turns angles into times."""
+    faults: list[str] = []
+    values: dict[str, float] = {}
     for key in ("stop", "step", "smallest_step"):
         text = getattr(case.time, key)
         if text is None:
             continue
         try:
-            values.append(to_si(text, "rad") / speed if speed is not None else to_si(text, "s"))
-            if not values[-1] > 0:
+            values[key] = to_si(text, "s") if speed is None else to_si(text, "rad") / speed
+            if not values[key] > 0:
                 faults.append(f"time.{key} = {text}: must be positive")
         except (ValueError, ZeroDivisionError) as error:
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
-    return values if case.time.smallest_step else [*values, values[1] / 64]
+    return Clock(values["stop"], values["step"], values.get("smallest_step", values["step"] / 64))

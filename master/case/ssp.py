@@ -50,8 +50,9 @@ def export_ssp(tree, system, path):
         If a wire joins an array with scalars: an FMU of FMI 3.0 with one of FMI 2.0.
     """
     mixed = [
-        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; take one version on both"
-        for c in system.connections
+        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; "
+        "take one version on both"
+        for c in system.wires
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
@@ -100,13 +101,13 @@ def _structure(tree, system, version):
         _component(
             elements,
             participant,
-            {end[1] for c in system.connections for end in (c.source, c.target) if end[0] == name},
+            {end[1] for c in system.wires for end in (c.source, c.target) if end[0] == name},
         )
-    connections = SubElement(top, _q("ssd:Connections"))
-    for c in system.connections:
+    joined = SubElement(top, _q("ssd:Connections"))
+    for c in system.wires:
         for index in [""] if _has_arrays(system.participants[c.source[0]]) else _indices(c.shape):
             SubElement(
-                connections,
+                joined,
                 _q("ssd:Connection"),
                 {
                     "startElement": c.source[0],
@@ -116,7 +117,7 @@ def _structure(tree, system, version):
                 },
             )
     units = SubElement(root, _q("ssd:Units"))
-    for unit in sorted({c.unit for c in system.connections} - {"1"}):
+    for unit in sorted({c.unit for c in system.wires} - {"1"}):
         SubElement(
             SubElement(units, _q("ssc:Unit"), {"name": unit}),
             _q("ssc:BaseUnit"),
@@ -205,7 +206,7 @@ def read_ssp(path):
     components = list(root.iter(_q("ssd:Component")))
     participants = {
         node.get("name"): {
-            "fmu": str(folder / node.get("source")),
+            "fmu": str(folder / node.get("source", "")),
             "parameters": _read_parameters(node, folder),
         }
         for node in components
@@ -220,7 +221,7 @@ def read_ssp(path):
     experiment = root.find(_q("ssd:DefaultExperiment"))
     own = root.find(f"{_q('ssd:Annotations')}/{_q('ssc:Annotation')}[@type='{VENDOR}']/case")
     tree = (
-        json.loads(own.text)
+        json.loads(own.text or "{}")
         if own is not None
         else {
             "title": root.get("name"),

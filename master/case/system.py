@@ -6,7 +6,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from math import inf
 
-from ..coupling.wiring import Connection, System, is_unknown
+from ..coupling.wiring import System, Wire, is_unknown
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
@@ -29,7 +29,8 @@ def open_system(case, folder, progress):
         With every fault that could be found: build options of all participants first, then
         parameters, wires, recorded names and time.
     """
-    faults, participants = [], {}
+    faults: list[str] = []
+    participants = {}
     for name in case.participants:
         try:
             participants[name] = _participant(name, case.participants[name], folder, progress)
@@ -41,30 +42,31 @@ def open_system(case, folder, progress):
         name: _parameters(participants[name], case.participants[name].parameters, faults)
         for name in participants
     }
-    connections = [
-        c for wire in case.wires if (c := _connection(wire, participants, case.coupling, faults))
-    ]
+    joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
+    wires = [wire for wire in joined if wire is not None]
     participants = _interpolating(case, participants, faults)
     try:
-        conjugates(connections, case.wires)
+        conjugates(wires, case.wires)
     except BadInput as error:
         faults += error.faults
     _check_capabilities(participants, faults)
     _check_ports(case, participants, faults)
-    clock = []
+    clock = None
     try:
         clock = times(case, _angular_speed(case, parameters))
     except BadInput as error:
         faults += error.faults
-    if faults:
+    if faults or clock is None:
         raise BadInput(faults)
-    connections += _slopes(case, participants, connections, clock[1])
+    wires += _slopes(case, participants, wires, clock.step)
     return System(
         participants,
         tuple(case.coupling.order),
-        tuple(connections),
+        tuple(wires),
         parameters,
-        *clock,
+        clock.stop,
+        clock.step,
+        clock.smallest_step,
         str(folder),
         case.coupling.parallel,
     )
@@ -149,66 +151,61 @@ def _field(port, causalities, participants, where, faults):
     return field
 
 
-def _connection(wire, participants, coupling, faults):
-    where = f"wire {wire.source} -> {wire.target}"
-    source = _field(wire.source, ("output",), participants, where, faults)
-    target = _field(wire.target, ("input",), participants, where, faults)
+def _wire(table, participants, coupling, faults):
+    """The wire of a case's table, ready for use; None and a fault where an end is missing."""
+    where = f"wire {table.source} -> {table.target}"
+    source = _field(table.source, ("output",), participants, where, faults)
+    target = _field(table.target, ("input",), participants, where, faults)
     if source is None or target is None:
         return None
     if source.shape != target.shape:
         faults.append(
-            f"{where}: shapes differ, {source.shape} and {target.shape} (build both FMUs with the same grid)"
+            f"{where}: shapes differ, {source.shape} and {target.shape} "
+            "(build both FMUs with the same grid)"
         )
     declared = [
         field.unit
-        for field, port in ((source, wire.source), (target, wire.target))
+        for field, port in ((source, table.source), (target, table.target))
         if participants[port.split(".")[0]].declares_units
     ]
     if len(set(declared)) > 1:
         faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
     unit = declared[-1] if declared else "1"
     nominal = target.nominal or source.nominal or 1.0
-    tolerance, local_error = (
-        _amount(wire, key, nominal, unit, where, faults) for key in ("tolerance", "local_error")
+    tolerance = _amount(table.tolerance, "tolerance", nominal, unit, where, faults)
+    local_error = _amount(table.local_error, "local_error", nominal, unit, where, faults)
+    wire = Wire(
+        source=tuple(table.source.split(".")),
+        target=tuple(table.target.split(".")),
+        shape=target.shape,
+        unit=unit,
+        nominal=nominal,
+        tolerance=0.0 if tolerance is None else tolerance,
+        largest_decrease=table.largest_decrease,
+        relative_tolerance=table.relative_tolerance,
+        residual_relative_tolerance=table.residual_relative_tolerance,
+        local_error=local_error,
     )
-    if local_error is not None and not local_error > 0:
-        faults.append(f"{where}: local_error = {wire.local_error}: must be positive")
-    if tolerance is not None and not tolerance > 0:
-        faults.append(f"{where}: tolerance = {wire.tolerance}: must be positive")
-    connection = Connection(
-        tuple(wire.source.split(".")),
-        tuple(wire.target.split(".")),
-        target.shape,
-        unit,
-        nominal,
-        0.0 if tolerance is None else tolerance,
-        wire.largest_decrease,
-        wire.relative_tolerance,
-        wire.residual_relative_tolerance,
-        local_error,
-    )
-    if wire.tolerance is not None or wire.relative_tolerance or wire.residual_relative_tolerance:
-        return connection
-    unknown = is_unknown(connection, coupling.order, coupling.parallel)
-    return replace(connection, tolerance=TOLERANCE * nominal if unknown else inf)
+    if table.tolerance is not None or table.relative_tolerance or table.residual_relative_tolerance:
+        return wire
+    unknown = is_unknown(wire, coupling.order, coupling.parallel)
+    return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
-def _amount(wire, key, nominal, unit, where, faults):
-    """A wire's entry in SI: a number multiplies the nominal value; None if it is not given, or with
-    a fault.
+def _amount(given, key, nominal, unit, where, faults):
+    """A positive entry of a wire in SI: a number multiplies the nominal value; None if it is not
+    given, or with a fault.
     """
-    given = getattr(wire, key)
+    if given is None:
+        return None
     try:
-        return (
-            given * nominal
-            if isinstance(given, float)
-            else None
-            if given is None
-            else to_si(given, unit)
-        )
+        amount = given * nominal if isinstance(given, float) else to_si(given, unit)
     except ValueError as error:
         faults.append(f"{where}: {key}: {error}")
         return None
+    if not amount > 0:
+        faults.append(f"{where}: {key} = {given}: must be positive")
+    return amount
 
 
 def _interpolating(case, participants, faults):
@@ -224,13 +221,13 @@ def _interpolating(case, participants, faults):
         where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
         if not participants[target].can_interpolate:
             faults.append(
-                f"{where}: {participants[target].path.name} cannot follow inputs over a step (canInterpolateInputs of "
-                "FMI 2.0); write held, or take shorter macro steps"
+                f"{where}: {participants[target].path.name} cannot follow inputs over a step "
+                "(canInterpolateInputs of FMI 2.0); write held, or take shorter macro steps"
             )
-        if wire.interpolation == "hermite" and not _rate(participants[owner], name):
+        if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(
-                f"{where}: {participants[owner].path.name} declares no output as the derivative of {name}; "
-                "write linear"
+                f"{where}: {participants[owner].path.name} declares no output as the "
+                f"derivative of {name}; write linear"
             )
     return {
         name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p
@@ -238,7 +235,7 @@ def _interpolating(case, participants, faults):
     }
 
 
-def _rate(participant, name):
+def _slope_output(participant, name):
     """Name of the output that is the time derivative of output `name`, or None."""
     return next(
         (
@@ -250,19 +247,19 @@ def _rate(participant, name):
     )
 
 
-def _slopes(case, participants, connections, step):
+def _slopes(case, participants, wires, step):
     """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the
     value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
-    found = []
-    for c in connections:
+    slopes = []
+    for c in wires:
         (owner, name), (target, inlet) = c.source, c.target
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
-            found.append(
+            slopes.append(
                 replace(
                     c,
-                    source=(owner, _rate(participants[owner], name)),
+                    source=(owner, _slope_output(participants[owner], name)),
                     target=(target, slope_of(inlet)),
                     unit=f"{c.unit}/s",
                     nominal=c.nominal / step,
@@ -271,15 +268,15 @@ def _slopes(case, participants, connections, step):
                     local_error=None,
                 )
             )
-    return found
+    return slopes
 
 
 def _check_capabilities(participants, faults):
     for participant in participants.values():
         if not participant.can_redo:
             faults.append(
-                f"participant {participant.name}: {participant.path.name} cannot save and restore its state, "
-                "so no step can be repeated"
+                f"participant {participant.name}: {participant.path.name} cannot save and restore "
+                "its state, so no step can be repeated"
             )
 
 
@@ -301,6 +298,7 @@ def _angular_speed(case, parameters):
     owner, name = case.time.angular_speed.split(".")
     if name not in parameters[owner]:
         raise BadInput(
-            f"time.angular_speed = {case.time.angular_speed}: give it a value in participants.{owner}.parameters"
+            f"time.angular_speed = {case.time.angular_speed}: give it a value in "
+            f"participants.{owner}.parameters"
         )
     return parameters[owner][name]

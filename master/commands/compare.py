@@ -29,8 +29,8 @@ def command(
 
     Printed are the ratio of ranges (amplitude), the shift (phase, in SI, positive = later) and the
     rms difference over the reference's range. With --lubrication, a case is run with each of the
-    models named, and they are held against the first: film, load, friction, iterations and time,
-    with pictures.
+    models named, and they are held against the first by what the contract says of the role: film,
+    load and friction; by iterations and time; with pictures.
 
     Example: piston-cosim compare results/fired_motorcycle/flexible.h5 --period "720 deg"
 
@@ -52,13 +52,16 @@ def command(
         Picture of runs and measured points (default measured.png); with --lubrication the folder
         for results.
     lubrication
-        An FMU, or a cavitation model of the case's own FMU; two or more. Wall times are fair from
-        the second call on: the first one compiles.
+        An FMU, or a cavitation model of the case's own FMU; two or more. Where several participants
+        are lubrication, PARTICIPANT=FMU or PARTICIPANT=MODEL. Wall times are fair from the second
+        call on: the first one compiles.
     set_
         Change of the case that is run, KEY=VALUE.
     """
     if lubrication:
-        hold_models_together(*files, models=lubrication, changes=set_, folder=output)
+        hold_models_together(
+            *files, role="lubrication", models=lubrication, changes=set_, folder=output
+        )
         return
     case, runs = open_runs(files)
     lines = [picture for picture in case.pictures if picture.kind == "lines"]
@@ -77,60 +80,55 @@ def command(
     else:
         raise BadInput("one run alone: give --period or --measured, or a second run")
     table = Table("run", "curve", "amplitude [-]", "phase", "rms [-]", box=None)
-    for label, port, found in rows:
+    for label, port, scored in rows:
         table.add_row(
-            label,
-            port,
-            f"{found['amplitude']:.4f}",
-            f"{found['phase']:+.4g}",
-            f"{found['rms']:.4f}",
+            label, port, f"{scored.amplitude:.4f}", f"{scored.phase:+.4g}", f"{scored.rms:.4f}"
         )
     console.print(table)
 
 
-def hold_models_together(case, *more, models, changes, folder):
-    """Run a case with each lubrication model; print and draw what tells them apart."""
+def hold_models_together(case, *more, role, models, changes, folder):
+    """Run a case with each model in a role; print and draw what tells them apart."""
     from ..case.schema import check_case, find_case, read_tree
     from ..results.file import Results
-    from ..results.rivals import MEASURES, curves, draw_rivals, measures, rival_trees
+    from ..results.rivals import draw_rivals, exchange, measures, rivals_of, rows_of
     from ..runs.console import watching
     from ..runs.run import run
     from .run import open_all
 
-    missing = [
-        f"--lubrication {model}: no such file"
+    faults = [
+        f"--{role} {model}: no such file"
         for model in models
-        if model.endswith(".fmu") and not Path(model).is_file()
+        if model.endswith(".fmu")
+        and not Path(model).is_file()
+        and not Path(model.partition("=")[2]).is_file()
     ]
     if more or len(models) < 2:
-        missing.append("give one case and two or more times --lubrication")
-    if missing:
-        raise BadInput(missing)
+        faults.append(f"give one case and two or more times --{role}")
+    if faults:
+        raise BadInput(faults)
     path = find_case(str(case))
-    trees, common, left_out = rival_trees(
-        read_tree(path, [parse_change(text) for text in changes]), models
-    )
-    for label, keys in left_out.items():
+    rivals = rivals_of(read_tree(path, [parse_change(text) for text in changes]), role, models)
+    for label, keys in rivals.left_out.items():
         if keys:
             say(f"{label} has no variable for, and goes without: {', '.join(keys)}")
-    cases = {label: check_case(tree, path) for label, tree in trees.items()}
+    cases = {label: check_case(tree, path) for label, tree in rivals.trees.items()}
     folder = folder or Path("results") / f"{path.parent.name}_models"
     summaries, runs = {}, {}
     for label, system in open_all(cases, path.parent).items():
+        output = folder / f"{label}.h5"
         with watching(console, label) as watch:
-            summaries[label] = run(
-                system, cases[label], trees[label], folder / f"{label}.h5", watch
-            )
-        runs[label] = Results(folder / f"{label}.h5")
-    found = {label: curves(results) for label, results in runs.items()}
-    print_measures(MEASURES, measures(found, summaries))
-    draw_rivals(
-        found,
-        {label: (r.time, r.series("coupling.iterations")[0]) for label, r in runs.items()},
-        folder / "models.png",
-    )
+            summaries[label] = run(system, cases[label], rivals.trees[label], output, watch)
+        runs[label] = Results(output)
+    exchanged = {label: exchange(results, rivals.ports) for label, results in runs.items()}
+    print_measures(rows_of(role), measures(role, exchanged, summaries))
+    iterations = {
+        label: (results.time, results.series("coupling.iterations").values)
+        for label, results in runs.items()
+    }
+    draw_rivals(role, exchanged, iterations, folder / "models.png")
     console.print(f"picture  {folder / 'models.png'}", highlight=False, soft_wrap=True)
-    draw_pictures(check_case(common, path), runs, folder)
+    draw_pictures(check_case(rivals.common, path), runs, folder)
 
 
 def print_measures(names, values):

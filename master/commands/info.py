@@ -20,8 +20,9 @@ def command(fmu: Path):
     model = participant.description
     console.print(f"[bold]{model.modelName}[/]  FMI {model.fmiVersion}  {model.description or ''}")
     console.print(
-        f"save and restore state: {participant.can_redo}   serialise: "
-        f"{bool(model.coSimulation.canSerializeFMUstate)}   directional derivative: {participant.has_derivatives}"
+        f"save and restore state: {participant.can_redo}   "
+        f"serialise: {participant.can_serialise}   "
+        f"directional derivative: {participant.has_derivatives}"
     )
     table = Table(
         "causality", "name", "shape", "unit", "start", "allowed", "nominal", "description", box=None
@@ -30,19 +31,21 @@ def command(fmu: Path):
         participant.fields.values(),
         key=lambda f: ("parameter", "input", "output", "local").index(f.causality),
     ):
-        limits = (
-            ""
-            if field.minimum is None and field.maximum is None
-            else f"{'' if field.minimum is None else f'{field.minimum:g}'}..{'' if field.maximum is None else f'{field.maximum:g}'}"
-        )
         table.add_row(
             field.causality,
             field.name,
             "x".join(map(str, field.shape)),
             field.unit,
             field.start or "",
-            limits,
+            _allowed(field),
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
         )
     console.print(table)
+
+
+def _allowed(field):
+    """Range of a variable as text, an open end empty."""
+    if field.minimum is None and field.maximum is None:
+        return ""
+    return "..".join("" if x is None else f"{x:g}" for x in (field.minimum, field.maximum))

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from cyclopts import Parameter
 
 from ..case.schema import find_case
@@ -47,7 +46,7 @@ def command(
         name for name, part in results.case["participants"].items() if part.get("build") == table
     )
     port = PORT.format(participant)
-    if "fields/" + port.replace(".", "/") not in results.file:
+    if port not in results.recorded:
         raise BadInput(f"{file}: {port} was not recorded; the case must name it in record.fields")
     try:
         instants = [to_si(text, "s") for text in time]
@@ -55,11 +54,10 @@ def command(
         raise BadInput(str(error)) from None
     folder = find_case(case or file.resolve().parent.name).parent
     for wanted in instants:
-        coordinates, instant, _, _ = results.field(port, wanted)
+        recorded = results.field(port, wanted)
+        instant = recorded.time
         begin = (output or file.parent) / f"{file.stem}-{1e6 * instant:.0f}us"
-        for body in import_part(OFFLINE).recover(
-            table, folder, np.asarray(coordinates), begin, say
-        ):
+        for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
             stress = (
                 ""
                 if body.largest_stress is None

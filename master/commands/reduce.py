@@ -75,7 +75,8 @@ def print_body(body):
         highlight=False,
     )
     console.print(
-        f"mass {body.mass:.6g} kg, centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
+        f"mass {body.mass:.6g} kg, "
+        f"centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
         highlight=False,
     )
     console.print(
@@ -91,7 +92,8 @@ def print_body(body):
         highlight=False,
     )
     console.print(
-        f"reduced in {body.seconds:.1f} s, peak memory of the process {body.peak_memory / 1e9:.2f} GB",
+        f"reduced in {body.seconds:.1f} s, "
+        f"peak memory of the process {body.peak_memory / 1e9:.2f} GB",
         highlight=False,
     )
     table = Table(

@@ -22,8 +22,8 @@ def command(
     only: str | None = None,
     summary_json: Path | None = None,
     plots: bool = True,
-    lubrication: Path | None = None,
-    bodies: Path | None = None,
+    lubrication: str | None = None,
+    bodies: str | None = None,
 ):
     """Run a case and its variants: results file, summary, pictures.
 
@@ -46,8 +46,9 @@ def command(
     plots
         Draw the case's pictures at the end.
     lubrication, bodies
-        FMU to take instead of the case's own; what the case says of variables it does not have is
-        left out and named.
+        FMU to take instead of the case's own participant in this role, FILE or, where several
+        have it, PARTICIPANT=FILE; what the case says of variables it does not have is left out and
+        named.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
@@ -64,7 +65,7 @@ def command(
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
             summaries[label] = run_system(system, cases[label], trees[label], files[label], watch)
-        summaries[label]["first_step_after_s"] = watch.first - STARTED
+        summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
     print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
@@ -72,7 +73,7 @@ def command(
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
-    for label, file in files.items():
+    for file in files.values():
         console.print(f"results  {file}", highlight=False, soft_wrap=True)
     if plots:
         draw_pictures(

@@ -1,8 +1,9 @@
 """The coupled system as one slave: participants, wires and iteration inside, scalars outside."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from math import ceil
-from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
 from .methods import method_of
 from .stepping import StepFailed, Stepper
-from .wiring import Connection, System, start
+from .wiring import Port, System, Wire, start
 
 
 @dataclass(frozen=True)
@@ -24,12 +25,79 @@ class State:
     data: np.ndarray
 
 
+@dataclass(frozen=True)
+class Coupling:
+    """The case's coupling table, as far as it holds inside one FMU; see `case.schema.Coupling`."""
+
+    method: str
+    parallel: bool
+    predictor: int
+    max_iterations: int
+    relaxation: float
+    mixing: float
+    probing: bool
+    windows: int
+    filter: str
+    filter_limit: float
+    largest_krylov_space: int
+    differences: bool
+    halvings: int
+
+
+@dataclass(frozen=True)
+class Options:
+    """What build.json of a coupled FMU holds; `case.export` writes it.
+
+    participants : slave ("module:class") by name, in the order of their start
+    order        : stepping order
+    step         : longest macro step [s]
+    wires        : those of the system
+    coupling     : how a macro step is solved
+    variables    : the table seen from outside
+    parameter, input, output : (participant, variable) inside by the name outside
+    """
+
+    participants: dict[str, str]
+    order: tuple[str, ...]
+    step: float
+    wires: tuple[Wire, ...]
+    coupling: Coupling
+    variables: tuple[Variable, ...]
+    parameter: dict[str, Port]
+    input: dict[str, Port]
+    output: dict[str, Port]
+
+    @staticmethod
+    def read(tree: Mapping[str, Any]) -> "Options":
+        """Options from JSON, which knows no tuples."""
+        return Options(
+            tree["participants"],
+            tuple(tree["order"]),
+            tree["step"],
+            tuple(_read_wire(entry) for entry in tree["wires"]),
+            Coupling(**{f.name: tree["coupling"][f.name] for f in fields(Coupling)}),
+            tuple(
+                Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in tree["variables"]
+            ),
+            *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
+        )
+
+
+def _read_wire(entry: Mapping[str, Any]) -> Wire:
+    tuples = {key: tuple(entry[key]) for key in ("source", "target", "shape")}
+    return Wire(**{**entry, **tuples})
+
+
+def _read_ports(entries: Mapping[str, Any]) -> dict[str, Port]:
+    return {name: (owner, variable) for name, (owner, variable) in entries.items()}
+
+
 class Coupled(FieldSlave):
     """A case's participants stepped together: inside, macro steps iterated to agreement; outside,
     any step.
 
     A communication step is cut into equal macro steps no longer than the case's; inputs are held
-    over it. What build.json holds is written by `master.export`.
+    over it. What build.json holds is written by `case.export`.
     """
 
     name = "coupled"
@@ -39,32 +107,29 @@ class Coupled(FieldSlave):
     @staticmethod
     def variables(options):
         """The exposed variables, as chosen at export."""
-        return [
-            Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in options["variables"]
-        ]
+        return list(Options.read(options).variables)
 
     def start(self, values):
         """Start every participant; BadInput with what the first of them refuses."""
-        options = self.options
-        parameters = {name: {} for name in options["participants"]}
-        for exposed, (owner, name) in (options["parameter"] | options["input"]).items():
+        self.inside = options = Options.read(self.options)
+        parameters: dict[str, dict] = {name: {} for name in options.participants}
+        for exposed, (owner, name) in (options.parameter | options.input).items():
             parameters[owner][name] = values[exposed]
         participants = {
             name: LocalParticipant(name, self._slave(name, place))
-            for name, place in options["participants"].items()
+            for name, place in options.participants.items()
         }
-        connections = tuple(_connection(entry) for entry in options["connections"])
+        coupling = options.coupling
         self.system = System(
             participants,
-            tuple(options["order"]),
-            connections,
+            options.order,
+            options.wires,
             parameters,
             np.inf,
-            options["step"],
-            parallel=options["coupling"]["parallel"],
+            options.step,
+            parallel=coupling.parallel,
         )
         start(self.system)
-        coupling = SimpleNamespace(**options["coupling"])
         self.stepper = Stepper(
             self.system, method_of(coupling), coupling.halvings, order=coupling.predictor
         )
@@ -79,12 +144,13 @@ class Coupled(FieldSlave):
         if state is not self.standing:
             self._restore(state)
         self.standing = None
-        for exposed, (owner, name) in self.options["input"].items():
+        for exposed, (owner, name) in self.inside.input.items():
             self.system.participants[owner].set(name, values[exposed])
         count = ceil(step / self.system.step * (1 - 1e-9))
         try:
             for k in range(count):
-                before, after = time + step * k / count, time + step * (k + 1) / count
+                before = time + step * k / count
+                after = time + step * (k + 1) / count
                 self.stepper.advance(before, after - before)
         except StepFailed as failure:
             raise Discard(str(failure)) from None
@@ -94,7 +160,7 @@ class Coupled(FieldSlave):
     def _outputs(self):
         return {
             exposed: self.system.participants[owner].get(name)
-            for exposed, (owner, name) in self.options["output"].items()
+            for exposed, (owner, name) in self.inside.output.items()
         }
 
     def _state(self):
@@ -103,10 +169,3 @@ class Coupled(FieldSlave):
 
     def _restore(self, state):
         thaw(self.stepper, state.data.tobytes())
-
-
-def _connection(entry):
-    """Connection from JSON, which knows no tuples."""
-    return Connection(
-        **{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()}
-    )

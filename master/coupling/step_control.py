@@ -1,17 +1,24 @@
 """How long the next macro step is: by an embedded estimate of the local error, and by how hard the
 last step was.
 
-References ---------- [Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
-Differential Equations I, 2nd ed., Springer 1993, sections II.4 (step size control) and III.5
-(variable-step BDF).
+References
+----------
+[Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
+ed., Springer 1993, sections II.4 (step size control) and III.5 (variable-step BDF).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import ceil
 
 import numpy as np
 
-SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.9, 0.2, 2.0
+from .methods.solution import Solution
+from .wiring import Wire
+
+SAFETY = 0.9
+SMALLEST_FACTOR = 0.2
+LARGEST_FACTOR = 2.0
 """Of the new step: aim below the allowed error; never change by more than these factors at once.
 BDF2 is zero-stable only while steps grow by less than 1 + sqrt(2).
 """
@@ -23,10 +30,11 @@ HARD = 12
 class StepControl:
     """Macro step from the local error of the wires that have one allowed.
 
-    Eq. (A1):  e = max over wires of rms(x - x_quad) / allowed  H (H + H_1) / ((2 H + H_1) (H + H_1 + H_2)),
+    Eq. (S2):  e = max over wires of rms(x - x_quad) / allowed
+                   H (H + H_1) / ((2 H + H_1) (H + H_1 + H_2)),
                x_quad through the last three accepted vectors, H_1 and H_2 the steps between them,
                newest first
-    Eq. (A2):  H' = H min(2, max(0.2, 0.9 e^(-1/3)))
+    Eq. (S3):  H' = H min(2, max(0.2, 0.9 e^(-1/3)))
 
     x - x_quad is H (H + H_1) (H + H_1 + H_2) x'''/6, so e is the local error of variable-step BDF2
     over the allowed one: H^2 (H + H_1)^2 |x'''| / (6 (2 H + H_1)), in equal steps 2/9 H^3 |x'''|.
@@ -48,21 +56,23 @@ class StepControl:
         Macro step [s] to begin with, and never to go below.
     """
 
-    watched: list
+    watched: list[tuple[slice, float]]
     smallest: float
     step: float = 0.0
     error: float = 0.0
     at_smallest: int = 0
-    past: list = field(default_factory=list)
+    past: list[tuple[float, np.ndarray]] = field(default_factory=list)
 
-    def length(self, remaining):
+    def length(self, remaining: float) -> tuple[float, bool]:
         """Next macro step [s], and whether it ends the remaining time, which is cut into equal
         parts.
         """
         parts = ceil(remaining / max(self.step, self.smallest) - 1e-9)
         return remaining / parts, parts == 1
 
-    def accepts(self, last, time, step, solution):
+    def accepts(
+        self, last: tuple[float, np.ndarray], time: float, step: float, solution: Solution
+    ) -> bool:
         """Whether the local error of a step is small enough; sets the next macro step.
 
         Parameters
@@ -75,35 +85,36 @@ class StepControl:
         """
         self._keep(*last)
         self.error = self._error(time + step, solution.x)
-        factor = (
-            LARGEST_FACTOR
-            if self.error == 0.0
-            else min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * self.error ** (-1 / 3)))
-        )  # Eq. (A2)
+        factor = LARGEST_FACTOR
+        if self.error > 0.0:
+            wanted = SAFETY * self.error ** (-1 / 3)
+            factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, wanted))  # Eq. (S3)
         self.step = step * (min(factor, 1.0) if solution.iterations >= HARD else factor)
         small = step <= self.smallest * (1 + 1e-9)
         self.at_smallest += small and self.error > 1.0
         return small or self.error <= 1.0
 
-    def _keep(self, time, x):
+    def _keep(self, time: float, x: np.ndarray) -> None:
         """Keep an accepted vector, once however often the step after it is tried; the predictor may
         keep fewer than three.
         """
         if not self.past or time > self.past[-1][0]:
             self.past = [*self.past, (time, x)][-3:]
 
-    def _error(self, time, x):
+    def _error(self, time: float, x: np.ndarray) -> float:
         if len(self.past) < 3:
             return 0.0
         (t3, x3), (t2, x2), (t1, x1) = self.past
-        slope, slope_before = (x1 - x2) / (t1 - t2), (x2 - x3) / (t2 - t3)
+        slope = (x1 - x2) / (t1 - t2)
+        slope_before = (x2 - x3) / (t2 - t3)
         apart = x - x1 - (time - t1) * (slope + (time - t2) * (slope - slope_before) / (t1 - t3))
         share = (time - t1) * (time - t2) / ((2 * time - t1 - t2) * (time - t3))
+        # Eq. (S2)
         return share * max(
             float(np.sqrt(np.mean(apart[part] ** 2))) / allowed for part, allowed in self.watched
-        )  # Eq. (A1)
+        )
 
-    def halve(self, step):
+    def halve(self, step: float) -> bool:
         """After a step that failed: the next one is half as long; False if that is below the
         smallest.
         """
@@ -111,14 +122,14 @@ class StepControl:
         return self.step >= self.smallest
 
 
-def step_control(connections, smallest):
+def step_control(wires: Sequence[Wire], smallest: float) -> StepControl | None:
     """StepControl of the wires with a `local_error`; None if no wire has one: every step is as long
     as asked then.
     """
-    ends = np.cumsum([int(np.prod(c.shape)) for c in connections], dtype=int)
+    ends = np.cumsum([int(np.prod(c.shape)) for c in wires], dtype=int)
     watched = [
         (slice(int(end) - int(np.prod(c.shape)), int(end)), c.local_error)
-        for c, end in zip(connections, ends)
+        for c, end in zip(wires, ends)
         if c.local_error is not None
     ]
     return StepControl(watched, smallest) if watched else None

@@ -1,12 +1,16 @@
 """The run in time: predict, converge, accept or halve; every macro step accounted for."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import numpy as np
 
 from ..fmi.errors import Discard
 from .interface import Interface
-from .methods import MacroStep, NotConverged, step_length
+from .methods import MacroStep, Method, NotConverged, Solution, step_length
+from .step_control import StepControl
+from .wiring import System
 
 
 class StepFailed(RuntimeError):
@@ -17,20 +21,20 @@ class StepFailed(RuntimeError):
 
 @dataclass
 class Counters:
-    """What the run has cost. NRES and NJAC count sweeps (probes for differences too) and
+    """What the run has cost. NRES and NJAC count evaluations (probes for differences too) and
     linearisations, as an implicit integrator counts them.
     """
 
     steps: int = 0
     halved_steps: int = 0
     rejected_steps: int = 0
-    iterations: list = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
     residual_evaluations: int = 0
     jacobian_evaluations: int = 0
     derivative_products: int = 0
     unconverged_steps: int = 0
 
-    def accept(self, solution):
+    def accept(self, solution: Solution) -> None:
         self.steps += 1
         self.iterations.append(solution.iterations)
         self.unconverged_steps += solution.history[-1] > 1.0
@@ -44,22 +48,53 @@ class Predictor:
     the last).
     """
 
-    def __init__(self, order):
-        self.order, self.past = order, []
+    def __init__(self, order: int):
+        self.order = order
+        self.past: list[tuple[float, np.ndarray]] = []
 
-    def keep(self, time, x):
+    def keep(self, time: float, x: np.ndarray) -> None:
+        """Note an accepted vector."""
         self.past = [*self.past, (time, x)][-self.order - 1 :]
 
-    def clear(self):
+    def clear(self) -> None:
+        """Forget all but the last one."""
         self.past = self.past[-1:]
 
-    def __call__(self, time):
+    def __call__(self, time: float) -> np.ndarray:
         """Guess at `time` [s]; the last vector if there is no more to go by."""
         guess = np.zeros_like(self.past[-1][1])
         for time_a, x in self.past:
             others = [time_b for time_b, _ in self.past if time_b != time_a]
             guess += x * np.prod([(time - b) / (time_a - b) for b in others])
         return guess
+
+
+class Observer(Protocol):
+    """Told of what a stepper does."""
+
+    def attempted(
+        self, time: float, step: float, trail: list[list[float]], failure: object | None
+    ) -> None:
+        """An attempt at the macro step from `time` over `step` [s], before it is accepted or taken
+        back: the wires' measures by evaluation, and why it failed or None.
+        """
+
+    def accepted(self, time: float, solution: Solution) -> None:
+        """A step that ends at `time` [s] is accepted, halves included; the participants stand
+        there.
+        """
+
+
+class Nobody:
+    """An observer that does not listen."""
+
+    def attempted(
+        self, time: float, step: float, trail: list[list[float]], failure: object | None
+    ) -> None:
+        pass
+
+    def accepted(self, time: float, solution: Solution) -> None:
+        pass
 
 
 class Stepper:
@@ -69,48 +104,41 @@ class Stepper:
     ----------
     system : System
         Its participants must have been started.
-    method : Newton or Relaxation
-        Any value with their `solve`.
+    method : Method
     halvings : int
         How often in a row a macro step may be halved.
-    accepted : callable(time, solution)
-        Told of every accepted step, halves included, while the participants stand at its end.
+    observer : Observer
     order : int
         Of the predictor.
     control : StepControl, optional
         Divides what `advance` is asked for; without it every step is as long as asked.
-    attempted : callable(time, step, trail, failure)
-        Told of every attempt before it is accepted or halved: the wires' measures by sweep, and why
-        it failed or None.
     """
 
     def __init__(
         self,
-        system,
-        method,
-        halvings,
-        accepted=lambda time, solution: None,
-        order=2,
-        attempted=lambda time, step, trail, failure: None,
-        control=None,
+        system: System,
+        method: Method,
+        halvings: int,
+        observer: Observer | None = None,
+        order: int = 2,
+        control: StepControl | None = None,
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
-            system.connections,
+            system.wires,
             system.parallel,
         )
-        self.method, self.halvings, self.accepted, self.attempted, self.control = (
-            method,
-            halvings,
-            accepted,
-            attempted,
-            control,
-        )
-        self.counters, self.failures, self.memory = Counters(), [], method.memory()
+        self.method = method
+        self.halvings = halvings
+        self.observer = observer or Nobody()
+        self.control = control
+        self.counters = Counters()
+        self.failures: list[str] = []
+        self.memory = method.memory()
         self.predictor = Predictor(order)
         self.predictor.keep(0.0, self.interface.read())
 
-    def advance(self, time, step):
+    def advance(self, time: float, step: float) -> None:
         """Bring all participants from time to time + step [s]: in one macro step, or as step
         control divides it.
 
@@ -124,10 +152,10 @@ class Stepper:
         end = time + step
         while time < end:
             length, last = self.control.length(end - time)
-            if self._controlled_step(time, length):
+            if self._controlled_step(self.control, time, length):
                 time = end if last else time + length
 
-    def _step(self, time, step, halvings):
+    def _step(self, time: float, step: float, halvings: int) -> None:
         saved = self._save()
         try:
             self._accept(time, step, self._converge(time, step, saved))
@@ -138,45 +166,54 @@ class Stepper:
         finally:
             self._free(saved)
 
-    def _controlled_step(self, time, step):
+    def _controlled_step(self, control: StepControl, time: float, step: float) -> bool:
         """Whether the step was accepted; control knows the next length either way."""
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
-            if self.control.accepts(self.predictor.past[-1], time, step, solution):
+            if control.accepts(self.predictor.past[-1], time, step, solution):
                 self._accept(time, step, solution)
                 return True
             self._roll_back(
-                time, step, saved, f"local error {self.control.error:.2g} times the allowed one"
+                time, step, saved, f"local error {control.error:.2g} times the allowed one"
             )
             self.counters.rejected_steps += 1
         except (NotConverged, Discard) as failure:
-            self._give_up(time, step, saved, failure, self.control.halve(step))
+            self._give_up(time, step, saved, failure, control.halve(step))
         finally:
             self._free(saved)
         return False
 
-    def _save(self):
+    def _save(self) -> dict[str, Any]:
         self.interface.begin()
         return {name: p.save() for name, p in self.interface.participants.items()}
 
-    def _free(self, saved):
+    def _free(self, saved: Mapping[str, Any]) -> None:
         for name, p in self.interface.participants.items():
             p.free(saved[name])
 
-    def _accept(self, time, step, solution):
-        self.attempted(time, step, self.interface.trail, None)
+    def _accept(self, time: float, step: float, solution: Solution) -> None:
+        self.observer.attempted(time, step, self.interface.trail, None)
         self.counters.accept(solution)
         self.predictor.keep(time + step, solution.x)
-        self.accepted(time + step, solution)
+        self.observer.accepted(time + step, solution)
 
-    def _roll_back(self, time, step, saved, reason):
-        self.attempted(time, step, self.interface.trail, reason)
+    def _roll_back(
+        self, time: float, step: float, saved: Mapping[str, Any], reason: object
+    ) -> None:
+        self.observer.attempted(time, step, self.interface.trail, reason)
         self.counters.residual_evaluations += len(self.interface.trail)
         for name, p in self.interface.participants.items():
             p.restore(saved[name])
 
-    def _give_up(self, time, step, saved, failure, may_halve):
+    def _give_up(
+        self,
+        time: float,
+        step: float,
+        saved: Mapping[str, Any],
+        failure: NotConverged | Discard,
+        may_halve: bool,
+    ) -> None:
         """Roll back a step that failed and forget what led there; StepFailed if it may not be
         halved.
         """
@@ -188,7 +225,7 @@ class Stepper:
             raise StepFailed(self.failures[-1]) from failure
         self.counters.halved_steps += 1
 
-    def _converge(self, time, step, saved):
+    def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
         change = self.predictor(time + step) - start
         guess = start + step_length(self.interface, start, change) * change

@@ -1,23 +1,29 @@
 """A system ready to run: participants, wires in SI, and how they start together."""
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..fmi.errors import BadInput
+from ..participants.participant import Participant
+
+Port = tuple[str, str]
+"""(participant, variable)."""
 
 
 @dataclass(frozen=True)
-class Connection:
+class Wire:
     """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local
     error.
 
     tolerance : infinite on a wire that is not measured, 0 where a relative criterion alone counts.
     """
 
-    source: tuple
-    target: tuple
-    shape: tuple
+    source: Port
+    target: Port
+    shape: tuple[int, ...]
     unit: str
     nominal: float
     tolerance: float
@@ -26,7 +32,7 @@ class Connection:
     residual_relative_tolerance: float = 0.0
     local_error: float | None = None
 
-    def allowed(self, values, first):
+    def allowed(self, values: np.ndarray, first: float) -> float:
         """Size of an element's residual that counts as converged, for given values and rms of the
         step's first residual.
         """
@@ -36,48 +42,49 @@ class Connection:
             self.residual_relative_tolerance * first,
         )
 
-    def measure(self, residual, values, first):
+    def measure(self, residual: np.ndarray, values: np.ndarray, first: float) -> float:
         """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
 
-        Eq. (C0):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
+        Eq. (S1):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
                        rms(r) / (residual-relative tolerance x rms(r of the macro step's first
-                       sweep)))
+                       evaluation)))
         """
-        share = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
-        if self.relative_tolerance or self.residual_relative_tolerance:
-            relative = max(
-                self.relative_tolerance * rms(values), self.residual_relative_tolerance * first
-            )
-            share = float(np.minimum(share, rms(residual) / max(relative, np.finfo(float).tiny)))
-        return share
+        largest = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
+        if not (self.relative_tolerance or self.residual_relative_tolerance):
+            return largest
+        relative = max(
+            self.relative_tolerance * rms(values), self.residual_relative_tolerance * first
+        )
+        # Eq. (S1)
+        return float(np.minimum(largest, rms(residual) / max(relative, np.finfo(float).tiny)))
 
 
-def rms(values):
+def rms(values: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def is_unknown(connection, order, parallel):
+def is_unknown(wire: Wire, order: Sequence[str], parallel: bool) -> bool:
     """Whether a wire runs against the stepping order: what it carries is then an unknown of the
     iteration.
     """
-    return parallel or order.index(connection.target[0]) <= order.index(connection.source[0])
+    return parallel or order.index(wire.target[0]) <= order.index(wire.source[0])
 
 
 @dataclass(frozen=True)
 class System:
-    """Participants in the order they start, stepping order, connections, parameters in SI, times,
+    """Participants in the order they start, stepping order, wires, parameters in SI, times,
     folder of the case.
 
     stop, step : stop time and macro step [s]; smallest_step : where step control divides macro
-    steps [s]; parallel : Jacobi's order, every participant reads what the others said in the sweep
-    before.
+    steps [s]; parallel : Jacobi's order, every participant reads what the others said in the
+    evaluation before.
     """
 
-    participants: dict
-    order: tuple
-    connections: tuple
-    parameters: dict
+    participants: Mapping[str, Any]
+    order: tuple[str, ...]
+    wires: tuple[Wire, ...]
+    parameters: Mapping[str, Mapping[str, Any]]
     stop: float
     step: float
     smallest_step: float = 0.0
@@ -85,28 +92,30 @@ class System:
     parallel: bool = False
 
 
-def start(system, trial=lambda participant: []):
+def start(
+    system: System, trial: Callable[[Participant], Iterable[str]] = lambda participant: ()
+) -> None:
     """Initialise the participants in the order of the case; inputs fed by an already started one
     begin with its outputs.
 
     `trial` is called with each participant that has started, and returns what is wrong with it.
-    Raises BadInput with all that is refused and found.
+    Raises BadInput with all that is refused.
     """
-    faults, started = [], {}
+    faults: list[str] = []
+    started: dict[str, Participant] = {}
     for name, participant in system.participants.items():
         fed = {
             c.target[1]: started[c.source[0]].get(c.source[1])
-            for c in system.connections
+            for c in system.wires
             if c.target[0] == name and c.source[0] in started
         }
         try:
-            participant.start(system.parameters[name] | fed, 0.0, system.stop)
+            participant.start({**system.parameters[name], **fed}, 0.0, system.stop)
             started[name] = participant
         except BadInput as error:
             faults += error.faults
-    for c in (
-        system.connections
-    ):  # where inputs are interpolated the first step begins with what its sources say
+    # where inputs are interpolated the first step begins with what its sources say
+    for c in system.wires:
         if c.source[0] in started and c.target[0] in started:
             started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
     faults += [fault for participant in started.values() for fault in trial(participant)]

@@ -2,25 +2,48 @@
 the iteration has made.
 """
 
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
 import numpy as np
 
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
+from .interface import Interface
+from .wiring import Wire
 
 
-class WorkBalance:
+class WireWithConjugate(Protocol):
+    """What is asked of a wire in the case: both ends as "participant.variable", its conjugate."""
+
+    source: str
+    target: str
+    conjugate: str | None
+
+
+class ConjugatePair(NamedTuple):
+    """Index of a wire, index of its conjugate, and whether their product is power, not work."""
+
+    wire: int
+    conjugate: int
+    is_power: bool
+
+
+class InterfaceWork:
     """Work of the wires that name a `conjugate`, summed over the macro steps.
 
-    Eq. (W1):  W_1 = sum_steps F_in . (q_out(t+H) - q_out(t)),   W_2 = sum_steps F_out . (q_in(t+H) - q_in(t))
+    Eq. (W1):  W_1 = sum_steps F_in . (q_out(t+H) - q_out(t)),
+               W_2 = sum_steps F_out . (q_in(t+H) - q_in(t))
 
     q is the wire's field, F its conjugate; side 1 computes q_out from F_in, side 2 F_out from q_in.
-    Where q is a velocity, q H stands for the difference. A wire agrees to its tolerance; the
-    balance says what that is worth as energy.
+    Where q is a velocity, q H stands for the difference. A wire agrees to its tolerance; W_1 - W_2
+    says what that is worth as energy.
 
     Parameters
     ----------
     interface : Interface
-    wires : sequence of case.Wire
+    tables : sequence of WireTable
+        The wires as the case says them.
 
     Raises
     ------
@@ -29,29 +52,30 @@ class WorkBalance:
         power.
     """
 
-    def __init__(self, interface, wires):
-        self.pairs, self.parts = conjugates(interface.connections, wires), interface.parts
-        self.work, self.exchanged = np.zeros(2), 0.0
+    def __init__(self, interface: Interface, tables: Sequence[WireWithConjugate]):
+        self.pairs = conjugates(interface.wires, tables)
+        self.parts = interface.parts
+        self.work = np.zeros(2)
+        self.exchanged = 0.0
         self.last = 0.0, interface.read(), interface.read()
 
-    def add(self, time, used, y):
+    def add(self, time: float, used: np.ndarray, y: np.ndarray) -> None:
         """Add the macro step that ends at `time` [s]: what inputs were set to and what outputs are
         there.
         """
-        (before, used_before, y_before), self.last = self.last, (time, used, y)
+        before, used_before, y_before = self.last
+        self.last = time, used, y
         step = time - before
-        for field, force, rate in self.pairs:
-            q, f = self.parts[field], self.parts[force]
-            out, into = (
-                (y[q] * step, used[q] * step)
-                if rate
-                else (y[q] - y_before[q], used[q] - used_before[q])
-            )
+        for pair in self.pairs:
+            q = self.parts[pair.wire]
+            f = self.parts[pair.conjugate]
+            out = y[q] * step if pair.is_power else y[q] - y_before[q]
+            into = used[q] * step if pair.is_power else used[q] - used_before[q]
             share = np.array([used[f] @ out, y[f] @ into])  # Eq. (W1)
             self.work += share
             self.exchanged += float(np.abs(used[f]) @ np.abs(out))
 
-    def summary(self):
+    def summary(self) -> dict[str, float]:
         """Summary entries: W_1 [J], and (W_1 - W_2) / sum |F_in| . |dq_out|; none without
         conjugates.
         """
@@ -64,35 +88,36 @@ class WorkBalance:
         }
 
 
-def conjugates(connections, wires):
-    """(index of the field, index of its conjugate, whether their product is power) of each wire
-    that names one.
-    """
-    faults, found = [], []
-    ports = {(".".join(c.source), ".".join(c.target)): k for k, c in enumerate(connections)}
-    for wire in wires:
-        if wire.conjugate is None or (wire.source, wire.target) not in ports:
+def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> list[ConjugatePair]:
+    """The pair of each wire that names a conjugate."""
+    faults: list[str] = []
+    pairs: list[ConjugatePair] = []
+    ports = {(".".join(wire.source), ".".join(wire.target)): k for k, wire in enumerate(wires)}
+    for table in tables:
+        if table.conjugate is None or (table.source, table.target) not in ports:
             continue
-        k = ports[wire.source, wire.target]
-        back = [
-            j
-            for j, c in enumerate(connections)
-            if ".".join(c.source) == wire.conjugate
-            and c.target[0] == connections[k].source[0]
-            and c.shape == connections[k].shape
-        ]
-        where = f"wire {wire.source} -> {wire.target}: conjugate = {wire.conjugate!r}"
-        if not back:
+        k = ports[table.source, table.target]
+        back = _wire_back(wires, wires[k], table.conjugate)
+        where = f"wire {table.source} -> {table.target}: conjugate = {table.conjugate!r}"
+        if back is None:
             faults.append(
-                f"{where}: no field of this shape is wired from there to {connections[k].source[0]}"
+                f"{where}: no field of this shape is wired from there to {wires[k].source[0]}"
             )
             continue
-        product = registry()(pint_unit(connections[k].unit)) * registry()(
-            pint_unit(connections[back[0]].unit)
-        )
+        units = (pint_unit(wires[k].unit), pint_unit(wires[back].unit))
+        product = registry()(units[0]) * registry()(units[1])
         if not (product.check("[energy]") or product.check("[power]")):
             faults.append(f"{where}: the product is in {product.units:~P}, neither work nor power")
-        found.append((k, back[0], product.check("[power]")))
+        pairs.append(ConjugatePair(k, back, product.check("[power]")))
     if faults:
         raise BadInput(faults)
-    return found
+    return pairs
+
+
+def _wire_back(wires: Sequence[Wire], wire: Wire, conjugate: str) -> int | None:
+    """Index of the first wire from the port `conjugate` to where `wire` begins, of its shape."""
+    for k, other in enumerate(wires):
+        from_there = ".".join(other.source) == conjugate
+        if from_there and other.target[0] == wire.source[0] and other.shape == wire.shape:
+            return k
+    return None

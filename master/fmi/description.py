@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 
 from .requirements import PACKAGES
-from .slave import element_names
+from .slave import PRODUCT, SEED, element_names, reserved
 
 VENDOR = "piston-cosim"
 """Name of the VendorAnnotations tool entry that lists the reserved directional-derivative
@@ -143,12 +143,12 @@ def _vendor_annotations(parent, slave, any_host):
     if any_host or not slave.derivative_inputs:
         return
     node = SubElement(needs, "DirectionalDerivative")
-    for kind, names in (("seed", slave.derivative_inputs), ("product", slave.derivative_outputs)):
+    for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs)):
         for name in names:
             SubElement(
                 node,
                 kind.capitalize(),
-                {"name": name, "valueReference": str(slave.references[f"{kind}:{name}"])},
+                {"name": name, "valueReference": str(slave.references[reserved(kind, name)])},
             )
 
 

@@ -6,16 +6,13 @@ derives from it and writes three: `start`, `advance` and `directional_derivative
 where:
 
 - `real`: one array [variables of type Real | courses | seeds | products]; a value reference is an
-index into it, and each
-  declared array is a view of it. Seeds and products are the reserved references of the directional
-  derivative. A course is what fmi2SetRealInputDerivatives said of an input, its first three
-  derivatives at the beginning of the step to come.
+  index into it, and each declared array is a view of it. Seeds and products are the reserved
+  references of the directional derivative. A course is what fmi2SetRealInputDerivatives said of an
+  input, its first three derivatives at the beginning of the step to come.
 - `integer`, `string`: likewise for the two other types. The front reads and writes `real` and
-`integer` in place: they are
-  allocated once and stay where they are.
+  `integer` in place: they are allocated once and stay where they are.
 - `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings,
-state); Integer outputs
-  count work done, which no rollback undoes, so they are not part of it.
+  state); Integer outputs count work done, which no rollback undoes, so they are not part of it.
 
 Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host
 later. A step that cannot be taken is logged, leaves the state as it was, and sets `status` to
@@ -26,12 +23,23 @@ import json
 import traceback
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from .errors import BadInput, Discard
+
+COURSE, SEED, PRODUCT = "course", "seed", "product"
+"""Kinds of reserved storage: an input's derivatives over a step, a directional derivative's seed
+and product.
+"""
+
+
+def reserved(kind: str, name: str) -> str:
+    """Key of the reserved storage of a variable."""
+    return f"{kind}:{name}"
 
 
 class FieldSlave(Fmi2Slave):
@@ -54,7 +62,7 @@ class FieldSlave(Fmi2Slave):
 
     name = "slave"
     description = ""
-    state_type = None
+    state_type: Any = None
     usual_step = 5e-5
     interpolates_inputs = False
     derivative_inputs = ()
@@ -70,8 +78,7 @@ class FieldSlave(Fmi2Slave):
         self.status = Fmi2Status.ok
         self._lay_out()
 
-    # ---- the participant's part
-    # ---------------------------------------------------------------------------------
+    # the participant's part
 
     @staticmethod
     def variables(options):
@@ -89,14 +96,16 @@ class FieldSlave(Fmi2Slave):
     def course(self, name):
         """An input over the step being taken, as the importer described it.
 
-        Eq. (F1):  u(t + s) = u + u' s + u'' s^2/2 + u''' s^3/6,   held (all derivatives 0) if nothing was said of it
+        Eq. (Y1):  u(t + s) = u + u' s + u'' s^2/2 + u''' s^3/6,
+                   held (all derivatives 0) if nothing was said of it
 
         Returns
         -------
         ndarray, shape (4, *shape of the input)
             u, u', u'', u''' at the beginning of the step [unit, unit/s, ..].
         """
-        return np.concatenate([self.views[name][None], self.views[f"course:{name}"]])
+        # the coefficients of Eq. (Y1), without the factorials
+        return np.concatenate([self.views[name][None], self.views[reserved(COURSE, name)]])
 
     def directional_derivative(self, seeds):
         """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its
@@ -104,8 +113,7 @@ class FieldSlave(Fmi2Slave):
         """
         raise NotImplementedError
 
-    # ---- storage
-    # ------------------------------------------------------------------------------------------------
+    # storage
 
     def _lay_out(self):
         """Allocate storage, give every variable its view, and copy the start values in."""
@@ -114,13 +122,13 @@ class FieldSlave(Fmi2Slave):
         shapes = {v.name: v.shape for v in real}
         self.real_count = sum(v.size for v in real)
         self.courses = [v.name for v in real if v.causality == "input" and self.interpolates_inputs]
-        reserved = [(f"course:{n}", (3, *shapes[n])) for n in self.courses]
-        reserved += [(f"seed:{n}", shapes[n]) for n in self.derivative_inputs]
-        reserved += [(f"product:{n}", shapes[n]) for n in self.derivative_outputs]
-        self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in reserved))
+        extra = [(reserved(COURSE, n), (3, *shapes[n])) for n in self.courses]
+        extra += [(reserved(SEED, n), shapes[n]) for n in self.derivative_inputs]
+        extra += [(reserved(PRODUCT, n), shapes[n]) for n in self.derivative_outputs]
+        self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in extra))
         integer = [v for v in self.table if v.type == "Integer"]
         self.integer = np.zeros(sum(v.size for v in integer), dtype=np.int64)
-        self._place(self.real, [(v.name, v.shape) for v in real] + reserved)
+        self._place(self.real, [(v.name, v.shape) for v in real] + extra)
         self._place(self.integer, [(v.name, v.shape) for v in integer])
         self.string = [v.start for v in self.table if v.type == "String"]
         self.references |= {
@@ -129,7 +137,7 @@ class FieldSlave(Fmi2Slave):
         for v in real + integer:
             self.views[v.name][...] = v.start
         self.first_product = (
-            self.references.get(f"product:{self.derivative_outputs[0]}", len(self.real))
+            self.references.get(reserved(PRODUCT, self.derivative_outputs[0]), len(self.real))
             if self.derivative_outputs
             else len(self.real)
         )
@@ -170,8 +178,7 @@ class FieldSlave(Fmi2Slave):
         for name, value in outputs.items():
             self.views[name][...] = value
 
-    # ---- what the C front calls besides
-    # -------------------------------------------------------------------------
+    # what the C front calls besides
 
     def layout(self):
         """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds,
@@ -180,13 +187,13 @@ class FieldSlave(Fmi2Slave):
         real, integer = self.real.ctypes.data, self.integer.ctypes.data
         blocks = [
             [
-                (self.references[n], self.views[n].size, self.references[f"{kind}:{n}"])
+                (self.references[n], self.views[n].size, self.references[reserved(kind, n)])
                 for n in names
             ]
             for kind, names in (
-                ("course", self.courses),
-                ("seed", self.derivative_inputs),
-                ("product", self.derivative_outputs),
+                (COURSE, self.courses),
+                (SEED, self.derivative_inputs),
+                (PRODUCT, self.derivative_outputs),
             )
         ]
         kinds = ("Real", "Integer", "String")
@@ -218,16 +225,15 @@ class FieldSlave(Fmi2Slave):
         """
         try:
             products = self.directional_derivative(
-                {n: self.views[f"seed:{n}"].copy() for n in self.derivative_inputs}
+                {n: self.views[reserved(SEED, n)].copy() for n in self.derivative_inputs}
             )
-            self._publish({f"product:{name}": value for name, value in products.items()})
+            self._publish({reserved(PRODUCT, name): value for name, value in products.items()})
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
             self.real[self.first_product :] = np.nan
         self.products_due = False
 
-    # ---- what both call
-    # -----------------------------------------------------------------------------------------
+    # what both call
 
     def exit_initialization_mode(self):
         """Check every parameter range, start the participant; a fault is logged and every later
@@ -299,7 +305,7 @@ class FieldSlave(Fmi2Slave):
             self._fail(traceback.format_exc(), Fmi2Status.error)
         finally:
             for name in self.courses:  # they were those of this step alone
-                self.views[f"course:{name}"][...] = 0.0
+                self.views[reserved(COURSE, name)][...] = 0.0
         return False
 
     def _check_step(self, step_size):
@@ -315,7 +321,8 @@ class FieldSlave(Fmi2Slave):
             ):
                 k = int(np.flatnonzero(~np.isfinite(np.atleast_1d(self.views[v.name]).ravel()))[0])
                 raise Discard(
-                    f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: must be finite"
+                    f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: "
+                    "must be finite"
                 )
 
     def set_real(self, vrs, values):
@@ -347,13 +354,12 @@ class FieldSlave(Fmi2Slave):
     def get_string(self, vrs):
         return [self.string[reference] for reference in vrs]
 
-    # ---- state
-    # --------------------------------------------------------------------------------------------------
+    # state
 
-    def _get_fmu_state(self):
+    def _get_fmu_state(self):  # pyright: ignore[reportIncompatibleMethodOverride]
         return self.real[: self.real_count].copy(), tuple(self.string), self.state
 
-    def _set_fmu_state(self, saved):
+    def _set_fmu_state(self, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, strings, state = saved
         self.string[:], self.fault = strings, None
         self.real[: self.real_count] = real
@@ -363,7 +369,7 @@ class FieldSlave(Fmi2Slave):
         self.state = self.state_type(**state) if isinstance(state, dict) else state
 
     @staticmethod
-    def _fmu_state_to_bytes(saved):
+    def _fmu_state_to_bytes(saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, strings, state = saved
         members = (
             {}
@@ -386,7 +392,7 @@ class FieldSlave(Fmi2Slave):
         )
 
     @staticmethod
-    def _fmu_state_from_bytes(data):
+    def _fmu_state_from_bytes(data):  # pyright: ignore[reportIncompatibleMethodOverride]
         data = bytes(data)
         end = 8 + int.from_bytes(data[:8], "little")
         header, arrays = json.loads(data[8:end]), {}

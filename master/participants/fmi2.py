@@ -1,8 +1,7 @@
 """One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its
 log as text.
 
-The only file that knows FMPy. Any object with the same methods can take part (`Participant` is the
-protocol).
+The only file that knows FMPy.
 """
 
 import ctypes
@@ -12,7 +11,7 @@ import zipfile
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 from xml.etree import ElementTree
 
 import fmpy
@@ -31,30 +30,6 @@ DIFFERENCE = 1e-5
 the step map.
 """
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
-
-
-class Participant(Protocol):
-    """What the master needs of a participant; `fields` maps names to objects with the attributes of
-    `Field`.
-    """
-
-    name: str
-    fields: dict
-    has_derivatives: bool
-
-    def start(self, parameters, start_time, stop_time): ...
-    def set(self, name, value): ...
-    def get(self, name): ...
-    def get_many(self, names): ...
-    def step(self, time, step): ...
-    def save(self): ...
-    def restore(self, saved): ...
-    def free(self, saved): ...
-    def serialise(self, saved): ...
-    def deserialise(self, data): ...
-    def derivative(self, seeds, products): ...
-    def set_course(self, name, course): ...  # only where can_interpolate
-    def close(self): ...
 
 
 class FmuParticipant:
@@ -79,7 +54,7 @@ class FmuParticipant:
     def __init__(self, name, path):
         self.name, self.path = name, Path(path)
         try:
-            self.description = fmpy.read_model_description(str(path), validate=False)
+            self.description: Any = fmpy.read_model_description(str(path), validate=False)
         except Exception as error:
             raise BadInput(
                 f"participant {name}: {path} cannot be read as an FMU: {error}"
@@ -94,17 +69,14 @@ class FmuParticipant:
         self.folder = unpack(self.path)
         self.log = []
         root = self._model_description()
-        self._vectors, self._pairs, self._courses, self._derivative = (
-            {},
-            {},
-            {},
-            self._reserved_references(root),
-        )
-        self._standard_derivative = root.find("CoSimulation").get(self.derivative_flag) in (
-            "true",
-            "1",
-        )
-        self._fmu = None
+        self._vectors: dict[str, Block] = {}
+        self._pairs: dict[tuple[str, ...], Block] = {}
+        self._courses: dict[tuple[str, int], tuple] = {}
+        self._derivative = self._reserved_references(root)
+        offered = root.find("CoSimulation")
+        flag = None if offered is None else offered.get(self.derivative_flag)
+        self._standard_derivative = flag in ("true", "1")
+        self._fmu: Any = None
 
     @property
     def has_derivatives(self):
@@ -124,7 +96,7 @@ class FmuParticipant:
         return bool(self.description.coSimulation.canSerializeFMUstate)
 
     @property
-    def can_interpolate(self):
+    def can_interpolate(self) -> bool:
         """Whether the FMU follows inputs over a step whose derivatives it is told."""
         return bool(self.description.coSimulation.canInterpolateInputs)
 
@@ -238,7 +210,7 @@ class FmuParticipant:
     def _read(self, block):
         self._fmu.fmi2GetReal(self._fmu.component, block.references, block.count, block.pointer)
 
-    def _access(self):
+    def _access(self) -> dict[str, tuple]:
         """FMPy's getter and setter of lists, by type."""
         one = self._fmu
         return {
@@ -372,14 +344,14 @@ class FmuParticipant:
 
     def _reserved_references(self, root):
         """Blocks of all seeds and of all products, from the FMU's vendor annotation."""
-        found = {}
+        blocks: dict[str, Block] = {}
         for kind in ("seed", "product"):
             nodes = root.findall(
                 f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}"
             )
             first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
             if first:
-                found[kind] = _block(
+                blocks[kind] = _block(
                     {
                         name: replace(
                             self.fields[name],
@@ -388,7 +360,7 @@ class FmuParticipant:
                         for name, k in first.items()
                     }
                 )
-        return found
+        return blocks
 
     def close(self):
         """Terminate and free the instance."""
@@ -407,8 +379,8 @@ class Block:
     references: ctypes.Array
     count: int
     values: np.ndarray
-    pointer: REAL
-    parts: dict
+    pointer: Any
+    parts: dict[str, slice]
 
 
 def _block(fields):
@@ -433,7 +405,8 @@ def difference(participant, begin, last_step, seeds, products):
     """Directional derivative from the last step taken once more with changed inputs; the
     participant is left as it was.
 
-    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,   scale: nominal, else max|x|, else 1
+    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,
+               scale: nominal, else max|x|, else 1
 
     Parameters
     ----------

@@ -11,7 +11,11 @@ class Fmu3Participant(FmuParticipant):
     """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
-    can_interpolate = False  # FMI 3.0 has no call that tells an FMU the derivatives of its inputs
+
+    @property
+    def can_interpolate(self) -> bool:
+        """Never: FMI 3.0 has no call that tells an FMU the derivatives of its inputs."""
+        return False
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)
@@ -34,7 +38,7 @@ class Fmu3Participant(FmuParticipant):
             self._fmu.component, block.references, block.count, block.pointer, block.values.size
         )
 
-    def _access(self):
+    def _access(self) -> dict[str, tuple]:
         one = self._fmu
         return {
             "Real": (one.getFloat64, one.setFloat64),

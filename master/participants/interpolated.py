@@ -3,6 +3,7 @@ knows at both ends.
 """
 
 import pickle
+from typing import Any
 
 import numpy as np
 
@@ -18,16 +19,17 @@ def slope_of(name):
 def linear(begin, end, step):
     """Value and first derivative at the beginning of the step.
 
-    Eq. (I1):  u(s) = u0 + (u1 - u0) s / H,   0 <= s <= H
+    Eq. (P2):  u(s) = u0 + (u1 - u0) s / H,   0 <= s <= H
     """
-    return np.stack([begin, (end - begin) / step])  # Eq. (I1)
+    return np.stack([begin, (end - begin) / step])  # Eq. (P2)
 
 
 def hermite(begin, end, begin_slope, end_slope, step):
     """Value and three derivatives at the beginning of the step of the cubic with given values and
     slopes at both ends.
 
-    Eq. (I2):  u(s) = u0 + u0' s + (3 d - 2 u0' - u1') s^2/H + (u0' + u1' - 2 d) s^3/H^2,   d = (u1 - u0)/H
+    Eq. (P3):  u(s) = u0 + u0' s + (3 d - 2 u0' - u1') s^2/H + (u0' + u1' - 2 d) s^3/H^2,
+               d = (u1 - u0)/H
 
     Parameters
     ----------
@@ -50,7 +52,7 @@ def hermite(begin, end, begin_slope, end_slope, step):
             2 * (3 * d - 2 * begin_slope - end_slope) / step,
             6 * (begin_slope + end_slope - 2 * d) / step**2,
         ]
-    )  # Eq. (I2)
+    )  # Eq. (P3)
 
 
 class InterpolatedParticipant:
@@ -80,7 +82,8 @@ class InterpolatedParticipant:
         }
         inputs = [*interpolation, *(name for name in self.fields if name not in participant.fields)]
         self.now = {name: np.zeros(self.fields[name].shape) for name in inputs}
-        self._begin = self._last_step = None
+        self._begin: Any = None
+        self._last_step: Any = None
 
     def __getattr__(self, name):
         return getattr(self.participant, name)
@@ -112,13 +115,15 @@ class InterpolatedParticipant:
 
     def step(self, time, step):
         """One step [s] along the inputs' courses."""
-        self._last_step, begin = (time, step), self._begin[1]
+        self._last_step = time, step
+        begin = self._begin[1]
         for name, kind in self.interpolation.items():
-            ends = begin[name], self.now[name]
-            slopes = [at[slope_of(name)] for at in (begin, self.now)] if kind == "hermite" else []
-            self.participant.set_course(
-                name, hermite(*ends, *slopes, step) if slopes else linear(*ends, step)
-            )
+            if kind == "hermite":
+                slope = slope_of(name)
+                course = hermite(begin[name], self.now[name], begin[slope], self.now[slope], step)
+            else:
+                course = linear(begin[name], self.now[name], step)
+            self.participant.set_course(name, course)
         self.participant.step(time, step)
 
     def save(self):

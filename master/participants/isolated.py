@@ -11,6 +11,7 @@ import signal
 import threading
 import traceback
 from itertools import count
+from typing import Any
 
 import numpy as np
 
@@ -40,21 +41,21 @@ class IsolatedParticipant:
     """
 
     def __init__(self, participant, timeout):
-        self.description, self.timeout = participant.description, timeout
-        self.name, self.fields, self.path = participant.name, participant.fields, participant.path
-        self.has_derivatives, self.can_redo = participant.has_derivatives, participant.can_redo
-        self.declares_units, self.can_interpolate = (
-            participant.declares_units,
-            participant.can_interpolate,
-        )
+        self.description = participant.description
+        self.timeout = timeout
+        self.name = participant.name
+        self.fields = participant.fields
+        self.path = participant.path
+        self.has_derivatives = participant.has_derivatives
+        self.can_redo = participant.can_redo
         self.can_serialise = participant.can_serialise
-        self._process, self._queue, self._fresh, self._read_ahead, self._numbers = (
-            None,
-            [],
-            set(),
-            set(),
-            count(1),
-        )
+        self.can_interpolate = participant.can_interpolate
+        self.declares_units = participant.declares_units
+        self._process: Any = None
+        self._queue: list[tuple[str, tuple]] = []
+        self._fresh: set[str] = set()
+        self._read_ahead: set[str] = set()
+        self._numbers = count(1)
 
     def start(self, parameters, start_time, stop_time):
         """Start the process, then instantiate and initialise there; see `FmuParticipant.start`."""
@@ -248,6 +249,7 @@ def _serve(pipe, memory, name, path):
     server = _Server(open_fmu(name, path), memory)
     while True:
         queue = pipe.recv()
+        answer = False, None
         try:
             for command in queue:
                 answer = False, server.run(*command)
@@ -262,5 +264,6 @@ def _serve(pipe, memory, name, path):
 
 def _follow():
     """End this process when the master's has ended, even where the FMU hangs."""
-    multiprocessing.parent_process().join()
+    if master := multiprocessing.parent_process():
+        master.join()
     os._exit(1)

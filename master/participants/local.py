@@ -6,10 +6,11 @@ import numpy as np
 from pythonfmu.enums import Fmi2Status
 
 from ..fmi.errors import BadInput, Discard, ParticipantFault
+from ..fmi.slave import COURSE, reserved
 
 
 class LocalParticipant:
-    """Wraps a `FieldSlave` behind the methods of `master.participant.Participant`.
+    """Wraps a `FieldSlave` behind the methods of `participant.Participant`.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ class LocalParticipant:
         *shape), value first.
         """
         self.slave.views[name][...] = course[0]
-        self.slave.views[f"course:{name}"][: len(course) - 1] = course[1:]
+        self.slave.views[reserved(COURSE, name)][: len(course) - 1] = course[1:]
 
     def get_many(self, names):
         """Values of several scalars: dict of name to number."""

@@ -25,20 +25,22 @@ def rollback_faults(participant, step):
     """
     try:
         saved = participant.save()
-        first, second = (_outcome(participant, saved, step) for _ in range(2))
-        participant.restore(saved)
-        participant.free(saved)
-    except Discard:
-        participant.restore(saved)
-        participant.free(saved)
-        return []
+        try:
+            first = _outcome(participant, saved, step)
+            second = _outcome(participant, saved, step)
+        except Discard:
+            return []
+        finally:
+            participant.restore(saved)
+            participant.free(saved)
     except FMICallException as error:
         return [f"{participant.name}: its state cannot be saved and restored: {error}"]
     different = [name for name, value in first.items() if value != second[name]]
     if not different:
         return []
     return [
-        f"{participant.name}: a step taken again from its saved state gives another {', '.join(different)}"
+        f"{participant.name}: a step taken again from its saved state gives another "
+        f"{', '.join(different)}"
     ]
 
 

@@ -4,6 +4,7 @@ import csv
 import re
 from itertools import cycle
 from pathlib import Path
+from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,18 +12,42 @@ import numpy as np
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from .judgement import last_period
-from .pictures import PALETTE
+from .pictures import PALETTE, name_of
 
 HEADER = re.compile(r"^\s*(\w+\.\w+)\s*\[(.+)\]\s*$")
 
 
-def score(x, y, x_reference, y_reference):
+class Score(NamedTuple):
+    """How a curve lies against a reference: amplitude [-], rms [-], phase [unit of x]."""
+
+    amplitude: float
+    rms: float
+    phase: float
+
+
+class Row(NamedTuple):
+    """The score of one run's curve."""
+
+    run: str
+    port: str
+    score: Score
+
+
+class Measured(NamedTuple):
+    """A column of a measured file, in its own unit."""
+
+    values: np.ndarray
+    unit: str
+
+
+def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np.ndarray) -> Score:
     """How a curve lies against a reference, where both are known.
 
-    Eq. (S1):  amplitude = range(y) / range(y_ref)
-    Eq. (S2):  rms = sqrt(mean((y - y_ref)^2)) / range(y_ref)
-    Eq. (S3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least, means taken off,
-               |d| <= a tenth of the length (positive: the curve comes later than its reference)
+    Eq. (X1):  amplitude = range(y) / range(y_ref)
+    Eq. (X2):  rms = sqrt(mean((y - y_ref)^2)) / range(y_ref)
+    Eq. (X3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least,
+               means taken off, |d| <= a tenth of the length (positive: the curve comes later than
+               its reference)
 
     Parameters
     ----------
@@ -31,8 +56,7 @@ def score(x, y, x_reference, y_reference):
 
     Returns
     -------
-    dict
-        amplitude [-], rms [-], phase [unit of x].
+    Score
 
     Raises
     ------
@@ -43,21 +67,20 @@ def score(x, y, x_reference, y_reference):
     grid, reference = x_reference[inside], y_reference[inside]
     if inside.sum() < 3 or not np.ptp(reference) > 0:
         raise BadInput(
-            f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, and they vary by "
-            f"{np.ptp(reference) if inside.any() else 0:g}: nothing to compare"
+            f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, "
+            f"and they vary by {np.ptp(reference) if inside.any() else 0:g}: nothing to compare"
         )
-    values, size = np.interp(grid, x, y), np.ptp(reference)
-    # Eq. (S1)
-    return {
-        "amplitude": float(np.ptp(values) / size),
-        # Eq. (S2)
-        "rms": float(np.sqrt(np.mean((values - reference) ** 2)) / size),
-        "phase": _shift(x, y, grid, reference),
-    }
+    values = np.interp(grid, x, y)
+    size = np.ptp(reference)
+    return Score(
+        amplitude=float(np.ptp(values) / size),  # Eq. (X1)
+        rms=float(np.sqrt(np.mean((values - reference) ** 2)) / size),  # Eq. (X2)
+        phase=_shift(x, y, grid, reference),
+    )
 
 
 def _shift(x, y, grid, reference):
-    """Eq. (S3), by search among 401 shifts and a parabola through the best one's neighbours."""
+    """The phase, by search among 401 shifts and a parabola through the best one's neighbours."""
     shifts = np.linspace(-0.1, 0.1, 401) * (grid[-1] - grid[0])
 
     def misfit(shift):
@@ -65,25 +88,25 @@ def _shift(x, y, grid, reference):
         a, b = np.interp(grid[known] + shift, x, y), reference[known]
         return float(np.mean((a - a.mean() - b + b.mean()) ** 2))
 
-    # Eq. (S3)
-    found = np.array([misfit(shift) for shift in shifts])
-    k = int(np.clip(found.argmin(), 1, len(shifts) - 2))
-    left, middle, right = found[k - 1 : k + 2]
+    # Eq. (X3)
+    misfits = np.array([misfit(shift) for shift in shifts])
+    k = int(np.clip(misfits.argmin(), 1, len(shifts) - 2))
+    left, middle, right = misfits[k - 1 : k + 2]
     bend = left - 2 * middle + right
-    return float(
-        shifts[k] + (0.5 * (left - right) / bend * (shifts[1] - shifts[0]) if bend > 0 else 0.0)
-    )
+    if not bend > 0:
+        return float(shifts[k])
+    return float(shifts[k] + 0.5 * (left - right) / bend * (shifts[1] - shifts[0]))
 
 
-def read_measured(path):
+def read_measured(path: str | Path) -> dict[str, Measured]:
     """Columns of a measured CSV file whose header names ports with units.
 
     For example: bodies.crank_angle [deg],bodies.rocking_angle [mrad]
 
     Returns
     -------
-    dict of str to (ndarray, str)
-        Port -> values as in the file, and their unit; the first column is the abscissa.
+    dict of str to Measured
+        By port; the first column is the abscissa.
 
     Raises
     ------
@@ -105,24 +128,19 @@ def read_measured(path):
         raise BadInput(f"{path}: {error}") from None
     if values.ndim != 2 or values.shape[1] != len(heads) or np.any(np.diff(values[:, 0]) <= 0):
         raise BadInput(f"{path}: every row needs {len(heads)} numbers, the first rising")
-    return {head[1]: (column, head[2]) for head, column in zip(heads, values.T)}
+    return {head[1]: Measured(column, head[2]) for head, column in zip(heads, values.T) if head}
 
 
 def against_measured(runs, measured):
-    """Scores of every run against every measured column: rows of (run, port, score)."""
+    """Scores of every run against every measured column: a row each."""
     (x_port, (x, x_unit)), *columns = measured.items()
     x = x * _factor(x_unit, next(iter(runs.values())).series(x_port)[1])
     rows = []
     for port, (y, y_unit) in columns:
         for label, results in runs.items():
             values, unit, _ = results.series(port)
-            rows.append(
-                (
-                    label,
-                    port,
-                    score(results.series(x_port)[0], values, x, y * _factor(y_unit, unit)),
-                )
-            )
+            known = results.series(x_port).values
+            rows.append(Row(label, port, score(known, values, x, y * _factor(y_unit, unit))))
     return rows
 
 
@@ -141,7 +159,7 @@ def against_first(runs, x_port, ports):
         return results.series(x_port)[0], results.series(port)[0]
 
     return [
-        (label, port, score(*curve(results, port), *curve(first, port)))
+        Row(label, port, score(*curve(results, port), *curve(first, port)))
         for port in ports
         for label, results in others
     ]
@@ -156,7 +174,8 @@ def against_last_cycle(case, runs, x_port, ports, period):
             last = last_period(case, results, period)
             length = x[last][-1] - x[last][0]
             before = (x >= x[last][0] - length - 1e-9) & (x <= x[last][0] + 1e-9)
-            rows.append((label, port, score(x[last] - length, y[last], x[before], y[before])))
+            scored = score(x[last] - length, y[last], x[before], y[before])
+            rows.append(Row(label, port, scored))
     return rows
 
 
@@ -183,10 +202,10 @@ def draw_measured(runs, measured, path):
                 label=label,
             )
         panel.plot(x, y, "o", ms=3, mfc="none", color="black", label="measured")
-        panel.set_ylabel(f"{port.split('.')[1].replace('_', ' ')} [{unit}]")
+        panel.set_ylabel(f"{name_of(port)} [{unit}]")
         panel.grid(alpha=0.3)
         panel.legend(frameon=False, fontsize="small")
-    panels[-1, 0].set_xlabel(f"{x_port.split('.')[1].replace('_', ' ')} [{x_unit}]")
+    panels[-1, 0].set_xlabel(f"{name_of(x_port)} [{x_unit}]")
     figure.savefig(path, dpi=130)
     plt.close(figure)
     return path

@@ -49,19 +49,14 @@ def read_block(results, expression):
     """
     sign = "+" if "+" in expression else "*"
     ports = [part.strip() for part in expression.split(sign)]
-    groups = {
-        owner: group
-        for owner, group in results.file["fields"].items()
-        if isinstance(group, h5py.Group)
-    }
-    recorded = [f"{owner}.{name}" for owner, group in groups.items() for name in group]
+    recorded = results.recorded
     unknown = [port for port in ports if port not in recorded]
     if unknown:
         raise BadInput(
-            f"{', '.join(unknown)}: recorded are {', '.join(recorded)} (record.fields of the case); "
-            "join them by + or *"
+            f"{', '.join(unknown)}: recorded are {', '.join(recorded)} "
+            "(record.fields of the case); join them by + or *"
         )
-    sets = [results.file["fields/" + port.replace(".", "/")] for port in ports]
+    sets = [results.dataset(port) for port in ports]
     units = [dataset.attrs["unit"] for dataset in sets]
     if len({dataset.shape for dataset in sets}) > 1 or len(sets[0].shape) != 3:
         shapes = ", ".join(str(dataset.shape[1:]) for dataset in sets)
@@ -71,7 +66,7 @@ def read_block(results, expression):
     values = np.sum(sets, axis=0) if sign == "+" else np.prod(sets, axis=0)
     unit = units[0] if sign == "+" else ".".join(unit for unit in units if unit != "1") or "1"
     i, j = (np.arange(1, size + 1) for size in values.shape[1:])
-    return Block(expression, unit, results.file["fields/time"][:], i, j, values)
+    return Block(expression, unit, results.instants, i, j, values)
 
 
 def chosen(block, time=None, i=None, j=None):

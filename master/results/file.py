@@ -2,71 +2,114 @@
 
 import json
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
 
+class Series(NamedTuple):
+    """A scalar output over the macro steps, shape (rows,), in its SI unit."""
+
+    values: np.ndarray
+    unit: str
+    description: str
+
+
+class RecordedField(NamedTuple):
+    """A field at the instant `time` [s], in its SI unit."""
+
+    values: np.ndarray
+    time: float
+    unit: str
+    description: str
+
+
 class Results:
     """A results file, read: `time`, `series(port)`, `field(port, time)`, units and descriptions."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | Path):
         self.path = Path(path)
-        self.file = h5py.File(self.path, "r", libver="latest", swmr=self.path.suffix == ".partial")
-        self.time = self.file["time"][:]
+        self.file: Any = h5py.File(
+            self.path, "r", libver="latest", swmr=self.path.suffix == ".partial"
+        )
+        self.time: np.ndarray = self.file["time"][:]
 
     @property
-    def title(self):
+    def title(self) -> str:
+        """Title of the case."""
         return self.file.attrs["title"]
 
     @property
-    def case(self):
+    def case(self) -> dict[str, Any]:
         """Resolved TOML tree of the run."""
         return json.loads(self.file.attrs["case"])
 
     @property
-    def summary(self):
+    def summary(self) -> dict[str, Any] | None:
         """Summary of a finished run, None of one that is not."""
         return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
 
-    def series(self, port):
-        """Values, unit and description of a scalar output "participant.name"."""
+    def series(self, port: str) -> Series:
+        """Scalar output "participant.name"."""
         dataset = self.file[port.replace(".", "/")]
-        return dataset[:], dataset.attrs["unit"], dataset.attrs["description"]
+        return Series(dataset[:], dataset.attrs["unit"], dataset.attrs["description"])
 
     @property
-    def ports(self):
+    def ports(self) -> list[str]:
         """All scalar outputs, "participant.name", and "coupling.name"."""
-        found = []
-        self.file.visititems(
-            lambda name, item: (
-                found.append(name.replace("/", ".")) if isinstance(item, h5py.Dataset) else None
-            )
-        )
-        return [port for port in found if port != "time" and not port.startswith("fields.")]
+        names: list[str] = []
 
-    def structured(self):
+        def note(name, item):
+            if isinstance(item, h5py.Dataset):
+                names.append(name.replace("/", "."))
+
+        self.file.visititems(note)
+        return [name for name in names if name != "time" and not name.startswith("fields.")]
+
+    def structured(self) -> np.ndarray:
         """All scalar outputs as FMPy hands out results.
 
         Returns
         -------
         ndarray, shape (rows,)
-            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and `plot_result` take it.
+            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and
+            `plot_result` take it.
         """
-        table = np.empty(self.time.size, [("time", float), *((port, float) for port in self.ports)])
+        columns = [("time", float), *((port, float) for port in self.ports)]
+        table = np.empty(len(self.time), columns)
         table["time"] = self.time
         for port in self.ports:
-            table[port] = self.series(port)[0]
+            table[port] = self.series(port).values
         return table
 
-    def field(self, port, time):
-        """Recorded field nearest to `time` [s], its instant [s], unit and description."""
-        dataset, instants = (
-            self.file["fields/" + port.replace(".", "/")],
-            self.file["fields/time"][:],
-        )
-        k = int(np.argmin(np.abs(instants - time)))
-        return dataset[k], float(instants[k]), dataset.attrs["unit"], dataset.attrs["description"]
+    @property
+    def instants(self) -> np.ndarray:
+        """Instants of the recorded fields [s]."""
+        return self.file["fields/time"][:]
 
-    def close(self):
+    @property
+    def recorded(self) -> list[str]:
+        """All recorded fields, "participant.name"."""
+        groups = {
+            owner: group
+            for owner, group in self.file["fields"].items()
+            if isinstance(group, h5py.Group)
+        }
+        return [f"{owner}.{name}" for owner, group in groups.items() for name in group]
+
+    def dataset(self, port: str) -> Any:
+        """Recorded field at all instants, h5py.Dataset of shape (instants, *shape)."""
+        return self.file["fields/" + port.replace(".", "/")]
+
+    def field(self, port: str, time: float) -> RecordedField:
+        """Recorded field nearest to `time` [s]."""
+        dataset = self.dataset(port)
+        instants = self.instants
+        k = int(np.argmin(np.abs(instants - time)))
+        unit = dataset.attrs["unit"]
+        return RecordedField(dataset[k], float(instants[k]), unit, dataset.attrs["description"])
+
+    def close(self) -> None:
+        """Close the file."""
         self.file.close()

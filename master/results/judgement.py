@@ -2,9 +2,11 @@
 the work in a loop.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from ..fmi.quantities import to_si
+from ..fmi.quantities import pint_unit, registry, to_si
 
 REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
 
@@ -87,23 +89,33 @@ def last_period(case, results, period):
     return results.time >= results.time[-1] - length * (1 + 1e-9)
 
 
+class LoopCurve(NamedTuple):
+    """x and summed y of a loop, with their SI units."""
+
+    x: np.ndarray
+    x_unit: str
+    y: np.ndarray
+    y_unit: str
+
+
 def loop_curve(case, results, loop):
-    """x and summed y of a loop over its last period, with their SI units."""
+    """The loop over its last period."""
     mask = last_period(case, results, loop.period)
     x, x_unit, _ = results.series(loop.x)
     columns = [results.series(port) for port in loop.y]
-    return x[mask], x_unit, sum(values for values, _, _ in columns)[mask], columns[0][1]
+    y = np.sum([column.values for column in columns], axis=0)
+    return LoopCurve(x[mask], x_unit, y[mask], columns[0].unit)
 
 
 def loop_work(case, results, loop):
     """Work in a loop, divided by its `per`, in its unit.
 
-    Eq. (J1):  W = |closed integral of y dx|  by trapezia between the recorded steps, second order in the step
+    Eq. (X4):  W = |closed integral of y dx|  by trapezia between the recorded steps, second
+               order in the step
     """
-    from ..fmi.quantities import pint_unit, registry
-
     x, x_unit, y, y_unit = loop_curve(case, results, loop)
-    # Eq. (J1)
+    # Eq. (X4)
     work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))
     quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
-    return float((quantity / registry().Quantity(loop.per)).to(loop.unit).magnitude)
+    ratio: Any = quantity / registry().Quantity(loop.per)
+    return float(ratio.to(loop.unit).magnitude)

@@ -8,10 +8,10 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
 
-from ..fmi.quantities import pint_unit, registry, to_si  # noqa: E402
+from ..fmi.quantities import pint_unit, registry, to_si
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
 WINDOW = "#3a7d44"
@@ -45,29 +45,37 @@ def figures(case, runs):
     next is asked for.
     """
     for picture in case.pictures:
-        figure = (
-            draw_lines(picture, runs, case.window)
-            if picture.kind == "lines"
-            else KINDS[picture.kind](picture, runs)
-        )
+        figure = DRAWN[picture.kind](case, picture, runs)
         figure.suptitle(picture.title)
         yield picture, figure
         plt.close(figure)
 
 
-def scaled(values, unit, wanted):
+def scaled(values, unit: str, wanted: str | None):
     """`values` from SI `unit` in the unit the picture asks for, and its label."""
+    shown = unit_shown(unit, wanted)
     if not wanted:
-        return values, "" if unit == "1" else unit
+        return values, shown
     quantity = registry().Quantity(1.0, pint_unit(unit))
-    return np.asarray(values) * quantity.to(wanted).magnitude, wanted
+    return np.asarray(values) * quantity.to(wanted).magnitude, shown
 
 
-def labelled(text, unit):
+def unit_shown(unit: str, wanted: str | None) -> str:
+    """Label of the unit a picture asks for; the SI `unit` without one, nothing for pure numbers."""
+    return wanted or ("" if unit == "1" else unit)
+
+
+def labelled(text: str, unit: str) -> str:
+    """Text with a unit behind it, if there is one."""
     return f"{text} [{unit}]" if unit else text
 
 
-def draw_lines(picture, runs, window):
+def name_of(port: str) -> str:
+    """The variable of "participant.variable" in words."""
+    return port.partition(".")[2].replace("_", " ")
+
+
+def draw_lines(case, picture, runs):
     """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style;
     windows are shaded.
     """
@@ -79,33 +87,36 @@ def draw_lines(picture, runs, window):
         layout="constrained",
         figsize=(11, 1.2 + 2.3 * len(picture.y)),
     )
+    x_unit = ""
     for panel, ports in zip(panels[:, 0], picture.y):
+        y_unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            x, x_unit, x_text = results.series(picture.x)
-            x, x_unit = scaled(x, x_unit, picture.units.get(picture.x))
+            x, si, _ = results.series(picture.x)
+            x, x_unit = scaled(x, si, picture.units.get(picture.x))
             for style, port in zip(("-", "--", ":"), ports):
-                y, unit, text = results.series(port)
-                wanted = picture.units.get(port)
-                y, shown = scaled(y, unit, wanted)
-                name = (
-                    label if len(ports) == 1 else f"{label}, {port.split('.')[1].replace('_', ' ')}"
-                )
+                y, si, _ = results.series(port)
+                y, y_unit = scaled(y, si, picture.units.get(port))
+                name = label if len(ports) == 1 else f"{label}, {name_of(port)}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
-        _shade(
-            panel,
-            {
-                text.split()[0]: tuple(scaled(to_si(v, unit), unit, wanted)[0] for v in limits)
-                for text, limits in window.items()
-                if text.split()[1] in ports
-            },
-        )
-        heading = port.split(".")[1].replace("_", " ") if len(ports) == 1 else _common(ports)
-        panel.set_ylabel(labelled(heading, shown))
+        first = next(iter(runs.values()))
+        _shade(panel, _windows_of(ports, case.window, picture.units, first))
+        panel.set_ylabel(labelled(_common(ports), y_unit))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
         panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    panels[-1, 0].set_xlabel(labelled(picture.x.split(".")[1].replace("_", " "), x_unit))
+    panels[-1, 0].set_xlabel(labelled(name_of(picture.x), x_unit))
     return figure
+
+
+def _windows_of(ports, window, units, results):
+    """Limits of a panel's curves in the units shown, by the kind of value they are for."""
+    limits = {}
+    for text, pair in window.items():
+        kind, port = text.split()
+        if port in ports:
+            si = results.series(port)[1]
+            limits[kind] = tuple(scaled(to_si(v, si), si, units.get(port))[0] for v in pair)
+    return limits
 
 
 def _shade(panel, windows):
@@ -121,15 +132,15 @@ def _shade(panel, windows):
 
 
 def _common(ports):
-    """Longest common beginning of the variables' names, at a word's end."""
+    """The words that the variables' names share, or all names; of one variable its name."""
     words = [port.split(".")[1].split("_") for port in ports]
     shared = [column[0] for column in zip(*words) if len(set(column)) == 1]
-    return " ".join(shared) or ", ".join(port.split(".")[1].replace("_", " ") for port in ports)
+    return " ".join(shared) or ", ".join(name_of(port) for port in ports)
 
 
-def draw_maps(picture, runs):
-    """One row per field, one column per run, one colour scale per row; axes are the field's two
-    indices as fractions.
+def draw_maps(case, picture, runs):
+    """One row per field, one column per run, one colour scale per row; axes are what the case says
+    the field's two indices run along.
     """
     figure, panels = plt.subplots(
         len(picture.fields),
@@ -140,45 +151,62 @@ def draw_maps(picture, runs):
     )
     instant = to_si(picture.time, "s")
     for row, port in zip(panels, picture.fields):
-        found = [results.field(port, instant) for results in runs.values()]
-        images = [scaled(f[0], f[2], picture.units.get(port)) for f in found]
-        low, high = min(i.min() for i, _ in images), max(i.max() for i, _ in images)
-        for panel, label, (image, unit), (_, time, _, _) in zip(row, runs, images, found):
-            shown = panel.imshow(
-                image.T,
-                origin="lower",
-                aspect="auto",
-                extent=(0, 360, 0, 1),
-                vmin=low,
-                vmax=high,
-                cmap="viridis",
-                interpolation="nearest",
-            )
-            centres = [(np.arange(n) + 0.5) / n for n in image.shape]
-            if low < high:
-                panel.contour(
-                    360 * centres[0],
-                    centres[1],
-                    image.T,
-                    np.linspace(low, high, 10)[1:-1],
-                    colors="white",
-                    linewidths=0.4,
-                )
-            panel.set_title(f"{label}, t = {time * 1e3:.2f} ms", fontsize="medium")
-            panel.set_xticks(
-                [0, 90, 180, 270, 360], ["0", "90\nthrust", "180", "270\nanti-thrust", "360"]
-            )
-            panel.set_xlabel("angle from the pin axis [deg]")
-            panel.set_ylabel("height / skirt length")
-        figure.colorbar(
-            shown, ax=list(row), label=labelled(port.split(".")[1].replace("_", " "), unit)
-        )
+        shown = [results.field(port, instant) for results in runs.values()]
+        wanted = picture.units.get(port)
+        images = [scaled(field.values, field.unit, wanted)[0] for field in shown]
+        unit = unit_shown(shown[0].unit, wanted)
+        limits = min(image.min() for image in images), max(image.max() for image in images)
+        axes = case.axes_of(port)
+        for panel, label, image, field in zip(row, runs, images, shown):
+            _draw_map(panel, image, limits, axes)
+            panel.set_title(f"{label}, t = {field.time * 1e3:.2f} ms", fontsize="medium")
+        figure.colorbar(row[0].images[0], ax=list(row), label=labelled(name_of(port), unit))
     return figure
 
 
-def draw_sections(picture, runs):
-    """One panel per field, runs in one panel: the field along the circumference at one height and
-    instant.
+def _draw_map(panel, image, limits, axes):
+    """One field over its axes; contours where there is something to contour."""
+    low, high = limits
+    panel.imshow(
+        image.T,
+        origin="lower",
+        aspect="auto",
+        extent=(*axes.first.range, *axes.second.range),
+        vmin=low,
+        vmax=high,
+        cmap="viridis",
+        interpolation="nearest",
+    )
+    if low < high:
+        levels = np.linspace(low, high, 10)[1:-1]
+        first, second = (
+            axis.positions(_centres(size))
+            for axis, size in zip((axes.first, axes.second), image.shape)
+        )
+        panel.contour(first, second, image.T, levels, colors="white", linewidths=0.4)
+    panel.set_xlabel(axes.first.title)
+    panel.set_ylabel(axes.second.title)
+    _mark(panel.xaxis, axes.first)
+    _mark(panel.yaxis, axes.second)
+
+
+def _centres(size):
+    """Centres of cells as shares of the whole length."""
+    return (np.arange(size) + 0.5) / size
+
+
+def _mark(drawn, axis):
+    """Write an axis' marks beside its quarters."""
+    if not axis.marks:
+        return
+    words = {position: f"\n{word}" for word, position in axis.marks.items()}
+    positions = sorted({*np.linspace(axis.range[0], axis.range[1], 5).tolist(), *words})
+    drawn.set_ticks(positions, [f"{x:g}{words.get(x, '')}" for x in positions])
+
+
+def draw_sections(case, picture, runs):
+    """One panel per field, runs in one panel: the field along its first index at one share of the
+    second and one instant.
     """
     figure, panels = plt.subplots(
         len(picture.fields),
@@ -188,34 +216,33 @@ def draw_sections(picture, runs):
         layout="constrained",
         figsize=(9, 1.2 + 2.6 * len(picture.fields)),
     )
-    instant, span = (
-        to_si(picture.time, "s"),
-        [np.degrees(to_si(text, "rad")) for text in picture.angles],
-    )
+    instant = to_si(picture.time, "s")
+    begin, end = (to_si(text, "rad") / (2 * np.pi) for text in picture.angles)
+    axis = case.axes_of(picture.fields[0]).first
     for panel, port in zip(panels[:, 0], picture.fields):
+        unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            values, time, unit, _ = results.field(port, instant)
-            line, shown = scaled(
-                values[:, min(int(picture.height * values.shape[1]), values.shape[1] - 1)],
-                unit,
-                picture.units.get(port),
-            )
-            angle = 360 * (np.arange(line.size) + 0.5) / line.size
-            inside = (angle >= span[0]) & (angle <= span[1])
+            field = results.field(port, instant)
+            columns = field.values.shape[1]
+            line = field.values[:, min(int(picture.height * columns), columns - 1)]
+            line, unit = scaled(line, field.unit, picture.units.get(port))
+            share = _centres(line.size)
+            inside = (share >= begin) & (share <= end)
             panel.plot(
-                angle[inside],
+                axis.positions(share[inside]),
                 line[inside],
                 ".-",
                 color=colour,
                 lw=1.2,
                 ms=4,
-                label=f"{label}, t = {time * 1e3:.2f} ms",
+                label=f"{label}, t = {field.time * 1e3:.2f} ms",
             )
-        panel.set_ylabel(labelled(port.split(".")[1].replace("_", " "), shown))
+        panel.set_ylabel(labelled(name_of(port), unit))
         panel.grid(alpha=0.3)
     panels[0, 0].legend(fontsize="small", frameon=False)
-    panels[-1, 0].set_xlabel("angle from the pin axis [deg]; thrust side 90, anti-thrust side 270")
+    panels[-1, 0].set_xlabel(axis.marked)
     return figure
 
 
-KINDS = {"map": draw_maps, "section": draw_sections}
+DRAWN = {"lines": draw_lines, "map": draw_maps, "section": draw_sections}
+"""How each kind of picture is drawn: of the case, the picture and label -> Results."""

@@ -3,11 +3,11 @@ and SVG.
 """
 
 import base64
+import csv
 import hashlib
 import io
-import csv
 import json
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from itertools import cycle
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from jinja2 import Environment, FileSystemLoader
 
 from ..fmi.quantities import short, to_si
 from .judgement import extremes, loop_curve, loop_work, windows
-from .pictures import PALETTE, figures, scaled
+from .pictures import PALETTE, figures, name_of, scaled
 
 FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, instant and run
 LEVELS = 65535
@@ -71,7 +71,7 @@ def write_report(case, runs, folder, notes="", studies=()):
             notes=notes,
             studies=[study_rows(path) for path in studies],
             tree=json.dumps(next(iter(runs.values())).case, indent=1),
-            made=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
+            made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         )
     )
     path = folder / "report.html"
@@ -155,6 +155,7 @@ def draw_loop(case, runs, name):
     """The loop `name` of every run."""
     loop = case.report.loops[name]
     figure, panel = plt.subplots(figsize=(7, 4.5), layout="constrained")
+    x_unit = y_unit = ""
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         x, x_unit, y, y_unit = loop_curve(case, results, loop)
         panel.plot(
@@ -164,9 +165,9 @@ def draw_loop(case, runs, name):
             lw=1.2,
             label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}",
         )
-    panel.set_xlabel(f"{loop.x.split('.')[1].replace('_', ' ')} [{x_unit}]")
+    panel.set_xlabel(f"{name_of(loop.x)} [{x_unit}]")
     panel.set_ylabel(
-        " + ".join(port.split(".")[1].replace("_", " ") for port in loop.y) + f" [{y_unit}]",
+        " + ".join(name_of(port) for port in loop.y) + f" [{y_unit}]",
         fontsize="small",
     )
     panel.grid(alpha=0.3)
@@ -205,7 +206,7 @@ def moving_data(case, runs):
     body, a colour table.
     """
     first = next(iter(runs.values()))
-    stored = first.file["fields/time"][:]
+    stored = first.instants
     instants = stored[
         np.unique(np.linspace(0, len(stored) - 1, min(FRAMES, len(stored))).round().astype(int))
     ]
@@ -218,19 +219,25 @@ def moving_data(case, runs):
         for k in rows
     ]
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    ports = [
-        port
-        for port in case.record.fields
-        if len(first.file["fields/" + port.replace(".", "/")].shape) == 3
-    ]
+    ports = [port for port in case.record.fields if len(first.dataset(port).shape) == 3]
     colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 256))[:, :3] * 255).astype(int).tolist()
     return {
         "words": words,
         "labels": list(runs),
         "colours": colours,
-        "fields": [field_frames(port, runs, instants, units.get(port)) for port in ports],
+        "fields": [
+            field_frames(port, runs, instants, units.get(port)) | {"axes": axes_words(case, port)}
+            for port in ports
+        ],
         "motion": motion_frames(case.report.motion, runs, instants) if case.report.motion else None,
     }
+
+
+def axes_words(case, port):
+    """What a field's axes run along, as a line below its map."""
+    axes = case.axes_of(port)
+    low, high = axes.first.range
+    return f"{low:g} to {high:g} {axes.first.marked} (to the right), {axes.second.marked} (upwards)"
 
 
 def _pair(results, text, k):
@@ -243,18 +250,17 @@ def field_frames(port, runs, instants, wanted):
     packed as base64.
     """
     stacks = []
+    unit = ""
     for results in runs.values():
-        dataset, stored = (
-            results.file["fields/" + port.replace(".", "/")],
-            results.file["fields/time"][:],
-        )
+        dataset = results.dataset(port)
+        stored = results.instants
         nearest = np.abs(stored[None, :] - instants[:, None]).argmin(axis=1)
         values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
         stacks.append(values)
     low, high = min(float(s.min()) for s in stacks), max(float(s.max()) for s in stacks)
     levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
     return {
-        "name": port.split(".")[1].replace("_", " "),
+        "name": name_of(port),
         "unit": unit,
         "low": low,
         "high": high,

@@ -1,186 +1,236 @@
-"""Lubrication models side by side on one case: what they make of film, load and friction, and what
+"""FMUs of one role side by side on one case: what they make of the fields they exchange, and what
 they cost.
 
-The measures need nothing but the fields of the contract, so that any two lubrication FMUs can be
-held against each other.
+By what they are held against each other, the contract says for each role (`Curve`).
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..case.contract import contract, swap
+from ..case.contract import Curve, contract, in_place_of, swap
+from ..fmi.errors import BadInput
+from ..fmi.quantities import pint_unit, registry
+from .file import Results
 from .pictures import PALETTE
 
-MEASURES = {
-    "thinnest film": "um",
-    "film, rms distance": "um",
-    "load, mean": "N",
-    "friction force, mean size": "N",
-    "friction power, mean": "W",
-    "iterations a step, mean": "",
-    "iterations a step, most": "",
-    "wall time": "s",
+CELLS = {"min": np.min, "sum": np.sum}
+"""A field's cells made one number."""
+
+
+def rms(values: np.ndarray) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+INSTANTS = {
+    "min": np.min,
+    "mean": np.mean,
+    "rms": rms,
+    "mean size": lambda values: np.abs(values).mean(),
 }
+"""A curve made one number."""
+
+COST = {
+    "iterations a step, mean": ("mean_iterations", ""),
+    "iterations a step, most": ("max_iterations", ""),
+    "wall time": ("wall_time_s", "s"),
+}
+"""Row of the table -> summary entry and its unit."""
 
 
-def rival_trees(tree, models):
-    """Trees of the case with each lubrication model, and one whose pictures all of them can fill.
+@dataclass(frozen=True)
+class Rivals:
+    """A case with each of several models in the place of one participant.
+
+    trees : the case's TOML tree by model (file name without suffix, or model); common : one whose
+    pictures all can fill; left_out : what the case says of variables that an FMU does not have, by
+    model; ports : of the fields that the role exchanges, by name.
+    """
+
+    role: str
+    trees: dict[str, dict]
+    common: dict
+    left_out: dict[str, list[str]]
+    ports: dict[str, str]
+
+
+def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
+    """The case with each model.
 
     Parameters
     ----------
     tree : dict
         The case's TOML tree.
+    role : str
+        Of the contract.
     models : list of str
-        Each the path of an FMU (*.fmu), or a cavitation model of the case's own FMU.
+        Each the path of an FMU (*.fmu), or a model of the case's own FMU; before it, where several
+        participants play the role, "PARTICIPANT=".
 
-    Returns
-    -------
-    trees : dict of str to dict
-        By model: file name without suffix, or cavitation model.
-    common : dict
-    left_out : dict of str to list of str
-        What the case says of variables that an FMU does not have, by model.
+    Raises
+    ------
+    BadInput
+        If they are for different participants, or the role's own FMU has no models to choose from.
     """
-    name, trees, left_out, common = contract()["lubrication"]["participant"], {}, {}, tree
-    for model in models:
+    pairs = [in_place_of(tree, role, model) for model in models]
+    if len({name for name, _ in pairs}) > 1:
+        raise BadInput(f"--{role}: models for {', '.join(name for name, _ in pairs)}; take one")
+    name = pairs[0][0]
+    parameter = contract()[role].model_parameter
+    trees, left_out, common = {}, {}, tree
+    for _, model in pairs:
         if model.endswith(".fmu"):
             label = Path(model).stem
             trees[label], left_out[label] = swap(tree, name, Path(model))
             common, _ = swap(common, name, Path(model))
+        elif parameter is None:
+            raise BadInput(f"--{role} {model}: give an FMU (*.fmu)")
         else:
             own = tree["participants"][name]
-            parameters = own.get("parameters", {}) | {"cavitation_model": model}
+            parameters = own.get("parameters", {}) | {parameter: model}
             trees[model] = tree | {
                 "participants": tree["participants"] | {name: own | {"parameters": parameters}}
             }
+    ports = exchanged(tree, role, name)
     for label, each in trees.items():
         record = each.get("record", {})
-        fields = list(dict.fromkeys([*record.get("fields", []), *ports().values()]))
+        fields = list(dict.fromkeys([*record.get("fields", []), *ports.values()]))
         # halved steps would shift every n-th row
         trees[label] = each | {"record": record | {"fields": fields, "every": 1}}
-    return trees, common, left_out
+    return Rivals(role, trees, common, left_out, ports)
 
 
-def ports():
-    """The fields that cross the interface: name in the contract -> participant.name, as the side
-    that gives it records it.
+def exchanged(tree: dict, role: str, name: str) -> dict[str, str]:
+    """The fields that participant `name` exchanges in its role: name in the contract ->
+    participant.variable, as the side that gives it records it.
     """
-    terms = contract()
-    return {
-        field: f"{role['participant']}.{field}"
-        for role in (terms["bodies"], terms["lubrication"])
-        for field in role["outputs"]["field"]
-    }
+    terms = contract()[role]
+    sources = {wire["to"]: wire["from"] for wire in tree["wires"]}
+    inputs = {field: f"{name}.{field}" for field in terms.inputs["field"]}
+    outputs = {field: f"{name}.{field}" for field in terms.outputs["field"]}
+    return {field: sources.get(port, port) for field, port in inputs.items()} | outputs
 
 
-def curves(results):
-    """What a run recorded, at the instants of its fields.
+@dataclass(frozen=True)
+class Exchange:
+    """What a run recorded: instants [s], shape (n,), and fields by name, shape (n, ...), in SI."""
 
-    Eq. (V1):  thinnest film = min h,  load = sum F_p,  friction = sum F_f,  friction power = -sum F_f V
+    time: np.ndarray
+    fields: dict[str, np.ndarray]
+    units: dict[str, str]
 
-    Returns
-    -------
-    dict
-        time [s], shape (n,); film [m], shape (n, n_c, n_a); thinnest [m], load [N], friction [N],
-        power [W], shape (n,); V is the sliding velocity [m/s], F_p and F_f are the nodal forces
-        [N].
+
+def exchange(results: Results, ports: dict[str, str]) -> Exchange:
+    """The exchanged fields of a run."""
+    return Exchange(
+        results.instants,
+        {name: results.dataset(port)[:] for name, port in ports.items()},
+        {name: results.dataset(port).attrs["unit"] for name, port in ports.items()},
+    )
+
+
+def drawn(curve: Curve, one: Exchange, first: Exchange) -> tuple[np.ndarray, np.ndarray]:
+    """Instants [s] and values of a curve, in its unit.
+
+    Eq. (X5):  y(t) = factor C(f_1 f_2 ..) over the cells,   C the least or the sum, or for a
+               distance the root mean square of f_1 - (f_1 of the first) at the instants that both
+               recorded
     """
-
-    def field(name):
-        return results.file["fields/" + ports()[name].replace(".", "/")][:]
-
-    film, friction = field("film_thickness"), field("nodal_friction_force")
-    # Eq. (V1)
-    return {
-        "time": results.file["fields/time"][:],
-        "film": film,
-        "thinnest": film.min(axis=(1, 2)),
-        "load": field("nodal_pressure_force").sum(axis=(1, 2)),
-        "friction": friction.sum(axis=(1, 2)),
-        "power": -(friction * field("sliding_velocity")).sum(axis=(1, 2)),
-    }
+    si = " * ".join(pint_unit(one.units[name]) for name in curve.fields)
+    scale = curve.factor * registry().Quantity(1.0, si).to(curve.unit).magnitude
+    if curve.cells == "distance":
+        time, apart = distance(one, first, curve.fields[0])
+        return time, scale * apart
+    product = np.prod([one.fields[name] for name in curve.fields], axis=0)
+    # Eq. (X5)
+    return one.time, scale * CELLS[curve.cells](product, axis=tuple(range(1, product.ndim)))
 
 
-def distance(one, first):
-    """Instants that both recorded [s], and there the root mean square difference of two films over
-    the cells [m].
+def distance(one: Exchange, first: Exchange, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Instants that both recorded [s], and there the root mean square difference of a field over
+    its cells.
     """
-    shared, here, there = np.intersect1d(one["time"], first["time"], return_indices=True)
-    return shared, np.sqrt(np.mean((one["film"][here] - first["film"][there]) ** 2, axis=(1, 2)))
+    shared, here, there = np.intersect1d(one.time, first.time, return_indices=True)
+    apart = one.fields[name][here] - first.fields[name][there]
+    return shared, np.sqrt(np.mean(apart**2, axis=tuple(range(1, apart.ndim))))
 
 
-def measures(found, summaries):
-    """Values of `MEASURES`, in their units, for every model.
+def measures(
+    role: str, runs: dict[str, Exchange], summaries: dict[str, dict]
+) -> dict[str, list[float]]:
+    """Values of the rows of `rows_of`, for every model.
 
     Parameters
     ----------
-    found, summaries : dict
-        By model: `curves` and the summary of its run; the first is what the others are held
-        against.
-
-    Returns
-    -------
-    dict of str to list of float
-        By model, in the order of `MEASURES`.
+    role : str
+    runs, summaries : dict
+        By model: what it exchanged and the summary of its run; the first is what the others are
+        held against.
     """
-    first = next(iter(found.values()))
+    first = next(iter(runs.values()))
     return {
         label: [
-            1e6 * c["thinnest"].min(),
-            1e6 * np.sqrt(np.mean(distance(c, first)[1] ** 2)),
-            c["load"].mean(),
-            np.abs(c["friction"]).mean(),
-            c["power"].mean(),
-            summaries[label]["mean_iterations"],
-            summaries[label]["max_iterations"],
-            summaries[label]["wall_time_s"],
+            *(
+                float(INSTANTS[curve.instants](drawn(curve, one, first)[1]))
+                for curve in contract()[role].curves
+            ),
+            *(summaries[label][key] for key, _ in COST.values()),
         ]
-        for label, c in found.items()
+        for label, one in runs.items()
     }
 
 
-def draw_rivals(found, iterations, path):
-    """Thinnest film, distance from the first film, load, friction and iterations over time, all
-    models in each panel.
+def rows_of(role: str) -> dict[str, str]:
+    """Rows of the table of measures, and their units."""
+    curves = {curve.number: curve.unit for curve in contract()[role].curves}
+    return curves | {name: unit for name, (_, unit) in COST.items()}
+
+
+def draw_rivals(
+    role: str,
+    runs: dict[str, Exchange],
+    iterations: dict[str, tuple[np.ndarray, np.ndarray]],
+    path: Path,
+) -> None:
+    """The role's curves and iterations over time, all models in each panel.
 
     Parameters
     ----------
-    found : dict
-        By model: `curves`.
+    role : str
+    runs : dict
+        By model: what it exchanged.
     iterations : dict
         By model: instants [s] and iterations of each step.
     path : Path
         The PNG file.
     """
-    labels = (
-        "thinnest film [um]",
-        "distance from the\nfirst film, rms [um]",
-        "load [N]",
-        "friction force [N]",
-        "iterations",
-    )
+    curves = [curve for curve in contract()[role].curves if curve.title]
     figure, panels = plt.subplots(
-        len(labels), 1, sharex=True, layout="constrained", figsize=(11, 2.0 * len(labels))
+        len(curves) + 1,
+        1,
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+        figsize=(11, 2.0 * (len(curves) + 1)),
     )
-    first = next(iter(found.values()))
-    for colour, (label, c) in zip(PALETTE, found.items()):
-        shared, apart = distance(c, first)
-        for panel, time, values in (
-            (panels[0], c["time"], 1e6 * c["thinnest"]),
-            (panels[1], shared, 1e6 * apart),
-            (panels[2], c["time"], c["load"]),
-            (panels[3], c["time"], c["friction"]),
-        ):
+    *upper, lowest = panels[:, 0]
+    first = next(iter(runs.values()))
+    for colour, (label, one) in zip(PALETTE, runs.items()):
+        for panel, curve in zip(upper, curves):
+            time, values = drawn(curve, one, first)
             panel.plot(1e3 * time, values, color=colour, lw=1.2, label=label)
+            panel.set_ylabel(f"{curve.title} [{curve.unit}]")
         time, steps = iterations[label]
-        panels[-1].plot(1e3 * time[1:], steps[1:], color=colour, lw=0.9, label=label)
-    for panel, label in zip(panels, labels):
-        panel.set_ylabel(label)
+        lowest.plot(1e3 * time[1:], steps[1:], color=colour, lw=0.9, label=label)
+    for panel in (*upper, lowest):
         panel.grid(alpha=0.3)
         panel.margins(x=0)
-    panels[0].legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    panels[-1].set_xlabel("time [ms]")
+    top = panels[0, 0]
+    top.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    lowest.set_ylabel("iterations")
+    lowest.set_xlabel("time [ms]")
     figure.savefig(path, dpi=130)
     plt.close(figure)

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from ..coupling.stepping import Counters
-from ..coupling.work import WorkBalance
+from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput
 
 
@@ -28,21 +28,24 @@ def kept(output):
     checkpoint = Checkpoint.path(output)
     if not checkpoint.exists():
         return "there is no checkpoint"
-    return f"once the cause is gone, go on from the last checkpoint with: piston-cosim resume {checkpoint}"
+    return (
+        "once the cause is gone, go on from the last checkpoint with: "
+        f"piston-cosim resume {checkpoint}"
+    )
 
 
 @dataclass
 class Account:
     """What a run has brought and taken so far: all that its summary is made of.
 
-    counters; reductions : summary entries; work : `WorkBalance`; spent : seconds by what they went
-    into; steps_done : macro steps of the case; rows : of the results file, and wall_time [s], both
-    as of the last checkpoint.
+    counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they
+    went into; steps_done : macro steps of the case; rows : of the results file, and wall_time [s],
+    both as of the last checkpoint.
     """
 
     counters: Counters
     reductions: list
-    work: WorkBalance
+    work: InterfaceWork
     spent: dict
     steps_done: int = 0
     rows: int = 0
@@ -86,12 +89,12 @@ class Checkpoint:
         """
         try:
             with open(path, "rb") as file:
-                found = pickle.load(file)
+                checkpoint = pickle.load(file)
         except (OSError, pickle.UnpicklingError, EOFError, AttributeError) as error:
             raise BadInput(f"{path}: no checkpoint of this version: {error}") from None
-        if not isinstance(found, Checkpoint):
+        if not isinstance(checkpoint, Checkpoint):
             raise BadInput(f"{path}: no checkpoint")
-        return found
+        return checkpoint
 
 
 @contextmanager

@@ -12,28 +12,35 @@ REFRESH = 0.2
 """Seconds from one progress line to the next: units of handy size take a millisecond to find."""
 
 
+class Watch:
+    """A run's progress on the screen: the `watch` of `run`; `first` is when the first step was done
+    [s].
+    """
+
+    def __init__(self, progress, task):
+        self.progress = progress
+        self.task = task
+        self.first: float | None = None
+        self.next = 0.0
+
+    def __call__(self, time, stop, solution, monitored):
+        now = clock.perf_counter()
+        self.first = self.first or now
+        if now < self.next and time < stop:
+            return
+        self.next = now + REFRESH
+        parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
+        parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
+        self.progress.update(self.task, completed=time / stop, state="  ".join(parts))
+
+
 @contextmanager
 def watching(console, label):
-    """Progress bar; gives the `watch` callable of `run`, which notes in `first` when the first step
-    was done.
-    """
+    """A `Watch` under a progress bar."""
     name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
     columns = (name, BarColumn(8), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
-        task = progress.add_task(label, total=1.0, state="")
-
-        def watch(time, stop, solution, monitored):
-            now = clock.perf_counter()
-            watch.first = watch.first or now
-            if now < watch.next and time < stop:
-                return
-            watch.next = now + REFRESH
-            parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
-            parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
-            progress.update(task, completed=time / stop, state="  ".join(parts))
-
-        watch.first, watch.next = None, 0.0
-        yield watch
+        yield Watch(progress, progress.add_task(label, total=1.0, state=""))
 
 
 def print_summary(console, summaries):

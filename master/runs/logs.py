@@ -1,8 +1,10 @@
 """Two text tables beside the results, in the manner of preCICE: what every macro step took, and how
 every iteration fared.
 
-<label>-iterations.log    a line for each attempt at a macro step, failed ones with Converged = 0 and why
-<label>-convergence.log   a line for each sweep: residual / tolerance of every wire, converged where all are 1 or less
+<label>-iterations.log    a line for each attempt at a macro step, failed ones with
+                          Converged = 0 and why
+<label>-convergence.log   a line for each evaluation: residual / tolerance of every wire,
+                          converged where all are 1 or less
 """
 
 from contextlib import suppress
@@ -19,20 +21,20 @@ class CouplingLog:
     ----------
     output : Path
         Results file.
-    connections : sequence of Connection
+    wires : sequence of Wire
     counters : Counters
         Of the run so far: what its tables hold beyond that was written by an interrupted run after
         its checkpoint, and goes.
     """
 
-    def __init__(self, output, connections, counters):
+    def __init__(self, output, wires, counters):
         self.windows = windows = counters.steps
         self.total = counters.residual_evaluations
-        wires = [f"{c.target[0]}.{c.target[1]}" for c in connections]
-        self.widths = [max(12, len(wire)) for wire in wires]
+        targets = [".".join(wire.target) for wire in wires]
+        self.widths = [max(12, len(target)) for target in targets]
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
         self.convergence = _table(
-            log_path(output, "convergence"), self._line("Window", "Iteration", wires), windows
+            log_path(output, "convergence"), self._line("Window", "Iteration", targets), windows
         )
 
     def _line(self, window, iteration, cells):
@@ -43,8 +45,8 @@ class CouplingLog:
     def attempt(self, time, step, trail, failure):
         """Note an attempt at the macro step from `time` over `step` [s].
 
-        trail : residual / tolerance of every wire, by sweep; failure : why it failed, None if it
-        converged.
+        trail : residual / tolerance of every wire, by evaluation; failure : why it failed, None if
+        it converged.
         """
         self.total += len(trail)
         window = self.windows + 1

@@ -2,8 +2,8 @@
 happens to the run.
 
 Layout
-    /                       attributes: title, case (resolved TOML tree as JSON), versions, summary (JSON, when finished)
-    /time                   end of every macro step [s]
+    /                       attributes: title, case (resolved TOML tree as JSON), versions, summary
+    (JSON, when finished) /time                   end of every macro step [s]
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
     /fields/time            instants of the recorded fields [s]
@@ -14,6 +14,7 @@ import json
 import os
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -56,15 +57,18 @@ class Recorder:
     """
 
     def __init__(self, path, participants, record, attributes, rows=0, flush_every=20):
-        self.path, self.partial = Path(path), Path(f"{path}.partial")
-        self.participants, self.record, self.flush_every = participants, record, flush_every
+        self.path = Path(path)
+        self.partial = Path(f"{path}.partial")
+        self.participants = participants
+        self.record = record
+        self.flush_every = flush_every
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
         reserve(
             fresh, ROOM + taken_over
         )  # a full disk is found here: a write that fails is more than HDF5 can cope with
-        self.file = h5py.File(fresh, "w", libver="latest")
+        self.file: Any = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
         self.scalars = {
             name: [
@@ -76,7 +80,9 @@ class Recorder:
         }
         self.rows = rows
         self._make_datasets()
-        self._waiting, self._reserved, self._need = {}, 0, ROOM + self._largest_growth()
+        self._waiting: dict[str, list] = {}
+        self._reserved = 0
+        self._need = ROOM + self._largest_growth()
         self._reserve(fresh, taken_over)
         if rows:
             self._take_over()
@@ -89,7 +95,7 @@ class Recorder:
             for field in fields:
                 self._series(f"{name}/{field.name}", field.unit, field.description)
         for name, text in (
-            ("iterations", "sweeps of the macro step"),
+            ("iterations", "evaluations of the macro step"),
             ("derivative_products", "directional derivatives"),
             ("residual", "largest residual / tolerance of the accepted step"),
         ):
@@ -116,7 +122,8 @@ class Recorder:
         """Copy the first rows of the interrupted run; its file may lack the mark of having been
         closed.
         """
-        with h5py.File(self.partial, "r", libver="latest", swmr=True) as old:
+        with h5py.File(self.partial, "r", libver="latest", swmr=True) as file:
+            old: Any = file
             instants = -(-self.rows // self.record.every)
 
             def copy(name, dataset):

@@ -16,7 +16,7 @@ from ..coupling.methods import method_of
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import start
-from ..coupling.work import WorkBalance
+from ..coupling.work import InterfaceWork
 from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults
 from ..participants.timing import Timed, split
@@ -99,10 +99,9 @@ class March:
             timed,
             method_of(case.coupling),
             case.coupling.halvings,
-            self.accepted,
+            self,
             case.coupling.predictor,
-            self.attempted,
-            step_control(timed.connections, system.smallest_step),
+            step_control(timed.wires, system.smallest_step),
         )
         if begin_at:
             thaw(self.stepper, begin_at.frozen)
@@ -114,7 +113,7 @@ class March:
             self.account = Account(
                 self.stepper.counters,
                 [Reduction(name, text) for name, text in case.summary.items()],
-                WorkBalance(self.stepper.interface, case.wires),
+                InterfaceWork(self.stepper.interface, case.wires),
                 spent,
             )
         self.begin = clock.perf_counter() - self.account.wall_time
@@ -126,7 +125,7 @@ class March:
                 {"title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())},
                 self.account.rows,
             )
-            self.log = CouplingLog(output, timed.connections, self.account.counters)
+            self.log = CouplingLog(output, timed.wires, self.account.counters)
 
     def go(self):
         """March to the stop time; the summary."""
@@ -161,7 +160,7 @@ class March:
             reduction.add(values)
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
-            account.work.add(time, solution.x, self.stepper.interface.read())
+            account.work.add(time, solution.inputs, self.stepper.interface.read())
         self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
 
     def keep(self):

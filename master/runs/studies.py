@@ -11,7 +11,7 @@ from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
 from ..results.compare import score
 from ..results.file import Results
-from ..results.pictures import PALETTE, labelled, scaled
+from ..results.pictures import PALETTE, labelled, name_of, scaled
 from .sweep import Point
 
 COST = (
@@ -76,7 +76,7 @@ def study_table(study, case, rows, runs):
             results = runs[row["run"]]
             entry[f"rms {port}"] = score(
                 *_curve(results, study.x, port), *_curve(reference, study.x, port)
-            )["rms"]
+            ).rms
         table.append(entry)
     return table
 
@@ -107,20 +107,23 @@ def draw_study(study, case, table, runs, path):
         figsize=(13, 1 + 2.6 * len(study.curves)),
         width_ratios=(3, 1),
     )
+    x_unit = ""
     for (left, right), port in zip(panels, study.curves):
+        unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            x, x_unit = scaled(*results.series(study.x)[:2], units.get(study.x))
-            y, unit = scaled(*results.series(port)[:2], units.get(port))
+            known, value = results.series(study.x), results.series(port)
+            x, x_unit = scaled(known.values, known.unit, units.get(study.x))
+            y, unit = scaled(value.values, value.unit, units.get(port))
             left.plot(x, y, color=colour, lw=1.1, label=label)
             distance = next(row[f"rms {port}"] for row in table if row["run"] == label)
             right.plot([label], [distance if distance > 0 else np.nan], "o", color=colour)
-        left.set_ylabel(labelled(port.split(".")[1].replace("_", " "), unit), fontsize="small")
+        left.set_ylabel(labelled(name_of(port), unit), fontsize="small")
         right.set_yscale("log")
         right.tick_params(axis="x", rotation=60, labelsize="small")
         right.set_title(f"rms / range, from {study.reference}", fontsize="small")
         for panel in (left, right):
             panel.grid(alpha=0.3)
-    panels[-1, 0].set_xlabel(labelled(study.x.split(".")[1].replace("_", " "), x_unit))
+    panels[-1, 0].set_xlabel(labelled(name_of(study.x), x_unit))
     panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
     figure.suptitle(study.title)
     figure.savefig(path, dpi=120)

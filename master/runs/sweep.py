@@ -20,7 +20,7 @@ from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
 from ..fmi.quantities import registry
 
-SHOWN = ("title", "label", "monitor", "pictures", "window", "report", "studies", "variants")
+SHOWN = ("title", "label", "monitor", "pictures", "axes", "window", "report", "studies", "variants")
 """Tables of a case that say how a run is shown: changing them changes no result."""
 
 

@@ -55,7 +55,8 @@ def checks():
         tube_iterations(),
         870,
         "preCICE's reference log: 846",
-        "same method and settings; rounding alone (threads, last digits of the inflow) moves ours from 838 to 849",
+        "same method and settings; rounding alone (threads, last digits of the inflow) moves ours "
+        "from 838 to 849",
     )
     yield at_most(
         "Elastic tube, 100 windows",
@@ -79,12 +80,13 @@ def checks():
 def oscillator_error(interpolation, step):
     """Largest error of either mass over [0, 1] s.
 
-    Eq. (O3):  u = (cos 2 pi t + cos 6 pi t)/2 of the left mass, (cos 2 pi t - cos 6 pi t)/2 of the right one
+    Eq. (Z1):  u = (cos 2 pi t + cos 6 pi t)/2 of the left mass,
+                   (cos 2 pi t - cos 6 pi t)/2 of the right one
     """
 
     def error(results):
         slow, fast = (np.cos(2 * k * np.pi * results.time) / 2 for k in (1, 3))
-        exact = {"left": slow + fast, "right": slow - fast}  # Eq. (O3)
+        exact = {"left": slow + fast, "right": slow - fast}  # Eq. (Z1)
         return {
             "error": max(
                 np.max(np.abs(results.series(f"{name}.displacement")[0] - u))
@@ -109,7 +111,8 @@ def oscillator_checks():
             1,
             0.404,
             0.01,
-            "the reference holds inputs at the step's beginning, we at its end: equal to first order",
+            "the reference holds inputs at the step's beginning, we at its end: equal to first "
+            "order",
         ),
         ("linear", 2, 6.6e-3, 0.01, "two digits are given"),
         ("hermite", 4, 3.4e-6, 0.015, "two digits are given"),
@@ -166,7 +169,7 @@ def slow_checks():
         flexible["mean_iterations"],
         2.5,
         "design target",
-        "Newton: the second sweep of most steps is below the tolerance",
+        "Newton: the second evaluation of most steps is below the tolerance",
     )
     yield at_most(
         case,
@@ -203,7 +206,7 @@ def slow_checks():
     )
     yield at_most(
         case,
-        "mean sweeps without derivatives, probes counted",
+        "mean evaluations without derivatives, probes counted",
         aged["residual_evaluations"] / aged["steps"],
         8.0,
         "design target",
@@ -240,10 +243,7 @@ def convergence_checks():
                 *study.set.items(),
                 *study.points[point].items(),
                 ("time.stop", "360 deg"),
-                look=lambda results: {
-                    port: [results.series(which)[0] for which in (study.x, port)]
-                    for port in study.curves
-                },
+                look=partial(series_of, study),
             )
             for point in (standard, finer)
         ]
@@ -251,11 +251,17 @@ def convergence_checks():
             yield at_most(
                 f"Numerical example, {name} {standard}",
                 f"{port.split('.')[1]}: rms distance from {finer} / range",
-                score(*runs[0][port], *runs[1][port])["rms"],
+                score(*runs[0][port], *runs[1][port]).rms,
                 share,
                 "finer run",
                 "first or second order, with a margin of two",
             )
+
+
+def series_of(study, results):
+    """Abscissa and values of every curve of a study."""
+    x = results.series(study.x).values
+    return {port: (x, results.series(port).values) for port in study.curves}
 
 
 def films(results):
@@ -293,7 +299,7 @@ def adaptive_checks():
     )
     yield at_most(
         case,
-        "sweeps, of rejected steps too / those of 1 deg",
+        "evaluations, of rejected steps too / those of 1 deg",
         adaptive["residual_evaluations"] / fixed["residual_evaluations"],
         1.0,
         "steps of 1 deg",
@@ -328,7 +334,7 @@ def distances(run, fine, begin):
     """Largest and root mean square difference of every curve from a finer run, at the run's own
     times from `begin` [s] on.
 
-    Eq. (V2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
+    Eq. (Z2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
     """
     late = run["time"] >= begin
     time, found = run["time"][late], {}
@@ -337,7 +343,7 @@ def distances(run, fine, begin):
         mean_square = (
             np.sum(np.diff(time) * (apart[1:] ** 2 + apart[:-1] ** 2)) / 2 / (time[-1] - time[0])
         )
-        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)  # Eq. (V2)
+        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)  # Eq. (Z2)
     return found
 
 

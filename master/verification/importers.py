@@ -14,7 +14,8 @@ STEPS, STEP = 5, 2.5e-5
 
 MARK = "seen: "
 COMMON = (
-    "import sys\nfmu, folder, steps, step, output = sys.argv[1:6]\nsteps, step = int(steps), float(step)\n"
+    "import sys\nfmu, folder, steps, step, output = sys.argv[1:6]\n"
+    "steps, step = int(steps), float(step)\n"
     "def seen(what):\n    print('" + MARK + "' + str(what), flush=True)\n"
 )
 
@@ -23,7 +24,8 @@ SCRIPTS = {
         "fmpy",
         """
 import fmpy
-r = fmpy.simulate_fmu(fmu, stop_time=steps * step, output_interval=step, step_size=step, output=[output])
+times = {"stop_time": steps * step, "output_interval": step, "step_size": step}
+r = fmpy.simulate_fmu(fmu, **times, output=[output])
 seen(float(r[output][-1]))""",
     ),
     "fmpy validate": (
@@ -64,8 +66,8 @@ with EcosSimulation(structure=structure, step_size=step) as simulation:
 import csv, subprocess, tempfile
 from pathlib import Path
 table = Path(tempfile.mkdtemp()) / "out.csv"
-words = ["simulate", fmu, "--stop-time", str(steps * step), "--output-interval", str(step), "--output-variables", output,
-         "--output-file", str(table)]
+words = ["simulate", fmu, "--stop-time", str(steps * step), "--output-interval", str(step),
+         "--output-variables", output, "--output-file", str(table)]
 done = subprocess.run([sys.executable, "-m", "fmpy", *words], capture_output=True, text=True)
 assert done.returncode == 0, done.stderr
 *_, last = csv.reader(table.read_text().splitlines())
@@ -78,7 +80,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
 root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
-reference = int(next(v for v in root.iter("ScalarVariable") if v.get("name") == output).get("valueReference"))
+variable = next(v for v in root.iter("ScalarVariable") if v.get("name") == output)
+reference = int(variable.get("valueReference"))
 one = Fmi2Slave(fmu, model_identifier=root.find("CoSimulation").get("modelIdentifier"))
 one.instantiate("one", Fmi2Type.CO_SIMULATION, guid=root.get("guid"))
 one.setup_experiment(start_time=0.0)
@@ -95,7 +98,8 @@ one.free_instance()""",
         """
 from OMSimulator import OMSimulator
 oms = OMSimulator()
-for status in (oms.newModel("m"), oms.addSystem("m.s", oms.system_wc), oms.addSubModel("m.s.one", fmu)):
+made = (oms.newModel("m"), oms.addSystem("m.s", oms.system_wc), oms.addSubModel("m.s.one", fmu))
+for status in made:
     assert status == 0, status
 oms.setStopTime("m", steps * step)
 oms.setFixedStepSize("m.s", step)
@@ -119,7 +123,8 @@ seen(float(one.get(output)[0]))""",
         """
 import subprocess
 from pathlib import Path
-done = subprocess.run([str(Path(sys.executable).parent / "fmutool"), "-input", fmu, "-check"], capture_output=True, text=True)
+tool = str(Path(sys.executable).parent / "fmutool")
+done = subprocess.run([tool, "-input", fmu, "-check"], capture_output=True, text=True)
 words = done.stdout + done.stderr
 bad = [line for line in words.splitlines() if line.startswith(("ERROR", "WARNING"))]
 seen(bad or "no problem")""",
@@ -132,10 +137,12 @@ from pathlib import Path
 from xml.etree import ElementTree
 root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
 name = root.find("CoSimulation").get("modelIdentifier")
-reference = int(next(v for v in root.iter("ScalarVariable") if v.get("name") == output).get("valueReference"))
+variable = next(v for v in root.iter("ScalarVariable") if v.get("name") == output)
+reference = int(variable.get("valueReference"))
 said = []
-LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
-logger = LOGGER(lambda environment, instance, status, category, message: said.append(message.decode()))
+text = ctypes.c_char_p
+LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, text, ctypes.c_int, text, text)
+logger = LOGGER(lambda *arguments: said.append(arguments[-1].decode()))
 callbacks = (ctypes.c_void_p * 5)(ctypes.cast(logger, ctypes.c_void_p).value)
 library = ctypes.CDLL(str(Path(folder) / "binaries" / "linux64" / (name + ".so")))
 library.fmi2Instantiate.restype = ctypes.c_void_p
@@ -145,11 +152,12 @@ if not one:
     seen("refused: " + "; ".join(said))
     sys.exit()
 d = ctypes.c_double
-calls = [library.fmi2SetupExperiment(one, 0, d(0), d(0), 0, d(0)), library.fmi2EnterInitializationMode(one),
-         library.fmi2ExitInitializationMode(one)]
+calls = [library.fmi2SetupExperiment(one, 0, d(0), d(0), 0, d(0)),
+         library.fmi2EnterInitializationMode(one), library.fmi2ExitInitializationMode(one)]
 calls += [library.fmi2DoStep(one, d(k * step), d(step), 0) for k in range(steps)]
 value = d()
-calls.append(library.fmi2GetReal(one, (ctypes.c_uint * 1)(reference), ctypes.c_size_t(1), ctypes.byref(value)))
+references = (ctypes.c_uint * 1)(reference)
+calls.append(library.fmi2GetReal(one, references, ctypes.c_size_t(1), ctypes.byref(value)))
 assert not any(calls), (calls, said)
 library.fmi2FreeInstance(one)
 seen(value.value)""",

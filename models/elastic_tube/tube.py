@@ -1,9 +1,9 @@
 """Blood flow through an elastic tube, in two halves: a benchmark of coupling methods, after
 Degroote et al. (2008).
 
-Eq. (V1):  d(A)/dt + d(A v)/dy = 0                        on nodes 0..N, faces at i + 1/2, areas there a = mean of both nodes
-Eq. (V2):  d(A v)/dt + d(A v v)/dy + A dp/dy = 0          density 1, momentum carried downstream
-Eq. (V3):  A = a0 ((p0 - 2 c2) / (p - 2 c2))^2,  c2 = E sqrt(pi) / 2 / sqrt(a0)      wall, quasi-static
+Eq. (U3):  d(A)/dt + d(A v)/dy = 0                        on nodes 0..N, faces at i + 1/2, areas there a = mean of both nodes
+Eq. (U4):  d(A v)/dt + d(A v v)/dy + A dp/dy = 0          density 1, momentum carried downstream
+Eq. (U5):  A = a0 ((p0 - 2 c2) / (p - 2 c2))^2,  c2 = E sqrt(pi) / 2 / sqrt(a0)      wall, quasi-static
 
 Length 10 m, E 1e4 Pa, wall thickness 1 m, a0 1 m2, p0 0, inflow velocity 10 + 3 sin(10 pi t) m/s;
 outlet lets waves out.
@@ -33,7 +33,7 @@ class Nothing:
 
 
 class Wall(FieldSlave):
-    """Elastic wall without inertia, Eq. (V3)."""
+    """Elastic wall without inertia, Eq. (U5)."""
 
     name, description, state_type = "tube_wall", "Elastic wall of a tube", Nothing
 
@@ -50,7 +50,7 @@ class Wall(FieldSlave):
     def advance(self, state, values, time, step):
         return state, {
             "cross_section": (2 * WAVE / (2 * WAVE - values["pressure"])) ** 2
-        }  # Eq. (V3)
+        }  # Eq. (U5)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Flow:
 
 
 class Fluid(FieldSlave):
-    """Flow through the tube, backward Euler, Eqs. (V1) and (V2)."""
+    """Flow through the tube, backward Euler, Eqs. (U3) and (U4)."""
 
     name, description, state_type = "tube_fluid", "Flow through an elastic tube", Flow
 
@@ -110,8 +110,8 @@ def balance(v, p, area, before, inflow, step):
         ratio * (area * v - before.cross_section * before.velocity)[inner]
         + np.diff(momentum)
         + (a[:-1] * (p[1:-1] - p[:-2]) + a[1:] * (p[2:] - p[1:-1])) / 2
-    )  # Eq. (V2)
-    residual[n + inner] = ratio * (area - before.cross_section)[inner] + np.diff(mean)  # Eq. (V1)
+    )  # Eq. (U4)
+    residual[n + inner] = ratio * (area - before.cross_section)[inner] + np.diff(mean)  # Eq. (U3)
     down, up = (
         a * (2 * v[:-1] + v[1:]) / 2,
         a * v[:-1] / 2,

@@ -14,7 +14,7 @@ class State:
 
 
 class Crankshaft(FieldSlave):
-    """Eq. (G2):  J dw/dt = -T - L,   T: torque that the crank drive takes, L: load."""
+    """Eq. (U2):  J dw/dt = -T - L,   T: torque that the crank drive takes, L: load."""
 
     name, description, state_type = "crankshaft", "Crankshaft with flywheel and load", State
 
@@ -41,5 +41,5 @@ class Crankshaft(FieldSlave):
         speed = (
             state.speed
             - (values["crank_torque"] + values["load_torque"]) / values["inertia"] * step
-        )  # Eq. (G2)
+        )  # Eq. (U2)
         return State(speed), {"crank_speed": speed}

@@ -23,7 +23,7 @@ class State:
 class GasPressure(FieldSlave):
     """Fired cycle from a motored one.
 
-    Eq. (G1):  p = p0 (V_ivc / V)^1.33 (1 + R x),   x = 1 - exp(-5 ((a - a0) / da)^3),   a0 = -15 deg, da = 60 deg
+    Eq. (U1):  p = p0 (V_ivc / V)^1.33 (1 + R x),   x = 1 - exp(-5 ((a - a0) / da)^3),   a0 = -15 deg, da = 60 deg
 
     R is the final rise over the motored pressure (pressure ratio, [Matekunas1983]), x the burnt
     fraction (Wiebe).
@@ -74,7 +74,7 @@ class GasPressure(FieldSlave):
         motored = AMBIENT * (volume(CLOSES, values) / volume(angle, values)) ** 1.33
         return {
             "gas_pressure": motored * (1 + values["pressure_rise"] * burnt) - AMBIENT
-        }  # Eq. (G1)
+        }  # Eq. (U1)
 
 
 def volume(angle, values):

@@ -3,8 +3,8 @@ measurement.
 
 Single zone, constant ratio of specific heats, net heat release (wall heat already taken off):
 
-Eq. (G1):  dp/dphi = -kappa p V'/V + (kappa - 1) Q x_b'/V
-Eq. (G2):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration        Wiebe: 99.9 % burnt at s = 1
+Eq. (U10):  dp/dphi = -kappa p V'/V + (kappa - 1) Q x_b'/V
+Eq. (U11):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration        Wiebe: 99.9 % burnt at s = 1
 
 from inlet closing to exhaust opening, where phi_0 is set so that the peak lies 10 deg after firing
 top dead centre; then blow-down, exhaust and intake at constant pressures joined smoothly. Crank
@@ -39,7 +39,7 @@ def volume(angle):
 
 
 def burning(angle, start):
-    """x_b' [1/rad], Eq. (G2)."""
+    """x_b' [1/rad], Eq. (U11)."""
     s = (angle - start) / DURATION
     if not 0.0 < s < 1.0:
         return 0.0
@@ -53,7 +53,7 @@ def closed_cycle(start):
 
     def slope(angle, p):
         v, dv = volume(angle)
-        return -KAPPA * p * dv / v + (KAPPA - 1) * RELEASED * burning(angle, start) / v  # Eq. (G1)
+        return -KAPPA * p * dv / v + (KAPPA - 1) * RELEASED * burning(angle, start) / v  # Eq. (U10)
 
     solved = solve_ivp(
         slope,

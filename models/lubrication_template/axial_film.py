@@ -20,7 +20,7 @@ class AxialFilm(FieldSlave):
     """Oil that flows along the skirt only, strip by strip, with negative pressures cut off
     (Gumbel).
 
-    Eq. (T1):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
+    Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
     """
 
     name, description, state_type = "axial_film", "Film with axial flow only", State
@@ -105,7 +105,7 @@ class AxialFilm(FieldSlave):
         inflow = (resistance * wedge).sum(axis=1, keepdims=True) / resistance.sum(
             axis=1, keepdims=True
         )
-        rise = resistance * (wedge - inflow) * dy  # over a cell, Eq. (T1)
+        rise = resistance * (wedge - inflow) * dy  # over a cell, Eq. (U8)
         pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)
         return State(values["film_thickness"]), {
             "nodal_pressure_force": pressure * area,

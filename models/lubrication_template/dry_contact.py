@@ -17,7 +17,7 @@ class State:
 
 
 class DryContact(FieldSlave):
-    """Eq. (T2):  p = k d + c max(dd/dt, 0) where d = max(h0 - h, 0) > 0,   f = -mu p tanh(U / U0)
+    """Eq. (U9):  p = k d + c max(dd/dt, 0) where d = max(h0 - h, 0) > 0,   f = -mu p tanh(U / U0)
 
     h: gap, h0: gap at which the surfaces touch, d: overlap, k, c: stiffness and damping per area,
     U0: rounding velocity.
@@ -120,7 +120,7 @@ class DryContact(FieldSlave):
         )
         overlap = np.maximum(values["touching_gap"] - film, 0.0)
         closing = np.where(overlap > 0, np.maximum((state.film - film) / step, 0.0), 0.0)
-        pressure = values["stiffness"] * (overlap + values["damping_time"] * closing)  # Eq. (T2)
+        pressure = values["stiffness"] * (overlap + values["damping_time"] * closing)  # Eq. (U9)
         friction = (
             -values["friction_coefficient"]
             * pressure

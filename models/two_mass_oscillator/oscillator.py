@@ -1,8 +1,8 @@
 """One half of the two-mass oscillator: a mass between a wall and the other mass, its motion exact
 for the input it is told.
 
-Eq. (O1):  m u'' = -(k_o + k_m) u + k_m v(t),   v the other mass's displacement, within a step a polynomial up to degree 3
-Eq. (O2):  u = p + (u0 - p0) cos W s + (u0' - p0')/W sin W s,   W^2 = (k_o + k_m)/m,   p the polynomial that solves (O1):
+Eq. (U6):  m u'' = -(k_o + k_m) u + k_m v(t),   v the other mass's displacement, within a step a polynomial up to degree 3
+Eq. (U7):  u = p + (u0 - p0) cos W s + (u0' - p0')/W sin W s,   W^2 = (k_o + k_m)/m,   p the polynomial that solves (U6):
            W^2 p_j = k_m/m v_j - (j + 2)(j + 1) p_{j+2}   for the coefficients of s^j
 
 The system is that of preCICE's tutorial `oscillator`.
@@ -23,7 +23,7 @@ class State:
 
 
 class Oscillator(FieldSlave):
-    """A mass on two springs, Eqs. (O1) and (O2)."""
+    """A mass on two springs, Eqs. (U6) and (U7)."""
 
     name, description, state_type, usual_step = (
         "oscillator",
@@ -93,7 +93,7 @@ class Oscillator(FieldSlave):
         cos, sin = np.cos(frequency * step), np.sin(frequency * step)
         return published(
             State(
-                float(p(step) + a * cos + b * sin),  # Eq. (O2)
+                float(p(step) + a * cos + b * sin),  # Eq. (U7)
                 float(slope(step) + frequency * (b * cos - a * sin)),
             )
         )

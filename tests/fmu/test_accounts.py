@@ -46,10 +46,10 @@ def test_logs_account_for_every_iteration(finished):
         "left.der(other_displacement)",
     ]
     last = {s["Window"]: max(float(s[w]) for w in wires) for s in sweeps}
-    assert max(last.values()) <= 1.0  # the last sweep of each window has converged
+    assert max(last.values()) <= 1.0  # the last evaluation of each window has converged
     assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in sweeps) == len(
         windows
-    )  # and no sweep before it
+    )  # and no evaluation before it
 
 
 def test_wall_time_is_split_without_a_rest(finished):
@@ -140,14 +140,14 @@ def test_a_conjugate_that_is_none_is_named():
 
 def test_a_log_goes_on_after_its_checkpoint(tmp_path):
     """Windows written after the checkpoint go, and a line that a crash has cut off."""
-    connections = (SimpleNamespace(target=("right", "x")), SimpleNamespace(target=("left", "y")))
-    log = CouplingLog(tmp_path / "a.h5", connections, Counters())
+    wires = (SimpleNamespace(target=("right", "x")), SimpleNamespace(target=("left", "y")))
+    log = CouplingLog(tmp_path / "a.h5", wires, Counters())
     for k in range(12):
         log.attempt(0.1 * k, 0.1, [[2.0, 3.0], [0.5, 0.1]], None)
     log.close()
     with open(tmp_path / "a-iterations.log", "a") as file:
         file.write("     1")
-    log = CouplingLog(tmp_path / "a.h5", connections, Counters(steps=10, residual_evaluations=20))
+    log = CouplingLog(tmp_path / "a.h5", wires, Counters(steps=10, residual_evaluations=20))
     log.attempt(1.0, 0.1, [[1.5, 0.2]], RuntimeError("refused"))
     log.attempt(1.0, 0.05, [[0.5, 0.2]], None)
     log.close()

@@ -154,7 +154,7 @@ def test_a_loop_of_both_reaches_its_closed_form(folder, tmp_path, method, isolat
     tree = read_tree(path)
     case = check_case(tree, path)
     summary = run(open_system(case, folder, print), case, tree, tmp_path / "base.h5")
-    x = Results(tmp_path / "base.h5").field("decay.x", 1.0)[0]
+    x = Results(tmp_path / "base.h5").field("decay.x", 1.0).values
     # 100 steps, each within 1e-12 of the loop's fixed point
     np.testing.assert_allclose(x, np.array(STATES) / (1 + 0.01 * (2.0 - 0.5)) ** 100, atol=1e-10)
     assert summary["unconverged_steps"] == 0 and summary["mean_iterations"] > 1

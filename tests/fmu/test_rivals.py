@@ -6,7 +6,8 @@ import sys
 import numpy as np
 import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
-from piston_cosim.master.results.rivals import distance, rival_trees
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.rivals import Exchange, distance, rivals_of
 
 SMALL = [
     f"--set={change}"
@@ -55,23 +56,50 @@ def test_every_fault_is_listed(tmp_path):
 
 
 def test_only_common_instants_are_compared():
-    whole = {"time": np.array([0.0, 1.0, 2.0]), "film": np.zeros((3, 1, 1))}
-    halved = {
-        "time": np.array([0.0, 1.0, 1.5, 2.0]),
-        "film": np.array([0.0, 0.0, 9.0, 2.0]).reshape(4, 1, 1),
-    }
-    shared, apart = distance(halved, whole)
+    whole = Exchange(np.array([0.0, 1.0, 2.0]), {"film": np.zeros((3, 1, 1))}, {})
+    films = np.array([0.0, 0.0, 9.0, 2.0]).reshape(4, 1, 1)
+    halved = Exchange(np.array([0.0, 1.0, 1.5, 2.0]), {"film": films}, {})
+    shared, apart = distance(halved, whole, "film")
     assert shared.tolist() == [0.0, 1.0, 2.0] and apart.tolist() == pytest.approx([0.0, 0.0, 2.0])
 
 
 def test_trees_record_what_crosses_the_interface():
-    trees, common, left_out = rival_trees(
-        read_tree(find_case("numerical_example"), []), ["jfo", "reynolds"]
-    )
-    assert left_out == {} and common["pictures"]
-    assert [
-        tree["participants"]["ehd"]["parameters"]["cavitation_model"] for tree in trees.values()
-    ] == ["jfo", "reynolds"]
+    tree = read_tree(find_case("numerical_example"), [])
+    rivals = rivals_of(tree, "lubrication", ["jfo", "reynolds"])
+    assert rivals.left_out == {} and rivals.common["pictures"]
+    parameters = [each["participants"]["ehd"]["parameters"] for each in rivals.trees.values()]
+    assert [values["cavitation_model"] for values in parameters] == ["jfo", "reynolds"]
     assert {"bodies.film_thickness", "ehd.nodal_friction_force"} <= set(
-        trees["jfo"]["record"]["fields"]
+        rivals.trees["jfo"]["record"]["fields"]
     )
+
+
+def two_films():
+    """The numerical example's tree with a second film, fed by fields of other names."""
+    tree = read_tree(find_case("numerical_example"), [])
+    participants = tree["participants"] | {"pin": {"fmu": "pin.fmu", "role": "lubrication"}}
+    wires = [
+        {"from": "bodies.pin_gap", "to": "pin.film_thickness"},
+        {"from": "bodies.pin_slip", "to": "pin.sliding_velocity"},
+    ]
+    return tree | {"participants": participants, "wires": [*tree["wires"], *wires]}
+
+
+def test_with_two_films_the_one_to_replace_is_named():
+    tree = two_films()
+    with pytest.raises(BadInput, match="ehd, pin have this role; write --lubrication ehd=jfo"):
+        rivals_of(tree, "lubrication", ["jfo", "reynolds"])
+    with pytest.raises(BadInput, match="take one"):
+        rivals_of(tree, "lubrication", ["ehd=jfo", "pin=jfo"])
+    with pytest.raises(BadInput, match="participants in this role are ehd, pin"):
+        rivals_of(tree, "lubrication", ["bodies=jfo", "ehd=jfo"])
+    rivals = rivals_of(tree, "lubrication", ["pin=jfo", "pin=gumbel"])
+    assert rivals.ports == {
+        "film_thickness": "bodies.pin_gap",
+        "sliding_velocity": "bodies.pin_slip",
+        "nodal_pressure_force": "pin.nodal_pressure_force",
+        "nodal_friction_force": "pin.nodal_friction_force",
+    }
+    chosen = rivals.trees["gumbel"]["participants"]
+    assert chosen["pin"]["parameters"] == {"cavitation_model": "gumbel"}
+    assert chosen["ehd"] == tree["participants"]["ehd"]

@@ -2,12 +2,13 @@
 protocol by hand.
 """
 
+import pickle
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from piston_cosim.master.case.system import Connection
+from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 
 
@@ -89,7 +90,7 @@ PADS = 7
 
 @pytest.fixture
 def pair():
-    """Participants and connections of PADS masses on films, started at h = 10 um."""
+    """Participants and wires of PADS masses on films, started at h = 10 um."""
     h = 1e-5 * np.linspace(0.6, 1.4, PADS)
     mass = Mass(
         "mass",
@@ -103,13 +104,125 @@ def pair():
         h.copy(),
         {"film": h.copy(), "force": 0 * h},
     )
-    connections = (
-        Connection(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
-        Connection(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
+    wires = (
+        Wire(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
+        Wire(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
     )
     return SimpleNamespace(
         participants={"film": film, "mass": mass},
         order=("film", "mass"),
-        connections=connections,
+        wires=wires,
         parallel=False,
     )
+
+
+class Affine(Toy):
+    """Outputs A u + b(t) of all inputs u; t is the sum of the steps taken, so that a step taken
+    twice without going back shows. Steps longer than `longest` are refused.
+    """
+
+    can_redo = can_serialise = declares_units = True
+    can_interpolate = False
+    longest = np.inf
+
+    def __init__(self, name, inputs, outputs, matrix, offset):
+        super().__init__(name, inputs | outputs, np.zeros(1))
+        self.inputs, self.outputs, self.matrix, self.offset = inputs, outputs, matrix, offset
+        self.values = {key: np.zeros(field.shape) for key, field in self.fields.items()}
+
+    def step(self, time, step):
+        self.steps += 1
+        if step > self.longest:
+            raise Discard(f"{self.name}: refused on purpose")
+        self.state = self.state + step
+        u = np.concatenate([np.ravel(self.values[key]) for key in self.inputs])
+        self._give(self.matrix @ u + self.offset(self.state[0]), self.values)
+
+    def derivative(self, seeds, products):
+        u = np.concatenate([np.ravel(seeds[key]) for key in self.inputs])
+        return self._give(self.matrix @ u, {})
+
+    def _give(self, vector, values):
+        """The vector cut into the outputs."""
+        for key, output in self.outputs.items():
+            size = int(np.prod(output.shape))
+            values[key], vector = vector[:size].reshape(output.shape), vector[size:]
+        return values
+
+    def start(self, parameters, start_time, stop_time):
+        self.values |= {key: np.array(value, dtype=float) for key, value in parameters.items()}
+
+    def get_many(self, names):
+        return {name: float(self.values[name]) for name in names}
+
+    def serialise(self, saved):
+        return pickle.dumps(saved)
+
+    def deserialise(self, data):
+        return pickle.loads(data)
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def affine():
+    """Maker of systems whose macro step is x = A x + b(t), x = 0 at the start.
+
+    `plant` steps first and computes A u + b from the wires echo.w0 -> plant.u0, ... [m], the
+    unknowns; `echo` gives back as w what it gets by the wires plant.y0 -> echo.v0, ... [N]. The
+    interface vector is (u, v). With `parallel`, both kinds of wires are unknowns.
+    """
+
+    def fields(letter, shapes, nominal, causality):
+        unit = "m" if letter in "uw" else "N"
+        return {
+            f"{letter}{k}": SimpleNamespace(
+                **vars(variable(shape, nominal[k], causality))
+                | {"name": f"{letter}{k}", "unit": unit, "minimum": None, "maximum": None},
+            )
+            for k, shape in enumerate(shapes)
+        }
+
+    def make(matrix, offset, tolerance=0.1, shapes=None, nominal=None, stop=1.0, step=1.0, **given):
+        matrix = np.atleast_2d(np.array(matrix, dtype=float))
+        shapes = shapes or ((),) * len(matrix)
+        nominal = nominal or (1.0,) * len(shapes)
+        u, y, v, w = (
+            fields(letter, shapes, nominal, "input" if letter in "uv" else "output")
+            for letter in "uyvw"
+        )
+        plant = Affine("plant", u, y, matrix, lambda t: np.atleast_1d(offset(t)))
+        echo = Affine("echo", v, w, np.eye(len(matrix)), lambda t: 0.0)
+        parallel = given.pop("parallel", False)
+        more = (None, *(given.get(key, d) for key, d in WIRE_DEFAULTS.items()))
+        back = [
+            Wire(("echo", f"w{k}"), ("plant", f"u{k}"), shape, "m", size, tolerance, *more)
+            for k, (shape, size) in enumerate(zip(shapes, nominal))
+        ]
+        along = tolerance if parallel else np.inf
+        forth = [
+            Wire(("plant", f"y{k}"), ("echo", f"v{k}"), shape, "N", size, along, None)
+            for k, (shape, size) in enumerate(zip(shapes, nominal))
+        ]
+        participants = {"plant": plant, "echo": echo}
+        none = {"plant": {}, "echo": {}}
+        return System(
+            participants,
+            ("plant", "echo"),
+            (*back, *forth),
+            none,
+            stop,
+            step,
+            given.get("smallest_step", 0.0),
+            parallel=parallel,
+        )
+
+    return make
+
+
+WIRE_DEFAULTS = {
+    "relative_tolerance": 0.0,
+    "residual_relative_tolerance": 0.0,
+    "local_error": None,
+}

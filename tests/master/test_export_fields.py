@@ -1,7 +1,6 @@
 """Field exports: what is written is what was recorded."""
 
 import csv
-from types import SimpleNamespace
 
 import h5py
 import meshio
@@ -15,6 +14,7 @@ from piston_cosim.master.results.fields_export import (
     write_hdf5,
     write_vtu,
 )
+from piston_cosim.master.results.file import Results
 
 TIMES = np.array([0.0, 0.1, 0.2])
 PRESSURE = np.arange(60.0).reshape(3, 5, 4)
@@ -23,6 +23,7 @@ PRESSURE = np.arange(60.0).reshape(3, 5, 4)
 @pytest.fixture
 def results(tmp_path):
     with h5py.File(tmp_path / "run.h5", "w") as file:
+        file["time"] = TIMES
         file["fields/time"] = TIMES
         for name, values, unit in (
             ("ehd/pressure", PRESSURE, "Pa"),
@@ -31,7 +32,7 @@ def results(tmp_path):
         ):
             file[f"fields/{name}"] = values
             file[f"fields/{name}"].attrs["unit"] = unit
-        yield SimpleNamespace(file=file)
+    return Results(tmp_path / "run.h5")
 
 
 def test_sum_and_product(results):

@@ -1,6 +1,7 @@
 """Newton, Aitken and constant relaxation on a stiff pair with a known fixed point."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from piston_cosim.master.coupling.methods import (
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
 from piston_cosim.master.coupling.stepping import Predictor, StepFailed, Stepper
-from piston_cosim.master.coupling.wiring import Connection
+from piston_cosim.master.coupling.wiring import Wire
 from scipy.optimize import brentq
 
 STEP, PADS = 1e-4, 7
@@ -27,12 +28,15 @@ STEP, PADS = 1e-4, 7
 
 def closed_form(h0, step):
     """Film after one backward-Euler step of one mass on its film, by bracketing."""
-    from_force = lambda h: h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)
+
+    def from_force(h):
+        return h - h0 - step**2 / 1e-3 * (-2e-12 * (h - h0) / step / h**3 - 0.1)
+
     return brentq(from_force, h0 * 1e-3, h0, xtol=1e-18, rtol=1e-14)
 
 
 def solve(pair, method, parallel=False):
-    interface = Interface(pair.participants, pair.connections, parallel)
+    interface = Interface(pair.participants, pair.wires, parallel)
     saved = {name: p.save() for name, p in pair.participants.items()}
     return method.solve(MacroStep(interface, 0.0, STEP, saved), interface.read(), method.memory())
 
@@ -48,8 +52,8 @@ def test_newton_reaches_the_fixed_point(pair):
     assert solution.history[-1] <= 1.0
 
 
-def test_linear_sweep_matches_differences(pair):
-    interface = Interface(pair.participants, pair.connections)
+def test_derivative_matches_differences(pair):
+    interface = Interface(pair.participants, pair.wires)
     saved = {name: p.save() for name, p in pair.participants.items()}
     x = interface.read()
     direction = (
@@ -57,10 +61,10 @@ def test_linear_sweep_matches_differences(pair):
         * 1e-4
         * interface.nominal
     )
-    _, high, _ = interface.sweep(x + direction, 0, STEP, saved)
-    _, low, _ = interface.sweep(x - direction, 0, STEP, saved)
-    interface.sweep(x, 0, STEP, saved)
-    product = interface.linear_sweep(direction)
+    _, high, _ = interface.evaluate(x + direction, 0, STEP, saved)
+    _, low, _ = interface.evaluate(x - direction, 0, STEP, saved)
+    interface.evaluate(x, 0, STEP, saved)
+    product = interface.derivative(direction)
     # central differences: error of third order in the direction, relative 1e-6 here
     assert np.allclose((high - low) / 2, product, rtol=1e-5, atol=1e-12)
 
@@ -112,15 +116,15 @@ def test_jacobi_order_has_the_same_fixed_point(pair, method):
 
 
 def test_in_jacobi_order_nobody_reads_what_was_just_computed(pair):
-    interface = Interface(pair.participants, pair.connections, True)
+    interface = Interface(pair.participants, pair.wires, True)
     x = interface.read()
-    used, _, _ = interface.sweep(
+    used, _, _ = interface.evaluate(
         x, 0.0, STEP, {name: p.save() for name, p in pair.participants.items()}
     )
     assert interface.feedback.all() and np.array_equal(used, x)
 
 
-def test_explicit_coupling_sweeps_once_and_counts_what_is_off(pair):
+def test_explicit_coupling_evaluates_once_and_counts_what_is_off(pair):
     stepper = Stepper(pair, Explicit(), 0)
     stepper.advance(0.0, STEP)
     assert stepper.counters.iterations == [1]
@@ -128,7 +132,7 @@ def test_explicit_coupling_sweeps_once_and_counts_what_is_off(pair):
 
 
 def test_step_length_limits_the_thinnest_film(pair):
-    interface = Interface(pair.participants, pair.connections)
+    interface = Interface(pair.participants, pair.wires)
     x = interface.read()
     change = np.zeros_like(x)
     change[0] = -x[0]
@@ -139,7 +143,7 @@ def test_step_length_limits_the_thinnest_film(pair):
 
 
 def criteria(**given):
-    return Connection(
+    return Wire(
         ("a", "y"),
         ("b", "x"),
         (3,),
@@ -186,17 +190,17 @@ def test_what_is_not_finite_never_converges(given, bad):
 
 
 def test_residual_relative_convergence_leaves_that_share_of_the_first_residual(pair):
-    wire, along = pair.connections
-    pair.connections = (
+    wire, along = pair.wires
+    pair.wires = (
         replace(wire, tolerance=0.0, residual_relative_tolerance=1e-4),
         replace(along, tolerance=np.inf),
     )
-    interface = Interface(pair.participants, pair.connections)
+    interface = Interface(pair.participants, pair.wires)
     saved = {name: p.save() for name, p in pair.participants.items()}
     step, guess = MacroStep(interface, 0.0, STEP, saved), interface.read()
-    first = step.sweep(guess)[2][:PADS]
+    first = step.evaluate(guess)[2][:PADS]
     solution = Newton().solve(step, guess, Newton().memory())
-    last = step.sweep(solution.x)[2][:PADS]
+    last = step.evaluate(solution.x)[2][:PADS]
     assert 1e-10 < np.linalg.norm(last) / np.linalg.norm(first) <= 1e-4
     assert solution.history[0] == pytest.approx(1e4)
 
@@ -204,7 +208,10 @@ def test_residual_relative_convergence_leaves_that_share_of_the_first_residual(p
 def test_discarded_step_is_halved_and_counted(pair):
     pair.participants["film"].refuse = 1
     seen = []
-    stepper = Stepper(pair, Newton(), 3, lambda time, solution: seen.append(time))
+    observer = SimpleNamespace(
+        accepted=lambda time, solution: seen.append(time), attempted=lambda *attempt: None
+    )
+    stepper = Stepper(pair, Newton(), 3, observer)
     stepper.advance(0.0, STEP)
     assert stepper.counters.halved_steps == 1
     assert seen == pytest.approx([STEP / 2, STEP])
@@ -242,7 +249,7 @@ def test_quasi_newton_reuses_secants(pair):
         stepper.advance(k * STEP, STEP)
     assert len(stepper.memory.secants.past) == 3
     assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
-    # every sweep after a step's first is a pair, the one that converged too
+    # every evaluation after a step's first is a pair, the one that converged too
     assert [len(window) for window in stepper.memory.secants.past] == [
         n - 1 for n in stepper.counters.iterations[:1:-1]
     ]

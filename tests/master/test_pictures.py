@@ -4,17 +4,52 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from piston_cosim.master.results.pictures import draw_maps
+from piston_cosim.master.case.schema import NEUTRAL, Axes
+from piston_cosim.master.results.file import RecordedField
+from piston_cosim.master.results.pictures import draw_maps, draw_sections
 
 
 @pytest.mark.parametrize(
     "field, lines", [(np.ones((5, 4)), False), (np.arange(20.0).reshape(5, 4), True)]
 )
 def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
-    results = SimpleNamespace(field=lambda port, instant: (field, 0.0, "1", "film fraction"))
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction")
+    )
     picture = SimpleNamespace(fields=["ehd.film_fraction"], time="0 s", units={})
-    panel = draw_maps(picture, {"flexible": results}).axes[0]
+    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
+    panel = draw_maps(case, picture, {"flexible": results}).axes[0]
     drawn = [
         len(path.vertices) for collection in panel.collections for path in collection.get_paths()
     ]
     assert len(panel.images) == 1 and (sum(drawn) > 0) == lines
+
+
+SKIRT = Axes(
+    participants=["ehd"],
+    first={"label": "angle", "unit": "deg", "range": [0, 360], "marks": {"thrust": 90}},
+    second={"label": "height / skirt length"},
+)
+
+
+@pytest.mark.parametrize("axes", [SKIRT, NEUTRAL])
+def test_axes_say_what_the_case_says_and_nothing_else(axes):
+    field = np.arange(20.0).reshape(5, 4)
+    results = SimpleNamespace(field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""))
+    picture = SimpleNamespace(
+        fields=["heat.flux"], time="0 s", units={}, angles=("0 deg", "180 deg"), height=0.5
+    )
+    case = SimpleNamespace(axes_of=lambda port: axes)
+    panel = draw_maps(case, picture, {"base": results}).axes[0]
+    words = " ".join(label.get_text() for label in panel.get_xticklabels())
+    section = draw_sections(case, picture, {"base": results}).axes[0]
+    along = section.lines[0].get_xdata()
+    if axes is SKIRT:
+        assert (panel.get_xlabel(), panel.get_ylabel()) == ("angle [deg]", "height / skirt length")
+        assert panel.images[0].get_extent() == [0, 360, 0, 1] and "90\nthrust" in words
+        assert section.get_xlabel() == "angle [deg]; thrust 90"
+        assert along == pytest.approx([36.0, 108.0, 180.0])
+    else:
+        assert panel.get_xlabel() == "first index / its number" and "thrust" not in words
+        assert panel.images[0].get_extent() == [0, 1, 0, 1]
+        assert along == pytest.approx([0.1, 0.3, 0.5])

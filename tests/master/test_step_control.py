@@ -133,15 +133,18 @@ def test_remaining_time_is_cut_into_equal_steps():
 
 
 def test_each_wire_has_its_own_allowed_error(pair):
-    assert step_control(pair.connections, 1e-6) is None
-    film, force = pair.connections
+    assert step_control(pair.wires, 1e-6) is None
+    film, force = pair.wires
     both = [
         film.__class__(**vars(film) | {"local_error": 1e-8}),
         force.__class__(**vars(force) | {"local_error": 0.1}),
     ]
     chosen = step_control(both, 1e-6)
     assert chosen.watched == [(slice(0, 7), 1e-8), (slice(7, 14), 0.1)]
-    x = lambda t: np.repeat([1e-6 * t**3, 5 * t**3], 7)
+
+    def x(t):
+        return np.repeat([1e-6 * t**3, 5 * t**3], 7)
+
     for last in (0.0, 1.0, 2.0):
         chosen.accepts((last, x(last)), last, 1.0, SimpleNamespace(x=x(last + 1), iterations=2))
     assert chosen.error == pytest.approx(2 / 9 * 6 * max(1e-6 / 1e-8, 5 / 0.1))

@@ -1,18 +1,12 @@
-"""Sweeps: axes, resuming, failures as rows; and the trends published for clearance, ovality and
-speed.
-"""
+"""Sweeps: axes, resuming, failures as rows."""
 
 import csv
 from concurrent.futures import Executor, Future
 
-import numpy as np
 import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.sweep import (
-    build_all,
-    local_executor,
     parse_axis,
     points,
     sweep,
@@ -20,7 +14,11 @@ from piston_cosim.master.runs.sweep import (
 )
 
 PATH = find_case("fired_motorcycle")
-TREE = read_tree(PATH)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return read_tree(PATH)
 
 
 class Answering(Executor):
@@ -45,12 +43,12 @@ class Answering(Executor):
         return future
 
 
-def test_axis_of_a_range_and_of_a_list():
-    axis = parse_axis("radial_clearance=10um..0.03mm:3", TREE)
+def test_axis_of_a_range_and_of_a_list(tree):
+    axis = parse_axis("radial_clearance=10um..0.03mm:3", tree)
     assert axis.keys == ("participants.bodies.parameters.radial_clearance",)
     assert axis.values == ("10 um", "20 um", "30 um")
     grids = parse_axis(
-        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", TREE
+        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", tree
     )
     assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
 
@@ -65,13 +63,13 @@ def test_axis_of_a_range_and_of_a_list():
         ("crank_speed=1rpm..2rpm:1", "at least 2"),
     ],
 )
-def test_bad_axes_say_what_is_wrong(text, message):
+def test_bad_axes_say_what_is_wrong(tree, text, message):
     with pytest.raises(BadInput, match=message):
-        parse_axis(text, TREE)
+        parse_axis(text, tree)
 
 
-def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
-    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", TREE)])
+def test_failures_are_rows_and_a_second_start_runs_nothing_again(tree, tmp_path):
+    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()
     rows = sweep(found, PATH.parent, tmp_path, first)
     assert [row["status"] for row in rows] == ["done", "failed", "failed"]
@@ -85,57 +83,3 @@ def test_failures_are_rows_and_a_second_start_runs_nothing_again(tmp_path):
     again = Answering()
     assert sweep(found, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 1)
-
-
-@pytest.fixture(scope="module")
-def trends(tmp_path_factory):
-    """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing
-    top dead centre.
-    """
-    folder = tmp_path_factory.mktemp("sweep")
-    changes = [
-        ("participants.bodies.build.grid", [16, 12]),
-        ("participants.ehd.build.grid", [16, 12]),
-        ("time.stop", "180 deg"),
-        ("time.step", "2 deg"),
-        ("participants.bodies.parameters.start_crank_angle", "-30 deg"),
-        ("record.fields", []),
-        *TREE["variants"]["rigid"].items(),
-    ]
-    axes = {
-        name: parse_axis(text, TREE)
-        for name, text in (
-            ("clearance", "radial_clearance=15um;30um;45um"),
-            ("ovality", "ovality=100um;200um;400um"),
-            ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"),
-        )
-    }
-    found = {name: points(PATH, changes, [axis]) for name, axis in axes.items()}
-    build_all(found["speed"], PATH.parent, lambda text: None)
-    with local_executor(2) as executor:
-        rows = sweep(sum(found.values(), []), PATH.parent, folder, executor)
-    assert {row["status"] for row in rows} == {"done"}
-    files = iter(folder / "runs" / f"{p.name}.h5" for p in sum(found.values(), []))
-    return {name: [travel(next(files)) for _ in found[name]] for name in found}
-
-
-def travel(path):
-    """Range of the lateral motion in the power stroke [m]."""
-    results = Results(path)
-    values = results.series("bodies.lateral_displacement")[0]
-    results.close()
-    return np.ptp(values)
-
-
-def test_larger_clearance_moves_more(trends):
-    assert np.all(
-        np.diff(trends["clearance"]) > 1e-6
-    )  # a micrometre: a thousand times the coupling tolerance
-
-
-def test_larger_ovality_moves_more(trends):
-    assert np.all(np.diff(trends["ovality"]) > 1e-7)
-
-
-def test_higher_speed_moves_less_in_the_power_stroke(trends):
-    assert np.all(np.diff(trends["speed"]) < -1e-6)

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from piston_cosim.master.case.schema import Wire
-from piston_cosim.master.case.system import _connection, _parameters
+from piston_cosim.master.case.schema import WireTable
+from piston_cosim.master.case.system import _parameters, _wire
 
 SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
 
@@ -57,8 +57,8 @@ def participants():
 )
 def test_wiring_faults(participants, target, words):
     faults = []
-    _connection(
-        Wire(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults
+    _wire(
+        WireTable(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults
     )
     assert len(faults) == 1
     assert words in faults[0]
@@ -66,16 +66,18 @@ def test_wiring_faults(participants, target, words):
 
 def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
     def tolerance(value):
-        wire = Wire(
+        wire = WireTable(
             **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value}
         )
-        return _connection(wire, participants, SEQUENTIAL, []).tolerance
+        return _wire(wire, participants, SEQUENTIAL, []).tolerance
 
     assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
     assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
     faults = []
-    wire = Wire(**{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"})
-    _connection(wire, participants, SEQUENTIAL, faults)
+    wire = WireTable(
+        **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"}
+    )
+    _wire(wire, participants, SEQUENTIAL, faults)
     assert "tolerance" in faults[0]
 
 
@@ -95,13 +97,13 @@ def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
 )
 def test_wires_along_the_order_are_measured_only_if_asked(participants, coupling, tolerance):
     ends = {"from": "body.film_thickness", "to": "film.film_thickness"}
-    assert _connection(Wire(**ends), participants, coupling, []).tolerance == pytest.approx(
+    assert _wire(WireTable(**ends), participants, coupling, []).tolerance == pytest.approx(
         tolerance, rel=1e-14
     )
-    assert _connection(
-        Wire(**ends, tolerance="2 nm"), participants, coupling, []
+    assert _wire(
+        WireTable(**ends, tolerance="2 nm"), participants, coupling, []
     ).tolerance == pytest.approx(2e-9, rel=1e-14)
-    asked = _connection(Wire(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
+    asked = _wire(WireTable(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
     assert (asked.tolerance, asked.residual_relative_tolerance) == (0.0, 1e-3)
 
 
@@ -121,8 +123,8 @@ def test_parameter_faults_name_value_unit_and_range(participants):
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
 def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     faults = []
-    wire = Wire(
+    wire = WireTable(
         **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}
     )
-    _connection(wire, participants, SEQUENTIAL, faults)
+    _wire(wire, participants, SEQUENTIAL, faults)
     assert "must be positive" in faults[0]

@@ -95,14 +95,20 @@ def coarse(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def reduced(bodies, tmp_path_factory):
+def kept_bodies(tmp_path_factory):
+    """Cache of reduced bodies for the whole session: each small body is reduced once."""
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="session")
+def reduced(bodies, kept_bodies):
     """(options, piston, block) of the small bodies, reduced."""
     from piston_cosim.fmu_mfbd.build import prepare
     from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
     from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
         options, files = prepare(bodies[1], bodies[0], lambda text: None)
         piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
         return BuildOptions.from_json(options), piston, block

@@ -42,8 +42,8 @@ def test_one_body_from_a_small_table(bodies, cache, tmp_path):
     assert (tmp_path / "out" / "block-modes.png").stat().st_size > 20_000
 
 
-def test_command_line(bodies, cache, tmp_path):
-    folder, options = bodies
+def test_command_line(coarse, cache, tmp_path):
+    folder, options = coarse
     (tmp_path / "bodies.toml").write_text(f"""grid = [16, 12]
 [block]
 mesh = "{folder}/block.msh"
@@ -66,13 +66,13 @@ class Stopped(Exception):
     pass
 
 
-def test_a_stopped_reduction_goes_on(bodies, cache, tmp_path, monkeypatch):
+def test_a_stopped_reduction_goes_on(coarse, cache, tmp_path, monkeypatch):
     """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is
     left behind.
     """
     from piston_cosim.fmu_mfbd.finite_elements import solver
 
-    folder, options = bodies
+    folder, options = coarse
     table, solved = {"grid": [16, 12], "block": options["block"] | {"basis": "craig_bampton"}}, []
 
     class Stopping:

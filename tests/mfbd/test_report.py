@@ -29,9 +29,9 @@ from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.fixture(scope="module")
-def report(bodies, tmp_path_factory):
+def report(bodies, kept_bodies):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
         files = reduced_bodies(bodies[1], bodies[0], lambda text: None)
         yield {
             "piston": Reduced(load(ReducedPiston, files["piston"]), load(Anatomy, files["piston"])),
@@ -101,8 +101,8 @@ def test_recovery_is_linear_in_the_modes(report, tmp_path):
     )
 
 
-def test_modes_switched_off(bodies, report, tmp_path, monkeypatch):
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+def test_modes_switched_off(bodies, report, kept_bodies, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
     folder, options = bodies
     options, files = prepare(
         options | {"piston": options["piston"] | {"modes_off": [2, 5]}}, folder, lambda text: None

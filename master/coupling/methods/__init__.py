@@ -1,23 +1,27 @@
 """Ways to the fixed point of a macro step.
 
-A method is a value with `memory()` and `solve(macro_step, guess, memory)`. `solve` returns a
-`Solution` in which every element of every wire agrees to its tolerance, or raises `NotConverged`;
-it never returns anything else. `memory()` makes what the method carries from one macro step to the
-next (None if nothing); the stepper drops it after a failure.
+A method is a value with `memory()` and `solve(macro_step, guess, memory)` (`Method` is the
+protocol). `solve` returns a `Solution` in which every element of every wire agrees to its
+tolerance, or raises `NotConverged`; it never returns anything else. `memory()` makes what the
+method carries from one macro step to the next (None if nothing); the stepper drops it after a
+failure.
 """
+
+from typing import Protocol
 
 from .explicit import Explicit
 from .newton import Newton
 from .quasi_newton import QuasiNewton
 from .relaxation import Relaxation
 from .secants import Ageing, LeastSquares, MultiVector
-from .solution import MacroStep, NotConverged, Solution, step_length
+from .solution import MacroStep, Method, NotConverged, Solution, step_length
 
 __all__ = [
     "Ageing",
     "Explicit",
     "LeastSquares",
     "MacroStep",
+    "Method",
     "MultiVector",
     "Newton",
     "NotConverged",
@@ -29,7 +33,32 @@ __all__ = [
 ]
 
 
-def method_of(coupling):
+class CouplingOptions(Protocol):
+    """What the choice of a method is made from; the case's coupling table has it."""
+
+    @property
+    def method(self) -> str: ...
+    @property
+    def max_iterations(self) -> int: ...
+    @property
+    def largest_krylov_space(self) -> int: ...
+    @property
+    def differences(self) -> bool: ...
+    @property
+    def relaxation(self) -> float: ...
+    @property
+    def mixing(self) -> float: ...
+    @property
+    def probing(self) -> bool: ...
+    @property
+    def windows(self) -> int: ...
+    @property
+    def filter(self) -> str: ...
+    @property
+    def filter_limit(self) -> float: ...
+
+
+def method_of(coupling: CouplingOptions) -> Method:
     """The method a case's coupling table asks for."""
     if coupling.method == "newton":
         return Newton(
@@ -43,7 +72,11 @@ def method_of(coupling):
         "iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit, coupling.filter),
         "iqn_imvj": MultiVector(coupling.windows, coupling.filter_limit),
         "iqn_ageing": Ageing(),
-    }[coupling.method]
+    }
     return QuasiNewton(
-        secants, coupling.relaxation, coupling.mixing, coupling.max_iterations, coupling.probing
+        secants[coupling.method],
+        coupling.relaxation,
+        coupling.mixing,
+        coupling.max_iterations,
+        coupling.probing,
     )

@@ -4,27 +4,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solution import NotConverged, Solution
+from .solution import Solution, Tried, check_finite
 
 
 @dataclass(frozen=True)
 class Explicit:
-    """One sweep from the predicted iterate, accepted as it is; its residual tells how far the wires
-    are from agreeing.
+    """One evaluation from the predicted iterate, accepted as it is; its residual tells how far the
+    wires are from agreeing. The next step is predicted from what the outputs then say.
 
     Stable only where the coupling is weak: film and piston amplify an error some hundred-fold a
     step.
     """
 
-    def memory(self):
+    def memory(self) -> None:
         return None
 
-    def solve(self, macro_step, guess, memory=None):
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: None = None) -> Solution:
         interface = macro_step.interface
-        used, y, residual = macro_step.sweep(guess)
-        history = (interface.measure(residual, y),)
-        if not np.isfinite(y).all():
-            raise NotConverged(
-                "a participant's output is not finite", interface, residual, y, history
-            )
-        return Solution(used, history)
+        at = macro_step.evaluate(guess)
+        history = (interface.measure(at.residual, at.outputs),)
+        check_finite(interface, at, history)
+        return Solution(at.outputs, history, held=at.used)

@@ -3,7 +3,9 @@
 import numpy as np
 
 
-def filtered(columns, limit, rule):
+def filtered(
+    columns: list[np.ndarray], limit: float, rule: str
+) -> tuple[list[int], np.ndarray, np.ndarray]:
     """QR decomposition of the columns worth keeping, the first ones preferred.
 
     Parameters
@@ -23,12 +25,13 @@ def filtered(columns, limit, rule):
     """
     if not columns:
         return [], np.empty((0, 0)), np.empty((0, 0))
-    chosen, triangle = [], np.zeros((len(columns), len(columns)))
-    rows = np.empty(
-        (len(columns), columns[0].size)
-    )  # transposed Q: products with it run along memory
+    chosen: list[int] = []
+    triangle = np.zeros((len(columns), len(columns)))
+    # transposed Q: products with it run along memory
+    rows = np.empty((len(columns), columns[0].size))
     for k, column in enumerate(columns):
-        m, new = len(chosen), column
+        m = len(chosen)
+        new = column
         for _ in range(2):  # a second pass keeps Q orthogonal to round-off
             share = rows[:m] @ new
             triangle[:m, m] += share

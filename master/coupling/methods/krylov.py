@@ -1,5 +1,7 @@
 """GMRES that remembers: products of the last solves precondition the next one."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
@@ -12,10 +14,14 @@ counts as noise.
 """
 
 
+Product = Callable[[np.ndarray], np.ndarray]
+"""v -> A v."""
+
+
 class RecycledGmres:
     """GMRES for a sequence of systems A x = b whose matrices change little.
 
-    Eq. (K1):  P r = r + (V - Z) (Z' Z + n I)^-1 Z' r,   Z = A V,   |z_i| = 1
+    Eq. (Q7):  P r = r + (V - Z) (Z' Z + n I)^-1 Z' r,   Z = A V,   |z_i| = 1
 
     V and Z are directions and their products from earlier solves: for small n P is the inverse of
     the A of that time on the space spanned by Z, and the identity elsewhere. GMRES works with A P,
@@ -27,10 +33,13 @@ class RecycledGmres:
         Products a solve.
     """
 
-    def __init__(self, largest_space):
-        self.largest_space, self.pairs = largest_space, []
+    def __init__(self, largest_space: int):
+        self.largest_space = largest_space
+        self.pairs: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def solve(self, product, right, tolerance):
+    def solve(
+        self, product: Product, right: np.ndarray, tolerance: float
+    ) -> tuple[np.ndarray, int]:
         """Solution of A x = right with |right - A x| <= tolerance, or the best in the largest
         space.
 
@@ -51,18 +60,16 @@ class RecycledGmres:
         size = np.linalg.norm(right)
         if size <= tolerance:
             return right.copy(), 0
-        basis, directions, found = [right / size], [], []
+        basis = [right / size]
+        directions: list[np.ndarray] = []
+        images: list[np.ndarray] = []
+        weights = np.zeros(0)
         hessenberg = np.zeros((self.largest_space + 1, self.largest_space))
         for k in range(self.largest_space):
             directions.append(precondition(basis[k]))
-            found.append(product(directions[k]))
-            new = found[k].copy()
-            for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
-                for i, base in enumerate(basis):
-                    share = base @ new
-                    hessenberg[i, k] += share
-                    new -= share * base
-            hessenberg[k + 1, k] = np.linalg.norm(new)
+            images.append(product(directions[k]))
+            new = images[k].copy()
+            orthogonalise(new, basis, hessenberg[:, k])
             target = np.zeros(k + 2)
             target[0] = size
             part = hessenberg[: k + 2, : k + 1]
@@ -70,16 +77,32 @@ class RecycledGmres:
             if np.linalg.norm(target - part @ weights) <= tolerance or hessenberg[k + 1, k] == 0.0:
                 break
             basis.append(new / hessenberg[k + 1, k])
-        self.pairs = [*reversed(list(zip(directions, found))), *self.pairs][:KEPT]
-        return np.sum([w * v for w, v in zip(weights, directions)], axis=0), len(found)
+        self.pairs = [*reversed(list(zip(directions, images))), *self.pairs][:KEPT]
+        return np.sum([w * v for w, v in zip(weights, directions)], axis=0), len(images)
 
-    def _preconditioner(self):
-        """P of Eq. (K1) as a callable."""
+    def _preconditioner(self) -> Product:
+        """P as a callable."""
         if not self.pairs:
             return lambda r: r
         sizes = np.array([np.linalg.norm(z) for _, z in self.pairs])
-        v, z = (np.array([pair[k] for pair in self.pairs]) / sizes[:, None] for k in (0, 1))
+        v = np.array([direction for direction, _ in self.pairs]) / sizes[:, None]
+        z = np.array([image for _, image in self.pairs]) / sizes[:, None]
         matrix = z @ z.T
         matrix[np.diag_indices_from(matrix)] += NOISE
-        factor, difference = cho_factor(matrix), v - z
-        return lambda r: r + cho_solve(factor, z @ r) @ difference  # Eq. (K1)
+        factor = cho_factor(matrix)
+        difference = v - z
+        return lambda r: r + cho_solve(factor, z @ r) @ difference  # Eq. (Q7)
+
+
+def orthogonalise(new: np.ndarray, basis: list[np.ndarray], column: np.ndarray) -> None:
+    """Take the basis vectors' shares out of `new`, in place.
+
+    The shares are added to `column`, shape (>= len(basis) + 1,), what is left of the length behind
+    them.
+    """
+    for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
+        for i, base in enumerate(basis):
+            share = base @ new
+            column[i] += share
+            new -= share * base
+    column[len(basis)] = np.linalg.norm(new)

@@ -6,14 +6,14 @@ import numpy as np
 
 from .krylov import RecycledGmres
 from .probing import ProbedStep
-from .solution import NotConverged, Solution, step_length
+from .solution import NotConverged, Solution, Tried, step_length
 
 
 @dataclass(frozen=True)
 class Newton:
     """Interface Newton-Krylov on directional derivatives.
 
-    Eq. (C1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x) = the feedback wires after a sweep from x
+    Eq. (Q1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x): the feedback wires evaluated at x
 
     J comes as products, one directional derivative of every participant each; GMRES needs few of
     them because it starts from what it learned in the last solves.
@@ -21,7 +21,7 @@ class Newton:
     Parameters
     ----------
     max_iterations : int
-        Sweeps a macro step.
+        Evaluations a macro step.
     largest_krylov_space : int
         Products a linear solve.
     accuracy : float
@@ -30,7 +30,8 @@ class Newton:
         ... or at this share of the right-hand side, whichever is larger: the next nonlinear
         residual spoils the rest.
     differences : bool
-        Products by differences of sweeps (rollback), also where the participants offer derivatives.
+        Products by differences of evaluations (rollback), also where the participants offer
+        derivatives.
     """
 
     max_iterations: int = 20
@@ -39,50 +40,66 @@ class Newton:
     forcing: float = 1e-6
     differences: bool = False
 
-    def memory(self):
+    def memory(self) -> RecycledGmres:
         return RecycledGmres(self.largest_krylov_space)
 
-    def solve(self, macro_step, guess, memory):
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
         if self.differences:
             solution = self._iterate(ProbedStep(macro_step), guess, memory)
             return replace(solution, products=0, probes=solution.products)
         return self._iterate(macro_step, guess, memory)
 
-    def _iterate(self, macro_step, guess, memory):
-        interface, x, history, products = macro_step.interface, guess, [], 0
-        for jacobians in range(self.max_iterations):
-            used, y, residual = macro_step.sweep(x)
-            history.append(interface.measure(residual, y))
-            if history[-1] <= 1.0:
-                return Solution(used, tuple(history), jacobians, products)
-            if not np.isfinite(history[-1]):
-                raise NotConverged(
-                    "a participant's output is not finite", interface, residual, y, history
-                )
-            if len(history) > 3 and history[-1] > 1e3 * min(history):
-                raise NotConverged("the residual grows", interface, residual, y, history)
-            change, count = self._update(macro_step, y - used, interface.allowed(y), memory)
+    def _iterate(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
+        interface = macro_step.interface
+        at = macro_step.evaluate(guess)
+        history = [interface.measure(at.residual, at.outputs)]
+        products = 0
+        while history[-1] > 1.0 or np.isnan(history[-1]):
+            if failure := self._failure(history):
+                raise NotConverged(failure, interface, at, history)
+            allowed = interface.allowed(at.outputs)
+            change, count = self._update(macro_step, at.outputs - at.used, allowed, memory)
             products += count
-            x = used + step_length(interface, used, change) * change
-        raise NotConverged(
-            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
-        )
+            at = macro_step.evaluate(at.used + step_length(interface, at.used, change) * change)
+            history.append(interface.measure(at.residual, at.outputs))
+        return Solution(at.used, tuple(history), len(history) - 1, products)
 
-    def _update(self, macro_step, residual, allowed, memory):
-        """Newton update of the whole vector, Eq. (C1), and the number of products it took."""
-        interface, feedback = macro_step.interface, macro_step.interface.feedback
+    def _failure(self, history: list[float]) -> str | None:
+        """Why the iteration should not go on, or None."""
+        if not np.isfinite(history[-1]):
+            return "a participant's output is not finite"
+        if len(history) > 3 and history[-1] > 1e3 * min(history):
+            return "the residual grows"
+        if len(history) == self.max_iterations:
+            return f"no convergence in {self.max_iterations} iterations"
+        return None
+
+    def _update(
+        self,
+        macro_step: Tried,
+        residual: np.ndarray,
+        allowed: np.ndarray,
+        memory: RecycledGmres,
+    ) -> tuple[np.ndarray, int]:
+        """Newton update of the whole vector, and the number of products it took."""
+        interface = macro_step.interface
+        feedback = interface.feedback
         scale = interface.nominal[feedback]
 
-        def sweep(reduced):
+        def directional(reduced: np.ndarray) -> np.ndarray:
             change = np.zeros(interface.size)
             change[feedback] = reduced * scale
-            return macro_step.linear_sweep(change)
+            return macro_step.derivative(change)
 
         right = residual[feedback] / scale
         tolerance = max(
-            self.accuracy * np.min(allowed[feedback] / scale), self.forcing * np.linalg.norm(right)
+            self.accuracy * float(np.min(allowed[feedback] / scale)),
+            self.forcing * float(np.linalg.norm(right)),
         )
-        solution, count = memory.solve(lambda v: v - sweep(v)[feedback] / scale, right, tolerance)
-        change = sweep(solution)
+        # Eq. (Q1)
+        solution, count = memory.solve(
+            lambda v: v - directional(v)[feedback] / scale, right, tolerance
+        )
+        change = directional(solution)
         change[feedback] = solution * scale
         return change, count + 1

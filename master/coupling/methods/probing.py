@@ -1,8 +1,13 @@
-"""Linearised sweeps by differences, for participants whose derivatives are missing or not
+"""Linearised evaluations by differences, for participants whose derivatives are missing or not
 wanted.
 """
 
+from collections.abc import Callable
+
 import numpy as np
+
+from ..interface import Evaluation
+from .solution import Tried
 
 PROBE = 1e-5
 """Largest element of a probe, in nominals: far above round-off, far below what bends the step
@@ -11,31 +16,35 @@ map.
 
 
 class ProbedStep:
-    """A macro step whose linearised sweep is a difference of two sweeps; `learn` is told of
+    """A macro step whose derivative is a difference of two evaluations; `learn` is told of
     each.
     """
 
-    def __init__(self, macro_step, learn=lambda change, residual_change: None):
-        self.macro_step, self.learn, self.interface, self.base = (
-            macro_step,
-            learn,
-            macro_step.interface,
-            None,
-        )
+    def __init__(
+        self,
+        macro_step: Tried,
+        learn: Callable[[np.ndarray, np.ndarray], None] = lambda change, residual_change: None,
+    ):
+        self.macro_step = macro_step
+        self.learn = learn
+        self.interface = macro_step.interface
+        self.base: Evaluation | None = None
 
-    def sweep(self, x):
-        """`MacroStep.sweep`; probes start from the last one."""
-        used, y, residual = self.macro_step.sweep(x)
-        self.base = used, y
-        return used, y, residual
+    def evaluate(self, x: np.ndarray) -> Evaluation:
+        """`MacroStep.evaluate`; probes start from the last one."""
+        self.base = self.macro_step.evaluate(x)
+        return self.base
 
-    def linear_sweep(self, change):
+    def derivative(self, change: np.ndarray) -> np.ndarray:
         """Change of all outputs, (G(x + s dx) - G(x)) / s."""
-        (used, y), feedback, nominal = self.base, self.interface.feedback, self.interface.nominal
-        share = PROBE / max(
-            np.max(np.abs(change[feedback] / nominal[feedback])), np.finfo(float).tiny
-        )
-        moved, result, _ = self.macro_step.sweep(np.where(feedback, used + share * change, used))
-        steps, products = (moved - used) / share, (result - y) / share
+        assert self.base is not None, "a derivative is asked for before an evaluation"
+        used, y, _ = self.base
+        feedback = self.interface.feedback
+        nominal = self.interface.nominal
+        largest = np.max(np.abs(change[feedback] / nominal[feedback]))
+        share = PROBE / max(largest, np.finfo(float).tiny)
+        moved, result, _ = self.macro_step.evaluate(np.where(feedback, used + share * change, used))
+        steps = (moved - used) / share
+        products = (result - y) / share
         self.learn((steps / nominal)[feedback], ((products - steps) / nominal)[feedback])
         return products

@@ -6,52 +6,55 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..interface import Interface
 from .krylov import RecycledGmres
 from .newton import Newton
 from .probing import ProbedStep
-from .secants import Ageing, LeastSquares, MultiVector
-from .solution import NotConverged, Solution, step_length
+from .secants import LeastSquares, SecantMemory, Secants
+from .solution import NotConverged, Solution, Tried, check_finite, step_length
 
 
 @dataclass(frozen=True)
 class QuasiNewton:
     """Quasi-Newton iteration on the feedback wires, participants one after the other.
 
-    x_{k+1} = x_k + X c + m (r_k + V c),   r_k = G(x_k) - x_k,   c from the secants (Eq. (C4) to (C6))
+    Eq. (Q8):  x_{k+1} = x_k + X c + m (r_k + V c),   r_k = G(x_k) - x_k,
+               c from the secants (see `secants`)
 
     With the mixing factor m = 1 this is IQN, with m < 1 Anderson's mixing: what the secants do not
     explain is relaxed instead of taken whole, which matters where many directions amplify.
 
     Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro
-    step that finds no secants, or that they lead astray, is taken by Newton on differences: sweeps
-    from slightly changed iterates, each of them a secant too, and a clean one.
+    step that finds no secants, or that they lead astray, is taken by Newton on differences:
+    evaluations from slightly changed iterates, each of them a secant too, and a clean one.
 
     Parameters
     ----------
-    secants : LeastSquares, MultiVector or Ageing
+    secants : Secants
+        LeastSquares, MultiVector or Ageing.
     relaxation : float
         Factor of the first update, while there are no secants.
     mixing : float
         m.
     max_iterations : int
-        Sweeps a macro step.
+        Evaluations a macro step.
     probing : bool
     astray : float
         With probing, the secants have failed once the residual is this many times the smallest one
         seen, or after half of max_iterations.
     """
 
-    secants: LeastSquares | MultiVector | Ageing = LeastSquares()
+    secants: Secants = LeastSquares()
     relaxation: float = 0.1
     mixing: float = 1.0
     max_iterations: int = 50
     probing: bool = False
     astray: float = 5.0
 
-    def memory(self):
+    def memory(self) -> "Memory":
         return Memory(self.secants.memory())
 
-    def solve(self, macro_step, guess, memory):
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: "Memory") -> Solution:
         try:
             if self.probing and memory.secants.empty:
                 return self._probe(macro_step, guess, memory, ())
@@ -59,43 +62,57 @@ class QuasiNewton:
         except Astray as lost:
             return self._probe(macro_step, guess, memory, lost.history)
 
-    def _iterate(self, macro_step, x, secants):
-        interface, history, last, least = macro_step.interface, [], None, np.inf
-        feedback, scale = interface.feedback, interface.nominal[interface.feedback]
+    def _iterate(self, macro_step: Tried, guess: np.ndarray, secants: SecantMemory) -> Solution:
+        interface = macro_step.interface
+        feedback = interface.feedback
+        scale = interface.nominal[feedback]
+        x = guess
+        history: list[float] = []
+        last = None
+        least = np.inf
         secants.begin()
-        for iteration in range(self.max_iterations):
-            used, y, residual = macro_step.sweep(x)
-            history.append(interface.measure(residual, y))
+        while True:
+            at = macro_step.evaluate(x)
+            history.append(interface.measure(at.residual, at.outputs))
             converged = history[-1] <= 1.0
-            if not converged and not np.isfinite(y).all():
-                raise NotConverged(
-                    "a participant's output is not finite", interface, residual, y, history
-                )
-            point, r = used[feedback] / scale, (y - used)[feedback] / scale
+            if not converged:
+                check_finite(interface, at, history)
+            point = at.used[feedback] / scale
+            r = (at.outputs - at.used)[feedback] / scale
             if last is not None:
                 secants.learn(point - last[0], r - last[1])
             if converged:
                 secants.close()
-                return Solution(used, tuple(history))
-            last, least = (point, r), min(least, np.linalg.norm(r))
-            if self.probing and (
-                np.linalg.norm(r) > self.astray * least or 2 * iteration > self.max_iterations
-            ):
+                return Solution(at.used, tuple(history))
+            last = point, r
+            least = min(least, float(np.linalg.norm(r)))
+            if self.probing and self._is_astray(r, least, len(history)):
                 raise Astray(history)
-            x = used + self._step(interface, used, secants, r)
-        raise NotConverged(
-            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
-        )
+            if len(history) == self.max_iterations:
+                raise NotConverged(
+                    f"no convergence in {self.max_iterations} iterations", interface, at, history
+                )
+            x = at.used + self._step(interface, at.used, secants, r)
 
-    def _step(self, interface, used, secants, r):
+    def _is_astray(self, r: np.ndarray, least: float, iterations: int) -> bool:
+        """Whether the secants have failed."""
+        grown = np.linalg.norm(r) > self.astray * least
+        return bool(grown) or 2 * (iterations - 1) > self.max_iterations
+
+    def _step(
+        self, interface: Interface, used: np.ndarray, secants: SecantMemory, r: np.ndarray
+    ) -> np.ndarray:
         """x_{k+1} - x_k."""
-        change, factor = np.zeros(interface.size), self.relaxation if secants.empty else self.mixing
+        change = np.zeros(interface.size)
+        factor = self.relaxation if secants.empty else self.mixing
         known, rest = secants.update(r, interface.feedback_wires)
-        change[interface.feedback] = known + factor * rest
+        change[interface.feedback] = known + factor * rest  # Eq. (Q8)
         change *= interface.nominal
         return step_length(interface, used, change) * change
 
-    def _probe(self, macro_step, guess, memory, history):
+    def _probe(
+        self, macro_step: Tried, guess: np.ndarray, memory: "Memory", history: tuple[float, ...]
+    ) -> Solution:
         """The macro step by Newton on differences, every probe learnt; `history` is what led astray
         before.
         """
@@ -112,13 +129,13 @@ class QuasiNewton:
 class Memory:
     """Secants, and the Krylov pairs of the macro steps that were probed."""
 
-    secants: object
+    secants: SecantMemory
     krylov: RecycledGmres = field(default_factory=lambda: RecycledGmres(120))
 
 
 class Astray(RuntimeError):
     """The secants do not lead to the fixed point; `history` is how the residual went."""
 
-    def __init__(self, history):
+    def __init__(self, history: list[float]):
         super().__init__()
         self.history = tuple(history)

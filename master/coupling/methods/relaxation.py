@@ -4,15 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solution import NotConverged, Solution, step_length
+from .solution import NotConverged, Solution, Tried, check_finite, step_length
 
 
 @dataclass(frozen=True)
 class Relaxation:
     """Fixed-point iteration with relaxation, participants one after the other.
 
-    Eq. (C2):  x_{k+1} = x_k + w_k r_k,   r_k = G(x_k) - x_k on the feedback wires
-    Eq. (C3):  w_{k+1} = -w_k r_k.(r_{k+1} - r_k) / |r_{k+1} - r_k|^2   with dynamic relaxation (Aitken), scaled by nominals
+    Eq. (Q2):  x_{k+1} = x_k + w_k r_k,   r_k = G(x_k) - x_k on the feedback wires
+    Eq. (Q3):  w_{k+1} = -w_k r_k.(r_{k+1} - r_k) / |r_{k+1} - r_k|^2
+               with dynamic relaxation (Aitken), scaled by nominals
 
     Parameters
     ----------
@@ -21,38 +22,40 @@ class Relaxation:
     dynamic : bool
         Aitken's factor.
     max_iterations : int
-        Sweeps a macro step.
+        Evaluations a macro step.
 
     References
     ----------
-    Kuettler and Wall (2008), Computational Mechanics 43, 61-72.
+    [Kuettler2008] U. Kuettler, W. A. Wall, Computational Mechanics 43, 61-72.
     """
 
     factor: float
     dynamic: bool
     max_iterations: int
 
-    def memory(self):
+    def memory(self) -> None:
         return None
 
-    def solve(self, macro_step, guess, memory=None):
-        interface, x, factor, history = macro_step.interface, guess, self.factor, []
-        feedback, previous = interface.feedback, None
-        for _ in range(self.max_iterations):
-            used, y, residual = macro_step.sweep(x)
-            history.append(interface.measure(residual, y))
-            if history[-1] <= 1.0:
-                return Solution(used, tuple(history))
-            if not np.isfinite(y).all():
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: None = None) -> Solution:
+        interface = macro_step.interface
+        feedback = interface.feedback
+        at = macro_step.evaluate(guess)
+        history = [interface.measure(at.residual, at.outputs)]
+        factor = self.factor
+        previous = None
+        while history[-1] > 1.0 or np.isnan(history[-1]):
+            check_finite(interface, at, history)
+            if len(history) == self.max_iterations:
                 raise NotConverged(
-                    "a participant's output is not finite", interface, residual, y, history
+                    f"no convergence in {self.max_iterations} iterations", interface, at, history
                 )
-            r = ((y - used) / interface.nominal)[feedback]
+            apart = at.outputs - at.used
+            r = (apart / interface.nominal)[feedback]
             if self.dynamic and previous is not None:
                 difference = r - previous
-                factor *= -(previous @ difference) / (difference @ difference)  # Eq. (C3)
-            previous, change = r, np.where(feedback, factor * (y - used), 0.0)  # Eq. (C2)
-            x = used + step_length(interface, used, change) * change
-        raise NotConverged(
-            f"no convergence in {self.max_iterations} iterations", interface, residual, y, history
-        )
+                factor *= -(previous @ difference) / (difference @ difference)  # Eq. (Q3)
+            previous = r
+            change = np.where(feedback, factor * apart, 0.0)  # Eq. (Q2)
+            at = macro_step.evaluate(at.used + step_length(interface, at.used, change) * change)
+            history.append(interface.measure(at.residual, at.outputs))
+        return Solution(at.used, tuple(history))

@@ -7,6 +7,7 @@ accepted. Memories are plain data: a checkpoint pickles them.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -14,11 +15,52 @@ from scipy.linalg import cho_factor, cho_solve
 from .filtering import filtered
 
 
+class SecantMemory(Protocol):
+    """What has been learnt so far."""
+
+    @property
+    def empty(self) -> bool: ...
+
+    def begin(self) -> None:
+        """A macro step is tried."""
+
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        """Take a pair."""
+
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Answer to the residual r, and what of r no pair explains; `wires` are slices of r."""
+        ...
+
+    def close(self) -> None:
+        """The macro step is accepted."""
+
+
+class Secants(Protocol):
+    """A way to an update from secant pairs."""
+
+    def memory(self) -> SecantMemory: ...
+
+
+class Pair(NamedTuple):
+    """A change of the unknowns, and the change of their residual that came with it."""
+
+    residual_change: np.ndarray
+    change: np.ndarray
+
+
+class Decomposed(NamedTuple):
+    """The pairs of a macro step: residual changes V = Q R, and their changes X, a column each."""
+
+    q: np.ndarray
+    triangle: np.ndarray
+    changes: np.ndarray
+
+
 @dataclass(frozen=True)
 class LeastSquares:
     """IQN-ILS: all pairs in one least-squares problem, dependent ones dropped by a filter.
 
-    Eq. (C4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
+    Eq. (Q4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
 
     It runs in residual-sum scaling: nominals first, then each wire divided by its share of the
     residuals seen in this macro step, so that no field drowns another.
@@ -32,15 +74,17 @@ class LeastSquares:
     rule : {"QR1", "QR2", "QR3"}
         See `filtering.filtered`.
 
-    References ---------- Degroote, Bathe, Vierendeels (2009), Computers and Structures 87, 793-801.
-    Filters: Haelterman et al. (2016), Computers and Structures 171, 9-17.
+    References
+    ----------
+    [Degroote2009] J. Degroote, K.-J. Bathe, J. Vierendeels, Computers and Structures 87, 793-801.
+    Filters: [Haelterman2016] R. Haelterman et al., Computers and Structures 171, 9-17.
     """
 
     windows: int = 3
     limit: float = 1e-2
     rule: str = "QR2"
 
-    def memory(self):
+    def memory(self) -> "LeastSquaresMemory":
         return LeastSquaresMemory(self)
 
 
@@ -51,49 +95,53 @@ class LeastSquaresMemory:
     """
 
     way: LeastSquares
-    now: list = field(default_factory=list)
-    past: list = field(default_factory=list)
+    now: list[Pair] = field(default_factory=list)
+    past: list[list[Pair]] = field(default_factory=list)
     shares: np.ndarray | None = None
 
     @property
-    def empty(self):
+    def empty(self) -> bool:
         return not (self.now or self.past)
 
-    def begin(self):
+    def begin(self) -> None:
         """A macro step is tried."""
-        self.now, self.shares = [], None
+        self.now = []
+        self.shares = None
 
-    def learn(self, change, residual_change):
-        self.now.insert(0, (residual_change, change))
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        self.now.insert(0, Pair(residual_change, change))
 
-    def update(self, r, wires):
-        """Answer to the residual r, and what of r no pair explains: (X c, r + V c) of Eq. (C4);
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Answer to the residual r, and what of r no pair explains: (X c, r + V c);
         `wires` are slices of r.
         """
         seen = _shares(r, wires)
-        self.shares = seen if self.shares is None else self.shares + seen
-        weight = 1.0 / np.sqrt(self.shares)
+        shares = seen if self.shares is None else self.shares + seen
+        self.shares = shares
+        weight = 1.0 / np.sqrt(shares)
         columns = self.now + [pair for window in self.past for pair in window]
         chosen, q, triangle = filtered(
-            [weight * v for v, _ in columns], self.way.limit, self.way.rule
+            [weight * pair.residual_change for pair in columns], self.way.limit, self.way.rule
         )
-        change, rest = np.zeros_like(r), r.copy()
+        change = np.zeros_like(r)
+        rest = r.copy()
         if chosen:
-            for factor, k in zip(np.linalg.solve(triangle, -(q.T @ (weight * r))), chosen):
-                rest += factor * columns[k][0]
-                change += factor * columns[k][1]
+            factors = np.linalg.solve(triangle, -(q.T @ (weight * r)))  # Eq. (Q4)
+            for factor, k in zip(factors, chosen):
+                rest += factor * columns[k].residual_change
+                change += factor * columns[k].change
         return change, rest
 
-    def close(self):
-        self.past, self.now = (
-            ([self.now, *self.past] if self.now else self.past)[: self.way.windows],
-            [],
-        )
+    def close(self) -> None:
+        windows = [self.now, *self.past] if self.now else self.past
+        self.past = windows[: self.way.windows]
+        self.now = []
 
 
-def _shares(r, wires):
+def _shares(r: np.ndarray, wires: list[slice]) -> np.ndarray:
     """Share of each wire in the squared residual, spread over its elements."""
-    total, shares = max(r @ r, np.finfo(float).tiny), np.empty_like(r)
+    total = max(r @ r, np.finfo(float).tiny)
+    shares = np.empty_like(r)
     for part in wires:
         shares[part] = max(r[part] @ r[part] / total, 1e-16)
     return shares
@@ -103,7 +151,7 @@ def _shares(r, wires):
 class MultiVector:
     """IQN-IMVJ: each macro step's pairs correct the inverse Jacobian of the steps before it.
 
-    Eq. (C5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
+    Eq. (Q5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
 
     B is never formed: its steps act one after the other, newest first, each on what the newer ones
     left of r. Steps older than `windows` are forgotten. Of a step's pairs, dependent ones are
@@ -111,63 +159,69 @@ class MultiVector:
 
     References
     ----------
-    Lindner, Mehl, Scheufele, Uekermann (2015), Proc. Coupled Problems VI, 649-660.
+    [Lindner2015] F. Lindner, M. Mehl, K. Scheufele, B. Uekermann, Proc. Coupled Problems VI,
+    649-660.
     """
 
     windows: int = 50
     limit: float = 1e-3
 
-    def memory(self):
+    def memory(self) -> "MultiVectorMemory":
         return MultiVectorMemory(self)
 
 
 @dataclass
 class MultiVectorMemory:
-    """`now` holds the running step's pairs, `past` one (Q, R, X) of every accepted step."""
+    """`now` holds the running step's pairs, `past` those of every accepted step."""
 
     way: MultiVector
-    now: list = field(default_factory=list)
-    past: list = field(default_factory=list)
+    now: list[Pair] = field(default_factory=list)
+    past: list[Decomposed] = field(default_factory=list)
 
     @property
-    def empty(self):
+    def empty(self) -> bool:
         return not (self.now or self.past)
 
-    def begin(self):
+    def begin(self) -> None:
         """A macro step is tried."""
         self.now = []
 
-    def learn(self, change, residual_change):
-        self.now.insert(0, (residual_change, change))
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        self.now.insert(0, Pair(residual_change, change))
 
-    def update(self, r, wires):
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Answer to the residual r, and what of r no pair explains."""
-        change, rest = np.zeros_like(r), r.copy()
+        change = np.zeros_like(r)
+        rest = r.copy()
         for q, triangle, changes in [*self._decomposed(), *self.past]:
-            share = q.T @ rest  # Eq. (C5)
+            share = q.T @ rest  # Eq. (Q5)
             change -= changes @ np.linalg.solve(triangle, share)
             rest -= q @ share
         return change, rest
 
-    def _decomposed(self):
-        chosen, q, triangle = filtered([v for v, _ in self.now], self.way.limit, "QR2")
-        return [(q, triangle, np.array([self.now[k][1] for k in chosen]).T)] if chosen else []
+    def _decomposed(self) -> list[Decomposed]:
+        columns = [pair.residual_change for pair in self.now]
+        chosen, q, triangle = filtered(columns, self.way.limit, "QR2")
+        if not chosen:
+            return []
+        return [Decomposed(q, triangle, np.array([self.now[k].change for k in chosen]).T)]
 
-    def close(self):
-        self.past, self.now = [*self._decomposed(), *self.past][: self.way.windows], []
+    def close(self) -> None:
+        self.past = [*self._decomposed(), *self.past][: self.way.windows]
+        self.now = []
 
 
 @dataclass(frozen=True)
 class Ageing:
     """Pairs trusted less the older they are: least squares that know how fast the Jacobian drifts.
 
-    Eq. (C6):  dx = -X a + m (r - V a),   (G o R + n I) a = e o (V' r),   G = V' V,  |dr_i| = 1
+    Eq. (Q6):  dx = -X a + m (r - V a),   (G o R + n I) a = e o (V' r),   G = V' V,  |dr_i| = 1
                R_ij = exp(-d |t_i - t_j|),   e_i = exp(-d |t - t_i|),   t in macro steps
 
     The inverse Jacobian is taken as a random field that forgets the share d of itself every macro
-    step; dx is its mean, given all pairs. With d = 0 and n = 0 this is the least squares of Eq.
-    (C4). No pair has to be dropped: what two old, nearly parallel pairs disagree on counts as
-    drift, where a filter must throw one away or amplify the disagreement.
+    step; dx is its mean, given all pairs. With d = 0 and n = 0 this is `LeastSquares`. No pair has
+    to be dropped: what two old, nearly parallel pairs disagree on counts as drift, where a filter
+    must throw one away or amplify the disagreement.
 
     Parameters
     ----------
@@ -183,63 +237,72 @@ class Ageing:
     drift: float = 1e-4
     noise: float = 1e-6
 
-    def memory(self):
+    def memory(self) -> "AgeingMemory":
         return AgeingMemory(self)
 
 
 @dataclass
-class AgeingMemory:
-    """Rings of pairs: unit residual changes and their changes, shape (kept, n); their inner
-    products; their macro steps.
+class Rings:
+    """Pairs of known macro steps, the newest in the place of the oldest.
+
+    residual_changes : unit vectors, shape (kept, n); changes : theirs, shape (kept, n); products :
+    inner products of the residual changes, shape (kept, kept); steps : their macro steps.
     """
+
+    residual_changes: np.ndarray
+    changes: np.ndarray
+    products: np.ndarray
+    steps: np.ndarray
+
+
+@dataclass
+class AgeingMemory:
+    """`count` pairs have been learnt, `step` macro steps accepted."""
 
     way: Ageing
     step: int = 0
     count: int = 0
-    residual_changes: np.ndarray | None = None
-    changes: np.ndarray | None = None
-    products: np.ndarray | None = None
-    steps: np.ndarray | None = None
+    rings: Rings | None = None
 
     @property
-    def empty(self):
+    def empty(self) -> bool:
         return self.count == 0
 
-    def begin(self):
+    def begin(self) -> None:
         """A macro step is tried."""
 
-    def learn(self, change, residual_change):
-        size, kept = np.linalg.norm(residual_change), self.way.kept
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        size = np.linalg.norm(residual_change)
+        kept = self.way.kept
         if size == 0.0:
             return
-        if self.empty:
-            self.residual_changes, self.changes = (
-                np.zeros((kept, change.size)),
-                np.zeros((kept, change.size)),
+        if self.rings is None:
+            shape = (kept, change.size)
+            self.rings = Rings(
+                np.zeros(shape), np.zeros(shape), np.zeros((kept, kept)), np.zeros(kept)
             )
-            self.products, self.steps = np.zeros((kept, kept)), np.zeros(kept)
-        k, self.count = self.count % kept, self.count + 1
-        self.residual_changes[k], self.changes[k], self.steps[k] = (
-            residual_change / size,
-            change / size,
-            self.step,
-        )
-        self.products[k] = self.products[:, k] = self.residual_changes @ self.residual_changes[k]
+        rings = self.rings
+        k = self.count % kept
+        self.count += 1
+        rings.residual_changes[k] = residual_change / size
+        rings.changes[k] = change / size
+        rings.steps[k] = self.step
+        rings.products[k] = rings.residual_changes @ rings.residual_changes[k]
+        rings.products[:, k] = rings.products[k]
 
-    def update(self, r, wires):
-        """Answer to the residual r, and what of r no pair explains: (-X a, r - V a) of Eq. (C6)."""
-        if self.empty:
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Answer to the residual r, and what of r no pair explains: (-X a, r - V a)."""
+        if self.rings is None:
             return np.zeros_like(r), r
         known = slice(min(self.count, self.way.kept))
-        v, steps = self.residual_changes[known], self.steps[known]
-        matrix = self.products[known, known] * np.exp(
-            -self.way.drift * np.abs(steps[:, None] - steps)
-        )
+        v = self.rings.residual_changes[known]
+        steps = self.rings.steps[known]
+        apart = np.abs(steps[:, None] - steps)
+        matrix = self.rings.products[known, known] * np.exp(-self.way.drift * apart)
         matrix[np.diag_indices_from(matrix)] += self.way.noise
-        a = cho_solve(
-            cho_factor(matrix), np.exp(-self.way.drift * (self.step - steps)) * (v @ r)
-        )  # Eq. (C6)
-        return -(a @ self.changes[known]), r - a @ v
+        aged = np.exp(-self.way.drift * (self.step - steps)) * (v @ r)
+        a = cho_solve(cho_factor(matrix), aged)  # Eq. (Q6)
+        return -(a @ self.rings.changes[known]), r - a @ v
 
-    def close(self):
+    def close(self) -> None:
         self.step += 1

@@ -2,51 +2,81 @@
 update.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from ..interface import Interface
+from ..interface import Evaluation, Interface
 
 
 @dataclass(frozen=True)
 class MacroStep:
-    """One macro step: sweeps of `interface` from `time` over `step` [s], every sweep from the
+    """One macro step: evaluations of `interface` from `time` over `step` [s], every one from the
     `saved` states.
     """
 
     interface: Interface
     time: float
     step: float
-    saved: dict
+    saved: dict[str, Any]
 
-    def sweep(self, x):
-        """`Interface.sweep` of this step."""
-        return self.interface.sweep(x, self.time, self.step, self.saved)
+    def evaluate(self, x: np.ndarray) -> Evaluation:
+        """`Interface.evaluate` of this step."""
+        return self.interface.evaluate(x, self.time, self.step, self.saved)
 
-    def linear_sweep(self, change):
-        """`Interface.linear_sweep` at the last sweep."""
-        return self.interface.linear_sweep(change)
+    def derivative(self, change: np.ndarray) -> np.ndarray:
+        """`Interface.derivative` at the last evaluation."""
+        return self.interface.derivative(change)
 
 
 @dataclass(frozen=True)
 class Solution:
-    """A converged macro step.
+    """An accepted macro step.
 
-    x : what the inputs were set to; history : `Interface.measure` of every iteration; jacobians :
-    linearisations; products : directional derivatives of the whole sweep; probes : sweeps that took
-    their place.
+    x : the wires at its end, which the next step goes by; held : what the inputs were set to where
+    that is something else, in a step that was not iterated; history : `Interface.measure` of every
+    iteration; jacobians : linearisations; products : directional derivatives of the whole
+    evaluation; probes : evaluations that took their place.
     """
 
     x: np.ndarray
-    history: tuple
+    history: tuple[float, ...]
     jacobians: int = 0
     products: int = 0
     probes: int = 0
+    held: np.ndarray | None = None
 
     @property
-    def iterations(self):
+    def inputs(self) -> np.ndarray:
+        """What the inputs were set to."""
+        return self.x if self.held is None else self.held
+
+    @property
+    def iterations(self) -> int:
+        """Evaluations it took, probes left out."""
         return len(self.history)
+
+
+class Tried(Protocol):
+    """A macro step as a method sees it: `MacroStep`, or one that answers in its place."""
+
+    @property
+    def interface(self) -> Interface: ...
+    def evaluate(self, x: np.ndarray) -> Evaluation: ...
+    def derivative(self, change: np.ndarray) -> np.ndarray: ...
+
+
+class Method(Protocol):
+    """A way to the fixed point of a macro step."""
+
+    def memory(self) -> Any:
+        """What the method carries from one macro step to the next; None if nothing."""
+
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: Any) -> Solution:
+        """The macro step at its fixed point; raises NotConverged."""
+        ...
 
 
 class NotConverged(RuntimeError):
@@ -54,28 +84,36 @@ class NotConverged(RuntimeError):
     residual went.
     """
 
-    def __init__(self, reason, interface, residual, values, history):
+    def __init__(
+        self, reason: str, interface: Interface, evaluation: Evaluation, history: Sequence[float]
+    ):
         self.iterations = len(history)
         trail = [f"{value:.2g}" for value in history]
         shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
         super().__init__(
-            f"{reason}; worst {interface.worst(residual, values)}; "
+            f"{reason}; worst {interface.worst(evaluation.residual, evaluation.outputs)}; "
             f"residual/tolerance per iteration: {' '.join(shown)}"
         )
 
 
-def step_length(interface, x, change):
+def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
+    """NotConverged where an output is NaN or infinite."""
+    if not np.isfinite(evaluation.outputs).all():
+        raise NotConverged("a participant's output is not finite", interface, evaluation, history)
+
+
+def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
     """Largest share <= 1 of `change` that respects every wire's `largest_decrease`.
 
     The smallest element m of such a wire may go down to m - s max(m, nominal/10), s =
     largest_decrease.
     """
     share = 1.0
-    for connection, part in zip(interface.connections, interface.parts):
+    for wire, part in zip(interface.wires, interface.parts):
         down = change[part] < 0
-        if connection.largest_decrease is None or not down.any():
+        if wire.largest_decrease is None or not down.any():
             continue
         smallest = x[part].min()
-        floor = smallest - connection.largest_decrease * max(smallest, connection.nominal / 10)
+        floor = smallest - wire.largest_decrease * max(smallest, wire.nominal / 10)
         share = min(share, float(np.min((x[part] - floor)[down] / -change[part][down])))
     return share

@@ -1,0 +1,278 @@
+"""What is made of results files, and the edge where units live: one number by hand for every
+option.
+"""
+
+import json
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from piston_cosim.master.case.schema import check_case, times
+from piston_cosim.master.fmi.description import BASE_UNITS
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.quantities import pint_unit, registry, short, to_si
+from piston_cosim.master.results.compare import (
+    Measured,
+    against_first,
+    against_last_cycle,
+    against_measured,
+    score,
+)
+from piston_cosim.master.results.file import Results, Series
+from piston_cosim.master.results.judgement import extremes, last_period, loop_work, windows
+from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
+
+TREE = {
+    "title": "Four strokes",
+    "time": {"stop": "720 deg", "step": "1 deg", "angular_speed": "a.speed"},
+    "participants": {"a": {"fmu": "a.fmu", "parameters": {"speed": "2 rad/s"}}},
+    "wires": [],
+    "coupling": {"order": ["a"]},
+}
+TIME = [0.0, 1.0, 2.0, 3.0, 4.0]
+SERIES = {
+    "x": ([0.0, 3.0, 3.0, 1.0, 1.0], "m"),
+    "y": ([2.0, 4.0, -1.0, -3.0, 5.0], "N"),
+    "z": ([1.0, 1.0, 0.0, 0.0, 1.0], "N"),
+}
+
+
+@pytest.fixture
+def results(tmp_path):
+    """Three series of five rows, by hand."""
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        file.attrs.update({"title": "t", "case": json.dumps(TREE)})
+        file["time"] = TIME
+        for name, (values, unit) in SERIES.items():
+            file[f"a/{name}"] = values
+            file[f"a/{name}"].attrs.update({"unit": unit, "description": name})
+    opened = Results(tmp_path / "run.h5")
+    yield opened
+    opened.close()
+
+
+def case_with(**tables):
+    return check_case(TREE | tables, "case.toml")
+
+
+def test_extremes_are_the_first_of_their_value(results):
+    case = case_with(
+        summary={"low": "min a.y", "high": "max a.x", "mean": "mean a.z", "end": "last a.y"},
+        monitor={"z": "last a.z"},
+    )
+    assert extremes(case, results) == [
+        {
+            "name": "min a.y",
+            "value": -3.0,
+            "unit": "N",
+            "time": 3.0,
+            "monitor": {"z": (0.0, "N")},
+        },
+        {
+            "name": "max a.x",
+            "value": 3.0,
+            "unit": "m",
+            "time": 1.0,
+            "monitor": {"z": (1.0, "N")},
+        },
+    ]
+
+
+@pytest.mark.parametrize("kind, value", [("min", -3.0), ("max", 5.0), ("last", 5.0)])
+def test_windows_hold_their_ends(results, kind, value):
+    for low, high, inside in ((0, 1, True), (-1, 0, True), (0.1, 1, False), (-1, -0.1, False)):
+        limits = [f"{value + low} N", f"{value + high} N"]
+        (row,) = windows(case_with(window={f"{kind} a.y": limits}), results)
+        assert row["value"] == value
+        assert row["inside"] is inside
+        assert (row["low"], row["high"]) == (value + low, value + high)
+
+
+def test_windows_are_read_in_their_units(results):
+    (row,) = windows(case_with(window={"mean a.y": ["1300 mN", "0.0015 kN"]}), results)
+    assert (row["low"], row["value"], row["high"]) == pytest.approx((1.3, 7 / 5, 1.5), rel=1e-14)
+    assert row["inside"]
+
+
+def test_last_period_holds_its_first_row(results):
+    # 2 rad at 2 rad/s are the last second; 360 deg are 3.14 s
+    case = case_with()
+    assert last_period(case, results, "2 rad").tolist() == [False, False, False, True, True]
+    assert last_period(case, results, "360 deg").tolist() == [False, True, True, True, True]
+    timed = check_case(TREE | {"time": {"stop": "4 s", "step": "1 s"}}, "case.toml")
+    assert last_period(timed, results, "2 s").tolist() == [False, False, True, True, True]
+
+
+@pytest.mark.parametrize(
+    "given, work",
+    [
+        # trapezia of y over x = 0, 3, 3, 1, 1: 3 x (2 + 4)/2 + 0 - 2 x (-1 - 3)/2 + 0
+        ({"y": ["a.y"]}, 13.0),
+        # y + z: 3 x (3 + 5)/2 + 4
+        ({"y": ["a.y", "a.z"]}, 16.0),
+        ({"y": ["a.y"], "unit": "mJ"}, 13000.0),
+        # over the displaced volume
+        ({"y": ["a.y"], "per": "4 cm^3", "unit": "MPa"}, 3.25),
+        # the last 3 s: nothing, and 2 x 2 on the way back
+        ({"y": ["a.y"], "period": "6 rad"}, 4.0),
+    ],
+)
+def test_loop_work_by_hand(results, given, work):
+    loop = {"x": "a.x", "period": "9 rad"} | given
+    case = case_with(report={"loops": {"work": loop}})
+    assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(work, rel=1e-12)
+
+
+def test_scores_by_hand():
+    x = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
+    reference = np.array([0.0, 2.0, 4.0, 2.0, 0.0])
+    # twice as large: amplitude 2, differences 0, 2, 4, 2, 0: rms sqrt(24 / 5) over a range of 4
+    found = score(x, 2 * reference, x, reference)
+    assert found.amplitude == 2.0
+    assert found.rms == pytest.approx(np.sqrt(24 / 5) / 4, rel=1e-14)
+    # the range is that of the reference
+    found = score(x, reference + np.array([0, 0, 4, 0, 0]), x, reference)
+    assert (found.amplitude, found.rms) == pytest.approx((2.0, np.sqrt(16 / 5) / 4))
+    # a reference beyond the curve does not count: of 0..4 only 1..3, range 2, all 1 too high
+    found = score(x[1:4], reference[1:4] + 1.0, x, reference)
+    assert (found.amplitude, found.rms) == pytest.approx((1.0, 0.5), rel=1e-14)
+    # a curve between its points is a line
+    found = score(np.array([0.0, 4.0]), np.array([0.0, 4.0]), x, np.array([0.0, 1, 2, 3, 4]))
+    assert (found.amplitude, found.rms) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("shift", [-0.0313, 0.0, 0.05])
+def test_phase_is_positive_for_a_curve_that_comes_later(shift):
+    x = np.linspace(0.0, 1.0, 2001)
+    # offset and shape alike; linear interpolation and the parabola of the search leave 1e-5
+    found = score(x, 7.0 + np.sin(2 * np.pi * (x - shift)), x, np.sin(2 * np.pi * x))
+    assert found.phase == pytest.approx(shift, abs=1e-5)
+
+
+class Runs(SimpleNamespace):
+    """Results with given series and times."""
+
+    def series(self, port):
+        return Series(*self.known[port], "")
+
+
+def ramp(end, factor=1.0):
+    """y = factor t^2 over x = t up to an end, in s and m."""
+    t = np.linspace(0.0, end, 101)
+    return Runs(known={"a.x": (t, "s"), "a.y": (factor * t**2, "m")}, time=t)
+
+
+def test_runs_against_the_first():
+    runs = {"one": ramp(1.0), "two": ramp(1.0, 3.0)}
+    ((label, port, found),) = against_first(runs, "a.x", ["a.y"])
+    assert (label, port) == ("two", "a.y")
+    assert found.amplitude == pytest.approx(3.0, rel=1e-14)
+
+
+def test_runs_against_measured_values_in_their_own_units():
+    # 0, 0.5 and 1 s in ms; 0, 0.25 and 1 m in mm, 10 % too large
+    measured = {
+        "a.x": Measured(np.array([0.0, 500.0, 1000.0]), "ms"),
+        "a.y": Measured(1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
+    }
+    ((label, port, found),) = against_measured({"run": ramp(1.0)}, measured)
+    assert (label, port) == ("run", "a.y")
+    assert found.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
+    with pytest.raises(BadInput, match="measured column"):
+        against_measured({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
+
+
+def test_last_cycle_against_the_one_before():
+    # t^2 in the last second of two, against that of the first: (1..4 - 0..1), range 3 and 1
+    timed = check_case(TREE | {"time": {"stop": "2 s", "step": "1 s"}}, "case.toml")
+    ((_, _, found),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
+    assert found.amplitude == pytest.approx(3.0, rel=1e-12)
+    # (t + 1)^2 - t^2 = 2 t + 1 at t = 0, 0.02 .. 1: mean of squares 1/51 sum
+    t = np.linspace(0.0, 1.0, 51)
+    assert found.rms == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "value, unit, si",
+    [
+        ("25 um", "m", 25e-6),
+        ("3000 rpm", "rad/s", 100 * np.pi),
+        ("90 deg", "rad", np.pi / 2),
+        ("80 degC", "K", 353.15),
+        ("1 bar", "Pa", 1e5),
+        ("40 mPa*s", "Pa.s", 0.04),
+        ("2 cP", "Pa.s", 0.002),
+        ("3 kg*cm^2", "kg.m2", 3e-4),
+        ("2 N*m", "N.m", 2.0),
+        ("20 1/GPa", "1/Pa", 20e-9),
+        ("5 N/mm", "N/m", 5000.0),
+        ("12 %", "1", 0.12),
+        (0.3, "1", 0.3),
+        (4, "1", 4.0),
+    ],
+)
+def test_units_by_hand(value, unit, si):
+    assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
+
+
+@pytest.mark.parametrize("value", [True, None, [1.0], "far", "3", 3.0])
+def test_what_is_no_length_is_refused(value):
+    with pytest.raises(ValueError):
+        to_si(value, "m")
+
+
+def test_units_as_fmi_writes_them():
+    assert pint_unit("kg.m2") == "kg*m**2"
+    assert pint_unit("m/s2") == "m/s**2"
+    assert pint_unit("1") == "dimensionless"
+    assert pint_unit("s-1") == "s**-1"
+
+
+@pytest.mark.parametrize("unit", BASE_UNITS)
+def test_base_units_have_the_dimension_of_their_unit(unit):
+    # what modelDescription.xml says of a unit, against pint's own knowledge of it
+    powers = BASE_UNITS[unit]
+    made = registry().Quantity(1.0, "dimensionless")
+    for base, power in powers.items():
+        made = made * registry().Quantity(1.0, base) ** power
+    wanted = registry().Quantity(1.0, pint_unit(unit))
+    assert (wanted / made).to_base_units().magnitude == 1.0
+    assert wanted.is_compatible_with(made.units)
+
+
+@pytest.mark.parametrize(
+    "value, unit, text",
+    [(5.21e-6, "m", "5.21 µm"), (np.pi / 2, "rad", "90.0 deg"), (0.12345, "1", "0.123")],
+)
+def test_short_values(value, unit, text):
+    assert short(value, unit) == text
+
+
+def test_angles_become_times_by_the_angular_speed():
+    # 720 deg = 4 pi rad at 2 rad/s; without a smallest step it is 1/64 of the step
+    assert times(case_with(), 2.0) == pytest.approx(
+        [2 * np.pi, np.pi / 360, np.pi / 360 / 64], rel=1e-14
+    )
+    tree = TREE | {"time": TREE["time"] | {"smallest_step": "0.1 deg"}}
+    assert times(check_case(tree, ""), 2.0)[2] == pytest.approx(np.pi / 3600, rel=1e-14)
+
+
+def test_axes_of_a_sweep_by_hand():
+    axis = parse_axis("speed=1rad/s..0.003rad/ms:5", TREE)
+    assert axis == Axis(
+        "speed",
+        ("participants.a.parameters.speed",),
+        ("1 rad / s", "1.5 rad / s", "2 rad / s", "2.5 rad / s", "3 rad / s"),
+    )
+    assert parse_axis("coupling.method=newton;explicit", TREE).values == ("newton", "explicit")
+    assert parse_axis("coupling.halvings=2;3", TREE).values == (2, 3)
+
+
+def test_a_point_is_named_by_what_bears_on_its_run():
+    point = Point({}, TREE)
+    assert len(point.name) == 16
+    assert Point({"any": 1}, TREE | {"title": "Else", "monitor": {"x": "last a.x"}}).name == (
+        point.name
+    )
+    assert Point({}, TREE | {"coupling": {"order": ["a"], "halvings": 5}}).name != point.name

@@ -1,0 +1,325 @@
+"""Whole runs on toys: results file, logs, summary and checkpoint hold the numbers one can work out.
+
+x = t^2 (1, 2, 3) in steps of 1 s, plainly iterated, tolerance 0.1: the first macro step begins 1, 2
+and 3 off and the second 2, 4 and 6, each converged in the second evaluation; then the parabola of
+the predictor meets it at once. All numbers are whole, so they are compared as they are.
+"""
+
+import json
+import os
+import signal
+
+import h5py
+import numpy as np
+import pytest
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.coupling.stepping import StepFailed
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
+from piston_cosim.master.runs.logs import log_path
+from piston_cosim.master.runs.run import run
+
+TREE = {
+    "title": "Toys",
+    "time": {"stop": "4 s", "step": "1 s"},
+    "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
+    "wires": [
+        {"from": "echo.w0", "to": "plant.u0"},
+        {"from": "echo.w1", "to": "plant.u1"},
+        {"from": "plant.y0", "to": "echo.v0"},
+        {"from": "plant.y1", "to": "echo.v1"},
+    ],
+    "coupling": {
+        "order": ["plant", "echo"],
+        "method": "constant",
+        "relaxation": 1.0,
+        "halvings": 1,
+    },
+    "record": {"fields": ["plant.y0"], "every": 2, "checkpoint_every": 2},
+    "summary": {
+        "low": "min echo.w1",
+        "high": "max echo.w1",
+        "mean": "mean plant.y1",
+        "end": "last plant.y1",
+    },
+    "monitor": {"w": "last echo.w1"},
+}
+WINDOWS = """\
+1 0.0 1.0 2 2 1
+2 1.0 1.0 2 4 1
+3 2.0 1.0 1 5 1
+4 3.0 1.0 1 6 1
+"""
+
+
+@pytest.fixture
+def toys(affine):
+    """Maker of fresh toys, always the same."""
+
+    def make(**given):
+        weights = np.array([1.0, 2.0, 3.0])
+        return affine(np.zeros((3, 3)), lambda t: t**2 * weights, shapes=((2,), ()), **given)
+
+    return lambda: make(stop=4.0)
+
+
+def go(system, output, watch=lambda *args: None, tree=TREE, **given):
+    """The run's summary."""
+    return run(system, check_case(tree, "case.toml"), tree, output, watch, **given)
+
+
+def rows(path):
+    """A log's rows without its header, single spaces between."""
+    return "".join(" ".join(line.split()) + "\n" for line in path.read_text().splitlines()[1:])
+
+
+def contents(path):
+    """Every dataset of a results file."""
+    found = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[:].tolist()}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
+    return found
+
+
+def test_results_file(toys, tmp_path):
+    go(toys(), tmp_path / "run.h5")
+    results = Results(tmp_path / "run.h5")
+    assert results.title == "Toys"
+    assert results.case == TREE
+    assert results.time.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert sorted(results.ports) == [
+        "coupling.derivative_products",
+        "coupling.iterations",
+        "coupling.residual",
+        "echo.w1",
+        "plant.y1",
+    ]
+    values, unit, _ = results.series("echo.w1")
+    assert (values.tolist(), unit) == ([0.0, 3.0, 12.0, 27.0, 48.0], "m")
+    assert results.series("plant.y1")[1] == "N"
+    assert results.series("coupling.iterations")[0].tolist() == [0, 2, 2, 1, 1]
+    assert results.series("coupling.residual")[0] == pytest.approx(np.zeros(5), abs=1e-9)
+    for asked, instant, field in (
+        (0.9, 0.0, [0.0, 0.0]),
+        (1.1, 2.0, [4.0, 8.0]),
+        (9.0, 4.0, [16.0, 32.0]),
+    ):
+        found, time, unit, _ = results.field("plant.y0", asked)
+        assert (found.tolist(), time, unit) == (field, instant, "N")
+    table = results.structured()
+    assert table["time"].tolist() == results.time.tolist()
+    assert table["plant.y1"][2] == 12.0
+    results.close()
+    assert not (tmp_path / "run.h5.partial").exists()
+    assert not Checkpoint.path(tmp_path / "run.h5").exists()
+
+
+def test_summary(toys, tmp_path):
+    summary = go(toys(), tmp_path / "run.h5")
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert json.loads(file.attrs["summary"]) == summary
+    expected = {
+        "steps": 4,
+        "unconverged_steps": 0,
+        "halved_steps": 0,
+        "mean_iterations": 1.5,
+        "max_iterations": 2,
+        "residual_evaluations": 6,
+        "jacobian_evaluations": 0,
+        "derivative_products": 0,
+        # over the macro steps 3, 12, 27, 48: the start is no step
+        "low": 3.0,
+        "high": 48.0,
+        "mean": 22.5,
+        "end": 48.0,
+    }
+    assert {key: summary[key] for key in expected} == expected
+    shares = [v for k, v in summary.items() if k.startswith("wall_time_") and k != "wall_time_s"]
+    # plant, echo, transport, recording and the rest, summed in another order
+    assert len(shares) == 5
+    assert sum(shares) == pytest.approx(summary["wall_time_s"], rel=1e-12)
+
+
+def test_logs(toys, tmp_path):
+    go(toys(), tmp_path / "run.h5")
+    assert rows(log_path(tmp_path / "run.h5", "iterations")) == WINDOWS
+    # a wire along the order has no tolerance; a wire's largest element counts
+    zeros = "0.0000e+00 0.0000e+00"
+    text = (tmp_path / "run-convergence.log").read_text().splitlines()
+    assert text[0].split() == ["Window", "Iteration", "plant.u0", "plant.u1", "echo.v0", "echo.v1"]
+    assert rows(tmp_path / "run-convergence.log").splitlines()[:4] == [
+        f"1 1 2.0000e+01 3.0000e+01 {zeros}",
+        f"1 2 {zeros} {zeros}",
+        f"2 1 4.0000e+01 6.0000e+01 {zeros}",
+        f"2 2 {zeros} {zeros}",
+    ]
+
+
+def test_watch_is_told_of_every_step(toys, tmp_path):
+    told = []
+    go(
+        toys(),
+        tmp_path / "run.h5",
+        lambda time, stop, solution, monitored: told.append(
+            (time, stop, solution.iterations, monitored)
+        ),
+    )
+    assert told[1] == (2.0, 4.0, 2, {"w": (12.0, "m")})
+    assert [time for time, *_ in told] == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_a_halved_step_is_logged_and_recorded_in_halves(toys, tmp_path):
+    system = toys()
+
+    def tire(time, *others):
+        """From 3 s on no whole step is taken."""
+        system.participants["echo"].longest = 0.6 if time >= 3.0 else np.inf
+
+    summary = go(system, tmp_path / "run.h5", tire)
+    assert (summary["halved_steps"], summary["steps"]) == (1, 5)
+    # the failed attempt has no sweep that was measured; afterwards 27 is all that is known of w1
+    assert rows(log_path(tmp_path / "run.h5", "iterations")).splitlines()[3:] == [
+        "4 3.0 1.0 0 5 0 echo: refused on purpose",
+        "4 3.0 0.5 2 7 1",
+        "5 3.5 0.5 2 9 1",
+    ]
+    results = Results(tmp_path / "run.h5")
+    assert results.time.tolist() == [0.0, 1.0, 2.0, 3.0, 3.5, 4.0]
+    assert results.series("echo.w1")[0].tolist() == [0.0, 3.0, 12.0, 27.0, 36.75, 48.0]
+    # every second row, whatever its time
+    assert results.file["fields/time"][:].tolist() == [0.0, 2.0, 3.5]
+    results.close()
+
+
+def interrupt_at(instant):
+    """A watch that sends SIGINT once a time is reached."""
+
+    def watch(time, *others):
+        if time == instant:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    return watch
+
+
+def same_but_for_time(summary, other):
+    """Whether two summaries agree in all but seconds."""
+    kept = [
+        {k: v for k, v in each.items() if not k.startswith("wall_time")}
+        for each in (summary, other)
+    ]
+    return kept[0] == kept[1]
+
+
+@pytest.mark.parametrize("instant, rows_kept", [(1.0, 2), (2.0, 3), (3.0, 4)])
+def test_an_interrupted_run_goes_on_with_the_same_bits(toys, tmp_path, instant, rows_kept):
+    whole = go(toys(), tmp_path / "whole.h5")
+    output = tmp_path / "run.h5"
+    with pytest.raises(Interrupted, match=f"interrupted at t = {instant:g} s; .*resume"):
+        go(toys(), output, interrupt_at(instant))
+    assert not output.exists()
+    checkpoint = Checkpoint.read(tmp_path / "run.h5.checkpoint")
+    assert checkpoint.tree == TREE
+    assert checkpoint.account.steps_done == instant
+    assert checkpoint.account.rows == rows_kept
+    resumed = go(toys(), output, begin_at=checkpoint)
+    assert contents(output) == contents(tmp_path / "whole.h5")
+    assert same_but_for_time(resumed, whole)
+    for kind in ("iterations", "convergence"):
+        assert rows(log_path(output, kind)) == rows(log_path(tmp_path / "whole.h5", kind))
+    assert not Checkpoint.path(output).exists()
+
+
+def test_a_failed_run_goes_on_from_the_last_checkpoint(toys, tmp_path):
+    go(toys(), tmp_path / "whole.h5")
+    output, system = tmp_path / "run.h5", toys()
+
+    def fail(time, *others):
+        system.participants["plant"].longest = 0.1 if time >= 3.0 else np.inf
+
+    with pytest.raises(StepFailed) as failure:
+        go(system, output, fail)
+    assert "go on from the last checkpoint" in failure.value.__notes__[0]
+    checkpoint = Checkpoint.read(Checkpoint.path(output))
+    # every second macro step; the third was taken, recorded and logged, and goes
+    assert (checkpoint.account.steps_done, checkpoint.account.rows) == (2, 3)
+    assert rows(log_path(output, "iterations")).count("\n") == 5
+    go(toys(), output, begin_at=checkpoint)
+    assert contents(output) == contents(tmp_path / "whole.h5")
+    assert rows(log_path(output, "iterations")) == WINDOWS
+
+
+def test_no_checkpoint_but_at_a_signal(toys, tmp_path):
+    tree = TREE | {"record": TREE["record"] | {"checkpoint_every": 0}}
+    seen = []
+    path = Checkpoint.path(tmp_path / "run.h5")
+    go(toys(), tmp_path / "run.h5", lambda *args: seen.append(path.exists()), tree)
+    assert seen == [False] * 4
+
+
+def test_what_is_no_checkpoint_is_refused(tmp_path):
+    path = tmp_path / "run.h5.checkpoint"
+    with pytest.raises(BadInput, match="no checkpoint of this version"):
+        Checkpoint.read(path)
+    path.write_bytes(b"something else")
+    with pytest.raises(BadInput, match="no checkpoint"):
+        Checkpoint.read(path)
+
+
+def test_work_that_explicit_coupling_makes(affine, tmp_path):
+    # x = 2 t, one sweep a step: u lags a step behind v = w. Work the plant's force does on w:
+    # 2 x 2 + 4 x 2 + 6 x 2 = 24 J; on u: 2 x 0 + 4 x 2 + 6 x 2 = 20 J
+    tree = TREE | {
+        "time": {"stop": "3 s", "step": "1 s"},
+        "coupling": {"order": ["plant", "echo"], "method": "explicit", "predictor": 0},
+        "wires": [
+            {"from": "echo.w0", "to": "plant.u0", "conjugate": "plant.y0"},
+            {"from": "plant.y0", "to": "echo.v0"},
+        ],
+        "record": {},
+        "summary": {},
+        "monitor": {},
+    }
+    summary = go(affine([[0.0]], lambda t: 2 * t, stop=3.0), tmp_path / "run.h5", tree=tree)
+    assert summary["interface_work_j"] == 24.0
+    assert summary["interface_work_imbalance"] == pytest.approx(4 / 24, rel=1e-15)
+    assert summary["unconverged_steps"] == 3
+    results = Results(tmp_path / "run.h5")
+    assert results.series("coupling.residual")[0][1:] == pytest.approx([20.0] * 3, rel=1e-12)
+    results.close()
+
+
+def test_a_participant_that_forgets_is_refused_before_anything_is_written(toys, tmp_path):
+    system = toys()
+    system.participants["echo"].restore = lambda saved: None
+    count = iter(range(99))
+    system.participants["echo"].offset = lambda t: float(next(count))
+    with pytest.raises(BadInput, match="echo: a step taken again .* gives another w0, w1"):
+        go(system, tmp_path / "run.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_summary_of_steps_by_local_error(affine, tmp_path):
+    # x = t^3 up to 7 s, as in test_values_stepping: 1, 2 and a rejected 4 s, then three of 4/3 s
+    tree = TREE | {
+        "time": {"stop": "7 s", "step": "7 s", "smallest_step": "1 s"},
+        "wires": [
+            {"from": "echo.w0", "to": "plant.u0", "local_error": "7.2 m"},
+            {"from": "plant.y0", "to": "echo.v0"},
+        ],
+        "coupling": TREE["coupling"] | {"predictor": 0},
+        "record": {},
+        "summary": {},
+        "monitor": {},
+    }
+    system = affine(
+        [[0.0]], lambda t: t**3, 1e-3, stop=7.0, step=7.0, smallest_step=1.0, local_error=7.2
+    )
+    summary = go(system, tmp_path / "run.h5", tree=tree)
+    assert (summary["steps"], summary["rejected_steps"]) == (5, 1)
+    assert summary["inaccurate_smallest_steps"] == 0
+    assert summary["residual_evaluations"] == 12
