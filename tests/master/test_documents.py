@@ -22,7 +22,7 @@ def texts():
 
 def defined(text):
     """Labels that a text defines: "Eq. (E1):  ..."."""
-    return re.findall(rf"(?m)^\s*Eq\. {LABEL}:", text)
+    return re.findall(rf'(?m)^\s*(?:""")?Eq\. {LABEL}:', text)
 
 
 def computed(text):
