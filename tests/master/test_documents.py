@@ -54,3 +54,17 @@ def test_every_equation_that_is_named_is_defined(texts):
 def test_every_citation_can_be_looked_up(texts):
     listed = set(CITATION.findall((ROOT / "docs" / "references.md").read_text()))
     assert {key for text in texts.values() for key in CITATION.findall(text)} - listed == set()
+
+
+def test_every_file_that_a_document_names_is_there():
+    documents = [
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / "models").rglob("*.md"),
+    ]
+    path = re.compile(
+        r"\b(?:fmu_ehd|fmu_mfbd|master|models|tests|docs)/[\w/]+\.(?:py|toml|csv|md|png|c|h)\b"
+    )
+    named = {name for document in documents for name in path.findall(document.read_text())}
+    assert named
+    assert {name for name in named if not (ROOT / name).exists()} == set()
