@@ -16,6 +16,7 @@ coupling technique for partitioned solvers in FSI applications, Computers and St
 from dataclasses import dataclass
 
 import numpy as np
+
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable

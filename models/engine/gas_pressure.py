@@ -5,6 +5,7 @@ ambient pressure.
 from dataclasses import dataclass
 
 import numpy as np
+
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable
 

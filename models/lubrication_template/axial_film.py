@@ -7,6 +7,7 @@ piston-cosim run numerical_example --lubrication film.fmu
 from dataclasses import dataclass
 
 import numpy as np
+
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable, constant
 

@@ -7,6 +7,7 @@ To compare with a lubricated run:  piston-cosim pack models/lubrication_template
 from dataclasses import dataclass
 
 import numpy as np
+
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable, constant
 

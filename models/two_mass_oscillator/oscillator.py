@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import Polynomial
+
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable
 

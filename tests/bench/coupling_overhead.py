@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.fmu_mfbd.slave import Mfbd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree

@@ -13,6 +13,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant

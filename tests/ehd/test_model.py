@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import (

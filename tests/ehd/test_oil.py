@@ -2,10 +2,11 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
+
 from piston_cosim.fmu_ehd.build import oil_values
 from piston_cosim.fmu_ehd.oil import Barus1893, Oil, Roelands1966
 from piston_cosim.models import MODELS
-from scipy.integrate import trapezoid
 
 LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 

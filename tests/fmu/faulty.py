@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.compiler import compiler

@@ -4,6 +4,7 @@ imported the source.
 
 import pytest
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.fmi.builder import build_fmu
 

@@ -6,12 +6,13 @@ import meshio
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.io import mmwrite
+
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.finite_elements.matrices import read_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
-from scipy.io import mmwrite
 
 UNITS = {"stiffness_unit": "1 N/mm", "mass_unit": "1 t"}
 GAP = 10  # node numbers of the text formats run 10, 20, ..., as after a renumbering

@@ -4,6 +4,7 @@ the same and refuse the same.
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.finite_elements.element import stiffness
 from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise
 from piston_cosim.fmu_mfbd.verification import box_mesh

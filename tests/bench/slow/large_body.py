@@ -17,6 +17,7 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.options import Bodies, read_options
 from piston_cosim.fmu_mfbd.reduction.reduce import cached, reduce_block
