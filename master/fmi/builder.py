@@ -46,12 +46,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-# pythonfmu's library drops one reference too many to this module's dictionary each time it runs this text
+# pythonfmu's library drops one reference too many to this module's dictionary each time it runs
+# this text
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
 def code_folder():
-    """A folder that stays where it is, with the code in it, so that what numba compiles is found again next time."""
+    """A folder that stays where it is, with the code in it, so that what numba compiles is kept for
+    the next time.
+    """
     here = Path(__file__).parent
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / "code"

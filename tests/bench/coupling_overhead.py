@@ -85,8 +85,9 @@ def main():
     ]  # what is compiled or first touched in the first steps is left out
     through, direct = timed.sum(axis=0) / (STEPS - UNTIMED)
     print(
-        f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: {through / direct:.2f} times "
-        f"(at most 1.5); median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}"
+        f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: "
+        f"{through / direct:.2f} times (at most 1.5); "
+        f"median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}"
     )
 
 

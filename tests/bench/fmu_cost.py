@@ -141,7 +141,8 @@ def main():
         for name in ("FMI 2 pointers", "FMI 2 lists")
     )
     print(
-        f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU (at most 0.3)"
+        f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU "
+        "(at most 0.3)"
     )
 
 

@@ -63,7 +63,8 @@ def main():
             assert np.array_equal(one, other)
     here, there = times.min(axis=0).mean(axis=0)
     print(
-        f"step in this process {1e6 * here:.0f} us, isolated {1e6 * there:.0f} us: {there / here:.2f} times, same bits"
+        f"step in this process {1e6 * here:.0f} us, isolated {1e6 * there:.0f} us: "
+        f"{there / here:.2f} times, same bits"
     )
     for participant in pair:
         participant.close()

@@ -1,7 +1,8 @@
 """A slave that does one bad thing, once: when its time reaches `at` and the file `marker` is not
 there yet, which it makes.
 
-Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;   output x, input u the other one's x
+Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;
+           output x, input u the other one's x
 """
 
 import ctypes

@@ -360,9 +360,8 @@ def test_supports_in_one_line_are_refused(original, tmp_path, monkeypatch):
     line = np.flatnonzero(np.isclose(mesh.points[:, 0], 0.0) & np.isclose(mesh.points[:, 2], 36e-3))
     lines, bore = ["node,x,y,z,sets"], mesh.nodes("bore")
     for k, point in enumerate(mesh.points):
-        lines.append(
-            f"{k},{','.join(f'{x:.12g}' for x in point)},{'bolts' * (k in line)} {'bore' * (k in bore)}"
-        )
+        position = ",".join(f"{x:.12g}" for x in point)
+        lines.append(f"{k},{position},{'bolts' * (k in line)} {'bore' * (k in bore)}")
     (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
     mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
     mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")

@@ -81,7 +81,8 @@ def main(cells):
         body = np.load(cached(reduce_block, options, (40, 40), Path(folder) / "cache", say))
         say("done")
         print(
-            f"{body['points'].size} degrees of freedom, {len(body['omega'])} modes from {body['omega'][0] / 2 / np.pi:.1f} Hz: "
+            f"{body['points'].size} degrees of freedom, {len(body['omega'])} modes from "
+            f"{body['omega'][0] / 2 / np.pi:.1f} Hz: "
             f"{body['seconds']:.0f} s, {body['peak_memory'] / 1e9:.2f} GB"
         )
 
