@@ -13,6 +13,7 @@ import os
 import sys
 import tempfile
 import zipfile
+from inspect import getfile
 from pathlib import Path
 from xml.dom.minidom import parseString
 from xml.etree.ElementTree import tostring
@@ -222,18 +223,19 @@ def _files(name):
     """Path in the tree -> file, of a module or of all of a package, and of the packages it lies
     in.
     """
-    home, place = Path(import_part(name).__file__), name.replace(".", "/")
+    home = Path(getfile(import_part(name)))
+    folder = name.replace(".", "/")
     if home.name != "__init__.py":
-        found = {f"{place}.py": home}
+        files = {f"{folder}.py": home}
     else:
-        found = {
-            f"{place}/{path.relative_to(home.parent).as_posix()}": path
+        files = {
+            f"{folder}/{path.relative_to(home.parent).as_posix()}": path
             for path in home.parent.rglob("*.py")
         }
-    around = Path(sys.modules[ROOT].__file__).parent
-    while place := place.rpartition("/")[0]:
-        found[f"{place}/__init__.py"] = around / place / "__init__.py"
-    return found | {"__init__.py": around / "__init__.py"}
+    around = Path(getfile(sys.modules[ROOT])).parent
+    while folder := folder.rpartition("/")[0]:
+        files[f"{folder}/__init__.py"] = around / folder / "__init__.py"
+    return files | {"__init__.py": around / "__init__.py"}
 
 
 def _digest(contents):

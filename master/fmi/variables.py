@@ -4,6 +4,7 @@ and axis labels.
 
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Variable:
         """FMI type name: Real, Integer or String."""
         return {float: "Real", int: "Integer", str: "String"}[type(self.start)]
 
-    def fault(self, value: float | str) -> str | None:
+    def fault(self, value: Any) -> str | None:
         """Sentence saying why `value` [unit] is not allowed, or None."""
         if self.type == "String":
             return None

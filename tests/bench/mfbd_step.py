@@ -79,8 +79,8 @@ def row(modes, symmetric=True):
 def main():
     """The table."""
     print(
-        f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} {'ratio':>6} "
-        f"{'first':>10} {'ratio':>6}"
+        f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} "
+        f"{'ratio':>6} {'first':>10} {'ratio':>6}"
     )
     for modes, symmetric in itertools.product((0, 20, 40, 60, 120, 200), (True, False)):
         if modes or symmetric:

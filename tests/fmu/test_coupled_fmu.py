@@ -121,7 +121,8 @@ def test_a_bare_python_simulates_it(coupled):
     script = (
         "import sys, fmpy\n"
         "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, "
-        "output=['side_force'], start_values={'crank_speed': 300.0})\nprint(len(r), r['side_force'][-1])"
+        "output=['side_force'], start_values={'crank_speed': 300.0})\n"
+        "print(len(r), r['side_force'][-1])"
     )
     command = [sys.executable, "-I", "-c", script, str(coupled)]
     done = subprocess.run(command, capture_output=True, text=True, cwd="/", timeout=300)
