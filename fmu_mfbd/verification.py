@@ -444,7 +444,7 @@ def order_check():
     for n in (40, 80, 160):
         last = swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1]
         ends.append(last.position[1:])
-    order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[2]))
+    order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[-1]))
     return figure(
         "Flexible pendulum, steps halved",
         "observed order [-]",
@@ -743,7 +743,7 @@ def exudyn_checks():
     yield figure(
         "Piston against Exudyn, steps quartered",
         "order of the difference",
-        np.log2(apart[0] / apart[2]) / 2,
+        np.log2(apart[0] / apart[-1]) / 2,
         2.0,
         0.2,
         "absolute",

@@ -136,12 +136,12 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     )
 
 
-def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0"):
+def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"):
     """FMU of a slave written in a single file, from the cache if the same was packed before.
 
     Parameters
     ----------
-    place : str
+    origin : str
         "path/to/file.py:Class".
     options : dict
         Becomes build.json, what `variables(options)` is given.
@@ -151,14 +151,14 @@ def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0")
     BadInput
         If there is no such file or class in it.
     """
-    file, _, slave = place.rpartition(":")
+    file, _, slave = origin.rpartition(":")
     path = Path(file)
     if path.suffix != ".py" or not path.is_file():
-        raise BadInput(f"{place!r}: write FILE.py:CLASS; there is no file {file!r}")
+        raise BadInput(f"{origin!r}: write FILE.py:CLASS; there is no file {file!r}")
     sys.path.insert(0, str(path.resolve().parent))
     try:
         if not hasattr(importlib.import_module(path.stem), slave):
-            raise BadInput(f"{place!r}: {path.name} has no class {slave}")
+            raise BadInput(f"{origin!r}: {path.name} has no class {slave}")
         return pack_fmu(
             path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version
         )
