@@ -1,4 +1,4 @@
-"""Names for positions: no long positional argument lists, no picking by number where names are.
+"""Names for positions: no long positional argument lists, no picking by number where names are."""
 
 import ast
 from pathlib import Path
