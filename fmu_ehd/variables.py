@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from ..master.fmi.variables import Variable, constant
+from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .declaration import choices_of, variables_of
 from .oil import Oil
 from .parameters import Parameters
@@ -53,40 +53,17 @@ def variables(
     ]
     if "oil_temperature" in inputs:
         conditions.append(
-            Variable(
-                "oil_temperature",
-                "K",
-                "input",
-                "Oil temperature",
-                373.15,
-                nominal=373.15,
-                shape=shape,
-            )
+            input_variable("oil_temperature", "K", "Oil temperature", 373.15, 373.15, shape)
         )
     parameters = [
         replace(v, start=starts[v.name]) if starts and v.name in starts else v
         for v in FILM_VARIABLES + OIL_VARIABLES
     ]
     diagnostic = [
-        Variable(
-            "pressure", "Pa", "output", "Hydrodynamic pressure, gauge", nominal=1e6, shape=shape
-        ),
-        Variable(
-            "asperity_pressure",
-            "Pa",
-            "output",
-            "Asperity contact pressure",
-            nominal=1e6,
-            shape=shape,
-        ),
-        Variable(
-            "film_fraction",
-            "1",
-            "output",
-            "Share of the film filled with oil",
-            1.0,
-            nominal=1.0,
-            shape=shape,
+        output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
+        output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
+        output_variable(
+            "film_fraction", "1", "Share of the film filled with oil", 1.0, shape, start=1.0
         ),
     ]
     return [
@@ -95,122 +72,87 @@ def variables(
         constant("contract_version", CONTRACT_VERSION, "Version of the lubrication contract"),
         *parameters,
         *conditions,
-        Variable(
+        input_variable(
             "film_thickness",
             "m",
-            "input",
             "Radial distance bore minus skirt at the end of the step, may be <= 0",
             1e-5,
-            nominal=1e-5,
-            shape=shape,
+            1e-5,
+            shape,
         ),
-        Variable(
+        input_variable(
             "sliding_velocity",
             "m/s",
-            "input",
             "Axial velocity of skirt minus bore at the end of the step",
             0.0,
-            nominal=1.0,
-            shape=shape,
+            1.0,
+            shape,
         ),
-        Variable(
+        output_variable(
             "nodal_pressure_force",
             "N",
-            "output",
             "(Hydrodynamic + asperity pressure) x cell area",
-            nominal=1.0,
-            shape=shape,
+            1.0,
+            shape,
         ),
-        Variable(
-            "nodal_friction_force",
-            "N",
-            "output",
-            "Axial shear force on the skirt",
-            nominal=0.1,
-            shape=shape,
-        ),
+        output_variable("nodal_friction_force", "N", "Axial shear force on the skirt", 0.1, shape),
         *(diagnostic if fields else []),
-        Variable("minimum_film_thickness", "m", "output", "Thinnest film", nominal=1e-5),
-        Variable(
-            "maximum_pressure", "Pa", "output", "Highest hydrodynamic pressure, gauge", nominal=1e6
+        output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
+        output_variable("maximum_pressure", "Pa", "Highest hydrodynamic pressure, gauge", 1e6),
+        output_variable(
+            "friction_force_hydrodynamic", "N", "Viscous shear force on the skirt", 10.0
         ),
-        Variable(
-            "friction_force_hydrodynamic",
-            "N",
-            "output",
-            "Viscous shear force on the skirt",
-            nominal=10.0,
+        output_variable(
+            "friction_force_asperity", "N", "Asperity friction force on the skirt", 10.0
         ),
-        Variable(
-            "friction_force_asperity",
-            "N",
-            "output",
-            "Asperity friction force on the skirt",
-            nominal=10.0,
+        output_variable("friction_power", "W", "Power that sliding costs", 100.0),
+        output_variable(
+            "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
         ),
-        Variable("friction_power", "W", "output", "Power that sliding costs", nominal=100.0),
-        Variable(
-            "minimum_film_thickness_thrust_side",
-            "m",
-            "output",
-            "Thinnest film of the thrust half",
-            nominal=1e-5,
-        ),
-        Variable(
+        output_variable(
             "radial_force_thrust_side",
             "N",
-            "output",
             "Force across the thrust plane, pushing apart, of the thrust half",
-            nominal=100.0,
+            100.0,
         ),
-        Variable(
-            "friction_force_thrust_side",
-            "N",
-            "output",
-            "Axial force on the skirt of the thrust half",
-            nominal=10.0,
+        output_variable(
+            "friction_force_thrust_side", "N", "Axial force on the skirt of the thrust half", 10.0
         ),
-        Variable(
+        output_variable(
             "minimum_film_thickness_anti_thrust_side",
             "m",
-            "output",
             "Thinnest film of the anti-thrust half",
-            nominal=1e-5,
+            1e-5,
         ),
-        Variable(
+        output_variable(
             "radial_force_anti_thrust_side",
             "N",
-            "output",
             "Force across the thrust plane, pushing apart, of the anti-thrust half",
-            nominal=100.0,
+            100.0,
         ),
-        Variable(
+        output_variable(
             "friction_force_anti_thrust_side",
             "N",
-            "output",
             "Axial force on the skirt of the anti-thrust half",
-            nominal=10.0,
+            10.0,
         ),
-        Variable(
+        output_variable(
             "flow_lower_edge",
             "m3/s",
-            "output",
             "Oil flow into the film over the lower edge at the end of the step",
-            nominal=1e-6,
+            1e-6,
         ),
-        Variable(
+        output_variable(
             "flow_upper_edge",
             "m3/s",
-            "output",
             "Oil flow into the film over the upper edge at the end of the step",
-            nominal=1e-6,
+            1e-6,
         ),
-        Variable(
+        output_variable(
             "mass_imbalance",
             "1",
-            "output",
             "|inflow - growth of film content| / throughput, rates at the end of the step",
         ),
-        Variable("contact_area_fraction", "1", "output", "Real contact area / skirt area"),
-        Variable("solver_iterations", "1", "output", "Factorisations in the last step", 0),
+        output_variable("contact_area_fraction", "1", "Real contact area / skirt area"),
+        output_variable("solver_iterations", "1", "Factorisations in the last step", start=0),
     ]

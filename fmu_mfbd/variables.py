@@ -3,7 +3,7 @@
 from dataclasses import fields
 from math import pi
 
-from ..master.fmi.variables import Variable, constant
+from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BuildOptions
 from .dynamics.parameters import Parameters
 
@@ -17,23 +17,23 @@ def variables(options: BuildOptions) -> list[Variable]:
 def inputs(grid: tuple[int, int]) -> list[Variable]:
     """What acts on the bodies."""
     return [
-        Variable(
+        input_variable(
             "nodal_pressure_force",
             "N",
-            "input",
             "Pressure force on a grid cell; positive pushes skirt and bore apart",
-            nominal=1.0,
-            shape=grid,
+            0.0,
+            1.0,
+            grid,
         ),
-        Variable(
+        input_variable(
             "nodal_friction_force",
             "N",
-            "input",
             "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
-            nominal=0.1,
-            shape=grid,
+            0.0,
+            0.1,
+            grid,
         ),
-        Variable("gas_pressure", "Pa", "input", "Gauge pressure on the piston crown", nominal=1e6),
+        input_variable("gas_pressure", "Pa", "Gauge pressure on the piston crown", 0.0, 1e6),
         Variable(
             "crank_speed",
             "rad/s",
@@ -50,133 +50,83 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
 def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
     """What the bodies answer."""
     out = [
-        Variable(
+        output_variable(
             "film_thickness",
             "m",
-            "output",
             "Radial distance bore minus skirt; negative where they overlap",
-            nominal=1e-5,
-            shape=grid,
+            1e-5,
+            grid,
         ),
-        Variable(
+        output_variable(
             "sliding_velocity",
             "m/s",
-            "output",
             "Axial velocity of the skirt minus that of the bore",
-            nominal=1.0,
-            shape=grid,
+            1.0,
+            grid,
         ),
-        Variable(
-            "crank_angle", "rad", "output", "Crank angle, 0 at firing top dead centre", nominal=1.0
-        ),
-        Variable("rotation_speed", "rad/s", "output", "Speed of the crank now", nominal=300.0),
-        Variable(
-            "piston_position",
-            "m",
-            "output",
-            "Height of pin point A above the crank axis",
-            nominal=0.1,
-        ),
-        Variable(
-            "piston_velocity",
-            "m/s",
-            "output",
-            "Velocity of pin point A towards the head",
-            nominal=10.0,
-        ),
-        Variable(
+        output_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
+        output_variable("rotation_speed", "rad/s", "Speed of the crank now", 300.0),
+        output_variable("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
+        output_variable("piston_velocity", "m/s", "Velocity of pin point A towards the head", 10.0),
+        output_variable(
             "lateral_displacement",
             "m",
-            "output",
             "Displacement of A from its concentric position towards the thrust side",
-            nominal=1e-5,
+            1e-5,
         ),
-        Variable(
-            "rocking_angle",
-            "rad",
-            "output",
-            "Rotation of the piston about the pin axis +z",
-            nominal=1e-3,
+        output_variable(
+            "rocking_angle", "rad", "Rotation of the piston about the pin axis +z", 1e-3
         ),
-        Variable(
-            "lateral_velocity",
-            "m/s",
-            "output",
-            "Velocity of A towards the thrust side",
-            nominal=1e-2,
+        output_variable("lateral_velocity", "m/s", "Velocity of A towards the thrust side", 1e-2),
+        output_variable(
+            "rocking_velocity", "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0
         ),
-        Variable(
-            "rocking_velocity",
-            "rad/s",
-            "output",
-            "Angular velocity of the piston about the pin axis +z",
-            nominal=1.0,
-        ),
-        Variable(
+        output_variable(
             "side_force",
             "N",
-            "output",
             "Force of the piston on the bore through the film, positive on the thrust side",
-            nominal=1e3,
+            1e3,
         ),
-        Variable(
+        output_variable(
             "crank_torque",
             "N.m",
-            "output",
             "Torque of the drive on the crank in its direction of turning",
-            nominal=10.0,
+            10.0,
         ),
-        Variable(
-            "pin_force_x", "N", "output", "Force of the pin on the piston along x", nominal=1e3
+        output_variable("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
+        output_variable("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
+        output_variable(
+            "pin_friction_moment", "N.m", "Friction of the pin on the piston about +z", 0.1
         ),
-        Variable(
-            "pin_force_y", "N", "output", "Force of the pin on the piston along y", nominal=1e3
-        ),
-        Variable(
-            "pin_friction_moment",
-            "N.m",
-            "output",
-            "Friction of the pin on the piston about +z",
-            nominal=0.1,
-        ),
-        Variable(
+        output_variable(
             "interface_work_error",
             "1",
-            "output",
             "Power of the interface forces on the grid minus that in the coordinates, relative",
         ),
-        Variable(
+        output_variable(
             "residual_evaluations",
             "1",
-            "output",
             "Residuals of the equations of motion evaluated so far (NRES)",
             start=0,
         ),
-        Variable(
+        output_variable(
             "jacobian_evaluations",
             "1",
-            "output",
             "Jacobians of the equations of motion evaluated so far (NJAC)",
             start=0,
         ),
     ]
     if modes:
         out += [
-            Variable(
+            output_variable(
                 "modal_coordinate",
                 "1",
-                "output",
                 "Mass-normalised modal coordinates [kg^(1/2) m], piston then block",
-                nominal=1e-6,
-                shape=(modes,),
+                1e-6,
+                (modes,),
             ),
-            Variable(
-                "modal_velocity",
-                "1/s",
-                "output",
-                "Their derivatives in time [kg^(1/2) m/s]",
-                nominal=1e-2,
-                shape=(modes,),
+            output_variable(
+                "modal_velocity", "1/s", "Their derivatives in time [kg^(1/2) m/s]", 1e-2, (modes,)
             ),
         ]
     return out

@@ -13,7 +13,7 @@ from .instant import FilmChange, Instant, System, end_of_step, linearise, respon
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
 from .slider_crank import CrankMotion
 from .speed_table import SpeedTable, crank_motion
-from .tables import gas_pressure
+from .tables import GasTable, gas_pressure
 
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
@@ -155,7 +155,7 @@ class PistonInBore:
         crank: Crank,
         gas_area: float,
         spectral_radius: float,
-        gas_table: dict | None = None,
+        gas_table: GasTable | None = None,
     ):
         self.system = system
         self.crank = crank

@@ -4,10 +4,9 @@ failed honestly, 2 bad input.
 
 import os
 
+# dense algebra here is small: a second BLAS thread costs up to a factor 7
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(
-        _threads, "1"
-    )  # dense algebra here is small: a second BLAS thread costs up to a factor 7
+    os.environ.setdefault(_threads, "1")
 
 import sys
 import time
@@ -48,9 +47,8 @@ app = App(
     version_flags=["--version"],
 )
 for _order, (_name, _line) in enumerate(COMMANDS.items()):
-    _help = (
-        {} if sys.argv[1:2] == [_name] else {"help": _line}
-    )  # the command called explains itself by its docstring
+    # the command called explains itself by its docstring
+    _help = {} if sys.argv[1:2] == [_name] else {"help": _line}
     app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
 
 

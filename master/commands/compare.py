@@ -67,7 +67,8 @@ def command(
     lines = [picture for picture in case.pictures if picture.kind == "lines"]
     if not lines and not (x and y):
         raise BadInput("the case has no picture with lines: give --x and --y")
-    x, y = x or lines[0].x, y or [port for panel in lines[0].y for port in panel]
+    x = x or lines[0].x
+    y = y or [port for panel in lines[0].y for port in panel]
     if measured:
         table = curves.read_measured(measured)
         rows = curves.against_measured(runs, table)
@@ -114,7 +115,8 @@ def hold_models_together(case, *more, role, models, changes, folder):
             say(f"{label} has no variable for, and goes without: {', '.join(keys)}")
     cases = {label: check_case(tree, path) for label, tree in rivals.trees.items()}
     folder = folder or Path("results") / f"{path.parent.name}_models"
-    summaries, runs = {}, {}
+    summaries = {}
+    runs = {}
     for label, system in open_all(cases, path.parent).items():
         output = folder / f"{label}.h5"
         with watching(console, label) as watch:
@@ -135,7 +137,8 @@ def print_measures(names, values):
     """Table of the models' measures, a column each; beside a value how far it is from the first
     model's.
     """
-    table, first = Table(Column(no_wrap=True), *values, box=None), next(iter(values.values()))
+    table = Table(Column(no_wrap=True), *values, box=None)
+    first = next(iter(values.values()))
     for k, (name, unit) in enumerate(names.items()):
         cells = [f"{first[k]:.5g}"]
         for row in list(values.values())[1:]:

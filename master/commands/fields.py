@@ -47,10 +47,8 @@ def command(
     if output.suffix not in (".csv", ".h5", ".vtu") or (output.suffix == ".vtu" and (i or j)):
         raise BadInput(f"--output {output}: write .csv, .h5, or .vtu (whole fields)")
     try:
-        instant, size = (
-            None if time is None else to_si(time, "s"),
-            [to_si(text, "m") for text in (radius, length)],
-        )
+        instant = None if time is None else to_si(time, "s")
+        size = [to_si(text, "m") for text in (radius, length)]
     except ValueError as error:
         raise BadInput(str(error)) from None
     blocks = [exports.chosen(exports.read_block(results, text), instant, i, j) for text in field]

@@ -68,7 +68,8 @@ def build_table(tree):
 
 def print_body(body):
     """Size, mass properties, cost, and the table of modes."""
-    centre, inertia = body.centre, body.inertia
+    centre = body.centre
+    inertia = body.inertia
     console.print(
         f"\n[bold]{body.name}[/]  {body.nodes} nodes, {body.elements} elements, "
         f"{body.degrees_of_freedom} degrees of freedom",

@@ -19,11 +19,11 @@ def command(checkpoint: Path):
     """
     if not checkpoint.name.endswith(".h5.checkpoint"):
         raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
-    found = Checkpoint.read(checkpoint)
+    kept = Checkpoint.read(checkpoint)
     output = checkpoint.with_suffix("")
-    case = check_case(found.tree, checkpoint)
-    system = open_system(case, Path(found.folder), say)
+    case = check_case(kept.tree, checkpoint)
+    system = open_system(case, Path(kept.folder), say)
     with watching(console, output.stem) as watch:
-        summary = run_system(system, case, found.tree, output, watch, found)
+        summary = run_system(system, case, kept.tree, output, watch, kept)
     print_summary(console, {output.stem: summary})
     console.print(f"results  {output}", highlight=False, soft_wrap=True)

@@ -60,7 +60,8 @@ def command(
         path.parent.name if path.name == "case.toml" else path.stem
     )
     systems = open_all(cases, path.parent)
-    summaries, files = {}, {}
+    summaries = {}
+    files = {}
     for label, system in systems.items():
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
@@ -85,7 +86,8 @@ def command(
 
 def open_all(cases, folder):
     """Systems of all variants; the faults of all of them in one message."""
-    systems, faults = {}, []
+    systems = {}
+    faults = []
     for label, case in cases.items():
         try:
             systems[label] = open_system(case, folder, say)

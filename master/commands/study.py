@@ -33,9 +33,11 @@ def command(
         Processes; more than one disturbs the wall times.
     """
     path = find_case(case)
-    checked, chosen, found = studies.study_points(path, [parse_change(text) for text in set_], name)
+    checked, chosen, points = studies.study_points(
+        path, [parse_change(text) for text in set_], name
+    )
     folder = output or Path("results") / f"study_{path.parent.name}_{name}"
-    sweeps.build_all(sweeps.unfinished(found, folder), path.parent, say)
+    sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
         console.print(
@@ -46,8 +48,8 @@ def command(
         )
 
     with sweeps.local_executor(workers) as executor:
-        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
-    runs = studies.open_points(found, rows, folder)
+        rows = sweeps.sweep(points, path.parent, folder, executor, watch)
+    runs = studies.open_points(points, rows, folder)
     table = studies.study_table(chosen, checked, rows, runs)
     distances = [key for row in table for key in row if key.startswith("rms ")]
     console.print(_shown(table, f"{chosen.title}: cost", studies.COST))

@@ -55,12 +55,12 @@ def command(
         variant_trees(path, changes, only)
         changes += list(tree.get("variants", {}).get(only, {}).items())
     axes = [sweeps.parse_axis(text, tree) for text in vary]
-    found = sweeps.points(path, changes, axes)
+    points = sweeps.points(path, changes, axes)
     folder = (
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
     )
-    sweeps.build_all(sweeps.unfinished(found, folder), path.parent, say)
+    sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
@@ -72,7 +72,7 @@ def command(
         )
 
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers) as executor:
-        rows = sweeps.sweep(found, path.parent, folder, executor, watch)
+        rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
     picture = draw_sweep(rows, axes, tree.get("summary", {}), folder / "sweep.png")
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

@@ -32,10 +32,8 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
     unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
     if unknown:
         raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join((*PARTS, IMPORTERS))}")
-    figures, wide = (
-        [part for part in parts or PARTS if part != IMPORTERS],
-        Console(width=max(console.width, 190)),
-    )
+    figures = [part for part in parts or PARTS if part != IMPORTERS]
+    wide = Console(width=max(console.width, 190))
     failed = compute(figures, all_, wide) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)

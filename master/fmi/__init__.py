@@ -1,10 +1,15 @@
 """Both ends of the FMI standard, and what every FMU carries of it.
 
-slave          the slave every FMU is made of            builder        FMUs from parts, cached by
-content variables      one declaration a variable                description
-modelDescription.xml, 2.0 (and 3: 3.0) errors         bad input, discard, fault
-compiler       the C front in front/ tree           the project, or its copy in an FMU        fields
-scalars of an FMU gathered to arrays requirements   what an FMU needs of Python
-quantities     units, at the edge alone compiled       how kernels are compiled
-cache          where the user's cache lies
+slave         the slave every FMU is made of
+variables     one declaration a variable
+description   modelDescription.xml, 2.0 (and 3: 3.0)
+builder       FMUs from parts, cached by content
+compiler      the C front in front/
+tree          the project, or its copy in an FMU
+requirements  what an FMU needs of Python
+fields        scalars of an FMU gathered to arrays
+quantities    units, at the edge alone
+errors        bad input, discard, fault
+compiled      how kernels are compiled
+cache         where the user's cache lies
 """

@@ -13,6 +13,7 @@ import os
 import sys
 import tempfile
 import zipfile
+from inspect import getfile
 from pathlib import Path
 from xml.dom.minidom import parseString
 from xml.etree.ElementTree import tostring
@@ -46,12 +47,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-# pythonfmu's library drops one reference too many to this module's dictionary each time it runs this text
+# pythonfmu's library drops one reference too many to this module's dictionary each time it runs
+# this text
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
 def code_folder():
-    """A folder that stays where it is, with the code in it, so that what numba compiles is found again next time."""
+    """A folder that stays where it is, with the code in it, so that what numba compiles is kept for
+    the next time.
+    """
     here = Path(__file__).parent
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / "code"
@@ -132,12 +136,12 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     )
 
 
-def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0"):
+def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"):
     """FMU of a slave written in a single file, from the cache if the same was packed before.
 
     Parameters
     ----------
-    place : str
+    origin : str
         "path/to/file.py:Class".
     options : dict
         Becomes build.json, what `variables(options)` is given.
@@ -147,14 +151,14 @@ def build_fmu_of_file(place, options, progress=lambda text: None, version="2.0")
     BadInput
         If there is no such file or class in it.
     """
-    file, _, slave = place.rpartition(":")
+    file, _, slave = origin.rpartition(":")
     path = Path(file)
     if path.suffix != ".py" or not path.is_file():
-        raise BadInput(f"{place!r}: write FILE.py:CLASS; there is no file {file!r}")
+        raise BadInput(f"{origin!r}: write FILE.py:CLASS; there is no file {file!r}")
     sys.path.insert(0, str(path.resolve().parent))
     try:
         if not hasattr(importlib.import_module(path.stem), slave):
-            raise BadInput(f"{place!r}: {path.name} has no class {slave}")
+            raise BadInput(f"{origin!r}: {path.name} has no class {slave}")
         return pack_fmu(
             path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version
         )
@@ -219,18 +223,19 @@ def _files(name):
     """Path in the tree -> file, of a module or of all of a package, and of the packages it lies
     in.
     """
-    home, place = Path(import_part(name).__file__), name.replace(".", "/")
+    home = Path(getfile(import_part(name)))
+    folder = name.replace(".", "/")
     if home.name != "__init__.py":
-        found = {f"{place}.py": home}
+        files = {f"{folder}.py": home}
     else:
-        found = {
-            f"{place}/{path.relative_to(home.parent).as_posix()}": path
+        files = {
+            f"{folder}/{path.relative_to(home.parent).as_posix()}": path
             for path in home.parent.rglob("*.py")
         }
-    around = Path(sys.modules[ROOT].__file__).parent
-    while place := place.rpartition("/")[0]:
-        found[f"{place}/__init__.py"] = around / place / "__init__.py"
-    return found | {"__init__.py": around / "__init__.py"}
+    around = Path(getfile(sys.modules[ROOT])).parent
+    while folder := folder.rpartition("/")[0]:
+        files[f"{folder}/__init__.py"] = around / folder / "__init__.py"
+    return files | {"__init__.py": around / "__init__.py"}
 
 
 def _digest(contents):

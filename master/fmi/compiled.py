@@ -16,6 +16,7 @@ from contextlib import suppress
 from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
@@ -27,7 +28,7 @@ def compiled(kernel=None, **options):
     """
     if kernel is None:
         return partial(compiled, **options)
-    dispatcher = njit(error_model="numpy", **options)(kernel)
+    dispatcher: Any = njit(error_model="numpy", **options)(kernel)
     with suppress(RuntimeError):  # there is nowhere to keep it
         dispatcher._cache = KernelCache(kernel)
     return dispatcher
@@ -58,7 +59,7 @@ class KernelCache(FunctionCache):
 
 
 @cache
-def stamp(file):
+def stamp(file: str) -> str:
     """Digest of a source file and of all files of the project that it imports, directly or not."""
     digest = sha256()
     for path in sorted(_reached(Path(file).resolve())):
@@ -68,24 +69,24 @@ def stamp(file):
 
 def _reached(file):
     """The file and those that its relative imports lead to, as a set."""
-    found, waiting = set(), [file]
+    reached = set()
+    waiting = [file]
     while waiting:
         path = waiting.pop()
-        if path not in found:
-            found.add(path)
+        if path not in reached:
+            reached.add(path)
             waiting += _imported(path)
-    return found
+    return reached
 
 
 @cache
 def _imported(file):
     """Files that a file's relative imports name."""
-    found = []
+    named = []
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level:
             package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-            found += [package, *(package / alias.name for alias in node.names)]
-    modules = [path.with_name(path.name + ".py") for path in found] + [
-        path / "__init__.py" for path in found
-    ]
-    return [path.resolve() for path in modules if path.is_file()]
+            named += [package, *(package / alias.name for alias in node.names)]
+    modules = [path.with_name(path.name + ".py") for path in named]
+    packages = [path / "__init__.py" for path in named]
+    return [path.resolve() for path in modules + packages if path.is_file()]

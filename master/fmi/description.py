@@ -209,7 +209,8 @@ def _structure(parent, table):
     """Outputs and initial unknowns, both with empty dependencies: no output follows an input
     without a step.
     """
-    index, outputs = 1, []
+    index = 1
+    outputs = []
     for v in table:
         if v.causality == "output":
             outputs += range(index, index + v.size)

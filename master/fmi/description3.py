@@ -55,10 +55,10 @@ def model_description_3(slave):
 
 
 def _variables(parent, table):
-    place = {v.name: str(k) for k, v in enumerate(table)}
+    reference = {v.name: str(k) for k, v in enumerate(table)}
     for k, v in enumerate(table):
         attributes = causality_attributes(v) | type_attributes(v)
-        attributes |= {"derivative": place[v.derivative_of]} if v.derivative_of else {}
+        attributes |= {"derivative": reference[v.derivative_of]} if v.derivative_of else {}
         start = attributes.pop("start", None) if v.type == "String" else None
         node = SubElement(
             parent, TYPES[v.type], {"name": v.name, "valueReference": str(k), **attributes}

@@ -32,13 +32,10 @@ def library():
     embedded).
     """
     name = sysconfig.get_config_var("INSTSONAME") or ""
-    places = (sysconfig.get_config_var("LIBDIR") or "", os.path.join(sys.base_prefix, "lib"))
-    found = [
-        os.path.join(place, name)
-        for place in places
-        if ".so" in name and os.path.isfile(os.path.join(place, name))
-    ]
-    return found[0] if found else None
+    folders = (sysconfig.get_config_var("LIBDIR") or "", os.path.join(sys.base_prefix, "lib"))
+    libraries = [os.path.join(folder, name) for folder in folders]
+    present = [path for path in libraries if ".so" in name and os.path.isfile(path)]
+    return present[0] if present else None
 
 
 if __name__ == "__main__":

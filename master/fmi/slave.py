@@ -70,7 +70,8 @@ class FieldSlave(Fmi2Slave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self.modelName, self.description = self.name, type(self).description
+        self.modelName = self.name
+        self.description = type(self).description
         self.resources = Path(self.resources)
         self.options = json.loads((self.resources / "build.json").read_text())
         self.table = self.variables(self.options)
@@ -117,7 +118,8 @@ class FieldSlave(Fmi2Slave):
 
     def _lay_out(self):
         """Allocate storage, give every variable its view, and copy the start values in."""
-        self.views, self.references = {}, {}
+        self.views = {}
+        self.references = {}
         real = [v for v in self.table if v.type == "Real"]
         shapes = {v.name: v.shape for v in real}
         self.real_count = sum(v.size for v in real)
@@ -128,8 +130,8 @@ class FieldSlave(Fmi2Slave):
         self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in extra))
         integer = [v for v in self.table if v.type == "Integer"]
         self.integer = np.zeros(sum(v.size for v in integer), dtype=np.int64)
-        self._place(self.real, [(v.name, v.shape) for v in real] + extra)
-        self._place(self.integer, [(v.name, v.shape) for v in integer])
+        self._lay_into(self.real, [(v.name, v.shape) for v in real] + extra)
+        self._lay_into(self.integer, [(v.name, v.shape) for v in integer])
         self.string = [v.start for v in self.table if v.type == "String"]
         self.references |= {
             v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")
@@ -153,7 +155,7 @@ class FieldSlave(Fmi2Slave):
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
-    def _place(self, storage, entries):
+    def _lay_into(self, storage, entries):
         offset = 0
         for name, shape in entries:
             size = int(np.prod(shape))
@@ -184,7 +186,8 @@ class FieldSlave(Fmi2Slave):
         """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds,
         products, all variables.
         """
-        real, integer = self.real.ctypes.data, self.integer.ctypes.data
+        real = self.real.ctypes.data
+        integer = self.integer.ctypes.data
         blocks = [
             [
                 (self.references[n], self.views[n].size, self.references[reserved(kind, n)])
@@ -214,7 +217,8 @@ class FieldSlave(Fmi2Slave):
         """Status of the call just made and what it logged, (status, category, text) each; both are
         forgotten here.
         """
-        status, self.status = int(self.status), Fmi2Status.ok
+        status = int(self.status)
+        self.status = Fmi2Status.ok
         messages = [(int(m.status), m.category or "logAll", m.msg) for m in self.log_queue]
         self.log_queue.clear()
         return status, messages
@@ -326,7 +330,8 @@ class FieldSlave(Fmi2Slave):
                 )
 
     def set_real(self, vrs, values):
-        first, last = vrs[0], vrs[-1] + 1
+        first = vrs[0]
+        last = vrs[-1] + 1
         if vrs == self.all_references[first:last]:
             self.real[first:last] = values
         else:
@@ -334,7 +339,8 @@ class FieldSlave(Fmi2Slave):
         self.products_due = self.products_due or last > self.real_count
 
     def get_real(self, vrs):
-        first, last = vrs[0], vrs[-1] + 1
+        first = vrs[0]
+        last = vrs[-1] + 1
         if last > self.first_product and self.products_due:
             self.update_products()
         if vrs == self.all_references[first:last]:
@@ -361,7 +367,8 @@ class FieldSlave(Fmi2Slave):
 
     def _set_fmu_state(self, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, strings, state = saved
-        self.string[:], self.fault = strings, None
+        self.string[:] = strings
+        self.fault = None
         self.real[: self.real_count] = real
         if state is not None and self._parameters() != self.started_with:
             self._checked_start()

@@ -6,16 +6,17 @@ import sys
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 
 INSTALLED = "piston_cosim"
-ROOT = __package__.removesuffix(".master.fmi")
+ROOT = __name__.removesuffix(".master.fmi.tree")
 """Name of the package that this tree is: INSTALLED, or an FMU's own."""
 
 FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
 """What a slave written outside the project imports."""
 
 
-def import_part(name):
+def import_part(name: str) -> ModuleType:
     """Module `name` of this tree ("fmu_ehd.build"), else the installed one of that name (a
     participant from elsewhere).
     """
@@ -24,7 +25,7 @@ def import_part(name):
     return import_module(f"{ROOT}.{name}" if own else name)
 
 
-def slave_class(path):
+def slave_class(path: str) -> type:
     """The class at "module:class" of this tree; `import piston_cosim...` in its module reaches this
     tree too.
     """

@@ -4,6 +4,7 @@ and axis labels.
 
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -46,20 +47,20 @@ class Variable:
     nominal: float | None = None
     minimum: float | None = None
     maximum: float | None = None
-    shape: tuple = ()
+    shape: tuple[int, ...] = ()
     derivative_of: str | None = None
 
     @property
-    def size(self):
+    def size(self) -> int:
         """Number of scalars."""
         return prod(self.shape)
 
     @property
-    def type(self):
+    def type(self) -> str:
         """FMI type name: Real, Integer or String."""
         return {float: "Real", int: "Integer", str: "String"}[type(self.start)]
 
-    def fault(self, value):
+    def fault(self, value: Any) -> str | None:
         """Sentence saying why `value` [unit] is not allowed, or None."""
         if self.type == "String":
             return None
@@ -71,8 +72,55 @@ class Variable:
         return f"{self.name} = {value:g}{unit}: allowed is {low:g} to {high:g}{unit}"
 
 
-def constant(name, value, description):
+def constant(name: str, value: int | float, description: str) -> Variable:
     """A property of the built FMU (grid size, contract version): a parameter that allows one
     value.
     """
     return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)
+
+
+def parameter(
+    name: str,
+    unit: str,
+    description: str,
+    start: float | int | str,
+    minimum: float | None = None,
+    maximum: float | None = None,
+) -> Variable:
+    """A parameter with its allowed range."""
+    return Variable(name, unit, "parameter", description, start, minimum=minimum, maximum=maximum)
+
+
+def input_variable(
+    name: str,
+    unit: str,
+    description: str,
+    start: float | int = 0.0,
+    nominal: float | None = None,
+    shape: tuple[int, ...] = (),
+) -> Variable:
+    """An input; with a shape, one of every element."""
+    return Variable(name, unit, "input", description, start, nominal=nominal, shape=shape)
+
+
+def output_variable(
+    name: str,
+    unit: str,
+    description: str,
+    nominal: float | None = None,
+    shape: tuple[int, ...] = (),
+    *,
+    start: float | int = 0.0,
+    derivative_of: str | None = None,
+) -> Variable:
+    """An output; with a shape, one of every element."""
+    return Variable(
+        name,
+        unit,
+        "output",
+        description,
+        start,
+        nominal=nominal,
+        shape=shape,
+        derivative_of=derivative_of,
+    )

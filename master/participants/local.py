@@ -69,7 +69,8 @@ class LocalParticipant:
         if self.slave.do_step(time, step):
             return
         status, messages = self.slave.verdict()
-        text = f"{self.name}: {messages[-1][2]}"
+        _, _, last_words = messages[-1]
+        text = f"{self.name}: {last_words}"
         raise Discard(text) if status == Fmi2Status.discard else ParticipantFault(text)
 
     def save(self):

@@ -1,10 +1,11 @@
 """What is made of results files.
 
-file                                  a results file, read
-pictures                              curves, maps, sections
-sweep_pictures of sweeps and studies  fields_export
-compare                               curves scored against one another
-judgement                             extremes, windows, work in loops
-report                                one HTML page
-rivals                                rival lubrication models side by side
+file            a results file, read
+pictures        curves, maps, sections
+sweep_pictures  of sweeps
+compare         curves scored against one another
+judgement       extremes, windows, work in loops
+report          one HTML page
+rivals          rival models of one role side by side
+fields_export   recorded fields as CSV, HDF5, VTU
 """

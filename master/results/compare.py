@@ -14,7 +14,7 @@ from ..fmi.quantities import to_si
 from .judgement import last_period
 from .pictures import PALETTE, name_of
 
-HEADER = re.compile(r"^\s*(\w+\.\w+)\s*\[(.+)\]\s*$")
+HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)\s*\[(?P<unit>.+)\]\s*$")
 
 
 class Score(NamedTuple):
@@ -64,7 +64,8 @@ def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np
         If the curves overlap in fewer than three reference points, or the reference does not vary.
     """
     inside = (x_reference >= x[0]) & (x_reference <= x[-1])
-    grid, reference = x_reference[inside], y_reference[inside]
+    grid = x_reference[inside]
+    reference = y_reference[inside]
     if inside.sum() < 3 or not np.ptp(reference) > 0:
         raise BadInput(
             f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, "
@@ -85,7 +86,8 @@ def _shift(x, y, grid, reference):
 
     def misfit(shift):
         known = (grid + shift >= x[0]) & (grid + shift <= x[-1])
-        a, b = np.interp(grid[known] + shift, x, y), reference[known]
+        a = np.interp(grid[known] + shift, x, y)
+        b = reference[known]
         return float(np.mean((a - a.mean() - b + b.mean()) ** 2))
 
     # Eq. (X3)
@@ -128,13 +130,14 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
         raise BadInput(f"{path}: {error}") from None
     if values.ndim != 2 or values.shape[1] != len(heads) or np.any(np.diff(values[:, 0]) <= 0):
         raise BadInput(f"{path}: every row needs {len(heads)} numbers, the first rising")
-    return {head[1]: Measured(column, head[2]) for head, column in zip(heads, values.T) if head}
+    columns = zip(heads, values.T)
+    return {head["port"]: Measured(column, head["unit"]) for head, column in columns if head}
 
 
 def against_measured(runs, measured):
     """Scores of every run against every measured column: a row each."""
     (x_port, (x, x_unit)), *columns = measured.items()
-    x = x * _factor(x_unit, next(iter(runs.values())).series(x_port)[1])
+    x = x * _factor(x_unit, next(iter(runs.values())).series(x_port).unit)
     rows = []
     for port, (y, y_unit) in columns:
         for label, results in runs.items():
@@ -156,7 +159,7 @@ def against_first(runs, x_port, ports):
     (_, first), *others = runs.items()
 
     def curve(results, port):
-        return results.series(x_port)[0], results.series(port)[0]
+        return results.series(x_port).values, results.series(port).values
 
     return [
         Row(label, port, score(*curve(results, port), *curve(first, port)))
@@ -170,7 +173,8 @@ def against_last_cycle(case, runs, x_port, ports, period):
     rows = []
     for port in ports:
         for label, results in runs.items():
-            x, y = results.series(x_port)[0], results.series(port)[0]
+            x = results.series(x_port).values
+            y = results.series(port).values
             last = last_period(case, results, period)
             length = x[last][-1] - x[last][0]
             before = (x >= x[last][0] - length - 1e-9) & (x <= x[last][0] + 1e-9)

@@ -124,7 +124,8 @@ def write_vtu(blocks, path, radius, length):
     """
     import meshio
 
-    block, path = blocks[0], Path(path)
+    block = blocks[0]
+    path = Path(path)
     n, m = block.values.shape[1:]
     angle = 2 * np.pi * np.arange(n) / n
     ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
@@ -134,7 +135,8 @@ def write_vtu(blocks, path, radius, length):
     cells = np.stack(
         [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
     ).reshape(-1, 4)
-    written, lines = [], []
+    written = []
+    lines = []
     for k, time in enumerate(block.times):
         file = path.with_name(f"{path.stem}_{k:05d}.vtu")
         data = {f"{part.name} [{part.unit}]": [part.values[k].ravel()] for part in blocks}

@@ -53,10 +53,8 @@ def windows(case, results):
     for text, limits in case.window.items():
         kind, port = text.split()
         values, unit, _ = results.series(port)
-        value, (low, high) = (
-            float(REDUCTIONS[kind](values)),
-            (to_si(limit, unit) for limit in limits),
-        )
+        value = float(REDUCTIONS[kind](values))
+        low, high = (to_si(limit, unit) for limit in limits)
         rows.append(
             {
                 "name": text,

@@ -193,10 +193,11 @@ def draw_health(runs):
     for panel, name in zip(panels, names):
         panel.set_ylabel(name.replace("_", " "))
         panel.grid(alpha=0.3)
-    panels[2].set_yscale("log")
-    panels[2].axhline(1.0, color="black", lw=0.8)
-    panels[2].set_ylabel("residual / tolerance")
-    panels[2].set_xlabel("time [ms]")
+    lowest = panels[-1]  # residual
+    lowest.set_yscale("log")
+    lowest.axhline(1.0, color="black", lw=0.8)
+    lowest.set_ylabel("residual / tolerance")
+    lowest.set_xlabel("time [ms]")
     panels[0].legend(frameon=False, markerscale=4)
     return figure
 
@@ -257,7 +258,8 @@ def field_frames(port, runs, instants, wanted):
         nearest = np.abs(stored[None, :] - instants[:, None]).argmin(axis=1)
         values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
         stacks.append(values)
-    low, high = min(float(s.min()) for s in stacks), max(float(s.max()) for s in stacks)
+    low = min(float(stack.min()) for stack in stacks)
+    high = max(float(stack.max()) for stack in stacks)
     levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
     return {
         "name": name_of(port),

@@ -80,7 +80,9 @@ def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
         raise BadInput(f"--{role}: models for {', '.join(name for name, _ in pairs)}; take one")
     name = pairs[0][0]
     parameter = contract()[role].model_parameter
-    trees, left_out, common = {}, {}, tree
+    trees = {}
+    left_out = {}
+    common = tree
     for _, model in pairs:
         if model.endswith(".fmu"):
             label = Path(model).stem

@@ -35,7 +35,8 @@ def draw_sweep(rows, axes, entries, path):
     -------
     Path
     """
-    first, others = axes[0], [axis.name for axis in axes[1:]]
+    first = axes[0]
+    others = [axis.name for axis in axes[1:]]
     done = [row for row in rows if row["status"] == "done"]
     entries = [entry for entry in entries if done]
     lines = max(1, -(-len(entries) // 2))
@@ -47,10 +48,10 @@ def draw_sweep(rows, axes, entries, path):
             dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)
         ):
             chosen = [row for row in done if tuple(str(row[name]) for name in others) == key]
-            places = [magnitude(row[first.name]) for row in chosen]
-            named = None in places
+            positions = [magnitude(row[first.name]) for row in chosen]
+            named = None in positions
             panel.plot(
-                range(len(chosen)) if named else places,
+                range(len(chosen)) if named else positions,
                 [row[entry] for row in chosen],
                 "o-",
                 ms=4,

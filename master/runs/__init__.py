@@ -1,7 +1,10 @@
 """Runs.
 
-run            one run, start to end                     console        progress and summary on the
-screen recorder       the results file, written                 checkpoint     stop and go on with
-the same bits logs           convergence, step by step                 sweep          a case over
-values of its keys studies        a case over settings, against the finest
+run         one run, start to end
+recorder    the results file, written
+logs        convergence, step by step
+console     progress and summary on the screen
+checkpoint  stop and go on with the same bits
+sweep       a case over values of its keys
+studies     a case over settings, against the finest
 """

@@ -79,9 +79,8 @@ def _table(path, header, windows):
     """
     lines = [header + "\n"]
     if windows and path.exists():
-        head, *rows = [
-            line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")
-        ]  # finished lines
+        written = path.read_text().splitlines(keepends=True)
+        head, *rows = [line for line in written if line.endswith("\n")]  # finished lines
         lines = [head, *(row for row in rows if int(row.split()[0]) <= windows)]
     path.write_text("".join(lines))
     return open(path, "a", buffering=1)

@@ -2,8 +2,9 @@
 happens to the run.
 
 Layout
-    /                       attributes: title, case (resolved TOML tree as JSON), versions, summary
-    (JSON, when finished) /time                   end of every macro step [s]
+    /                       attributes: title, case (resolved TOML tree as JSON), versions,
+                            summary (JSON, when finished)
+    /time                   end of every macro step [s]
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
     /fields/time            instants of the recorded fields [s]
@@ -65,9 +66,8 @@ class Recorder:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
-        reserve(
-            fresh, ROOM + taken_over
-        )  # a full disk is found here: a write that fails is more than HDF5 can cope with
+        # a full disk shows here: a write that fails is more than HDF5 can cope with
+        reserve(fresh, ROOM + taken_over)
         self.file: Any = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
         self.scalars = {
@@ -161,7 +161,8 @@ class Recorder:
         """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time
         are lost then.
         """
-        waiting, self._waiting = self._waiting, {}
+        waiting = self._waiting
+        self._waiting = {}
         self._reserve(self.partial)
         for name, rows in waiting.items():
             dataset = self.file[name]

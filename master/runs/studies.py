@@ -34,24 +34,26 @@ def study_points(path, changes, name):
     case = check_case(read_tree(path, changes), path)
     if name not in case.studies:
         raise BadInput(f"no study {name!r}: the case has {', '.join(case.studies) or 'none'}")
-    study, found, faults = case.studies[name], [], []
+    study = case.studies[name]
+    points = []
+    faults = []
     for label, made in study.points.items():
         try:
             tree = read_tree(path, [*study.set.items(), *made.items(), *changes])
             check_case(tree, path)
-            found.append(Point({"run": label}, tree))
+            points.append(Point({"run": label}, tree))
         except BadInput as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
         raise BadInput(faults)
-    return case, study, found
+    return case, study, points
 
 
-def open_points(found, rows, folder):
+def open_points(points, rows, folder):
     """Results of the points that are done, by label."""
     return {
         row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5")
-        for point, row in zip(found, rows)
+        for point, row in zip(points, rows)
         if row["status"] == "done"
     }
 
@@ -82,7 +84,7 @@ def study_table(study, case, rows, runs):
 
 
 def _curve(results, x, y):
-    return results.series(x)[0], results.series(y)[0]
+    return results.series(x).values, results.series(y).values
 
 
 def write_table(table, path):
@@ -111,7 +113,8 @@ def draw_study(study, case, table, runs, path):
     for (left, right), port in zip(panels, study.curves):
         unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            known, value = results.series(study.x), results.series(port)
+            known = results.series(study.x)
+            value = results.series(port)
             x, x_unit = scaled(known.values, known.unit, units.get(study.x))
             y, unit = scaled(value.values, value.unit, units.get(port))
             left.plot(x, y, color=colour, lw=1.1, label=label)

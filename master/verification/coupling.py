@@ -337,14 +337,15 @@ def distances(run, fine, begin):
     Eq. (Z2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
     """
     late = run["time"] >= begin
-    time, found = run["time"][late], {}
+    time = run["time"][late]
+    apart_by_port = {}
     for port, values in run["curves"].items():
         apart = values[late] - np.interp(time, fine["time"], fine["curves"][port])
         mean_square = (
             np.sum(np.diff(time) * (apart[1:] ** 2 + apart[:-1] ** 2)) / 2 / (time[-1] - time[0])
         )
-        found[port] = np.max(np.abs(apart)), np.sqrt(mean_square)  # Eq. (Z2)
-    return found
+        apart_by_port[port] = np.max(np.abs(apart)), np.sqrt(mean_square)  # Eq. (Z2)
+    return apart_by_port
 
 
 def curves(ports, results):

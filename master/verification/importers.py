@@ -10,7 +10,8 @@ import os
 import subprocess
 import sys
 
-STEPS, STEP = 5, 2.5e-5
+STEPS = 5
+STEP = 2.5e-5  # [s]
 
 MARK = "seen: "
 COMMON = (
@@ -191,7 +192,8 @@ def try_importers(fmu, output, pythons=(sys.executable,)):
     """
     from ..participants.fmi2 import unpack
 
-    folder, absent = unpack(fmu), dict.fromkeys(SCRIPTS)
+    folder = unpack(fmu)
+    absent = dict.fromkeys(SCRIPTS)
     for python in pythons:
         version = _ask(python, "import platform; print(platform.python_version())")
         for importer, (package, script) in SCRIPTS.items():
@@ -291,10 +293,9 @@ def verify_importers(console, say):
     from rich.table import Table
 
     pythons = [sys.executable, *filter(None, os.environ.get("PISTON_COSIM_PYTHONS", "").split(":"))]
-    failed, table = (
-        0,
-        Table("", "FMU", "importer", "version", "Python", f"seen after {STEPS} steps", box=None),
-    )
+    failed = 0
+    seen_after = f"seen after {STEPS} steps"
+    table = Table("", "FMU", "importer", "version", "Python", seen_after, box=None)
     for title, fmu, output in shipped(say):
         for verdict, *row in judged(try_importers(fmu, output, pythons)):
             failed += verdict == "FAIL"

@@ -43,12 +43,9 @@ def rows(parts, slow):
 
 def verify(parts, slow, console):
     """Print every row as it is computed; returns the number of rows that failed."""
-    failed, table = (
-        0,
-        Table(
-            "", "case", "quantity", "computed", "reference", "error", "allowed", "source", box=None
-        ),
-    )
+    failed = 0
+    heads = ("", "case", "quantity", "computed", "reference", "error", "allowed", "source")
+    table = Table(*heads, box=None)
     with console.status("computing") as status:
         for row in rows(parts, slow):
             status.update(f"{row['part']}: {row['case']}")

@@ -35,7 +35,7 @@ def simulate(ssp, steps):
                 parts[target][0].setReal([parts[target][1][name]], [value])
             for fmu, _ in parts.values():
                 fmu.doStep(k * STEP, STEP)
-        found = (
+        seen = (
             _get(parts["crankshaft"], "crank_speed"),
             _get(parts["piston"], "lateral_displacement"),
             _get(parts["piston"], "friction_power"),
@@ -43,7 +43,7 @@ def simulate(ssp, steps):
         for fmu, _ in parts.values():
             fmu.terminate()
             fmu.freeInstance()
-        return found
+        return seen
 
 
 def _start(path):

@@ -1,4 +1,7 @@
-"""Runs engine.ssp by libcosim (pip install libcosimpy):  python by_libcosim.py engine.ssp STEPS"""
+"""Runs engine.ssp by libcosim (pip install libcosimpy):
+
+python by_libcosim.py engine.ssp STEPS
+"""
 
 import sys
 

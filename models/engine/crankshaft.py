@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import Variable
+from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
 
 
 @dataclass(frozen=True)
@@ -21,25 +21,19 @@ class Crankshaft(FieldSlave):
     @staticmethod
     def variables(options):
         return [
-            Variable(
-                "crank_torque",
-                "N.m",
-                "input",
-                "T, torque that drives the crank at its present speed",
-                0.0,
+            input_variable(
+                "crank_torque", "N.m", "T, torque that drives the crank at its present speed"
             ),
-            Variable("load_torque", "N.m", "input", "L", 0.0),
-            Variable("inertia", "kg.m2", "parameter", "J", 0.01, minimum=1e-6, maximum=1e6),
-            Variable("start_speed", "rad/s", "parameter", "Speed at the start", 628.3185307179587),
-            Variable("crank_speed", "rad/s", "output", "w", nominal=100.0),
+            input_variable("load_torque", "N.m", "L"),
+            parameter("inertia", "kg.m2", "J", 0.01, 1e-6, 1e6),
+            parameter("start_speed", "rad/s", "Speed at the start", 628.3185307179587),
+            output_variable("crank_speed", "rad/s", "w", 100.0),
         ]
 
     def start(self, values):
         return State(values["start_speed"]), {"crank_speed": values["start_speed"]}
 
     def advance(self, state, values, time, step):
-        speed = (
-            state.speed
-            - (values["crank_torque"] + values["load_torque"]) / values["inertia"] * step
-        )  # Eq. (U2)
+        torque = values["crank_torque"] + values["load_torque"]
+        speed = state.speed - torque / values["inertia"] * step  # Eq. (U2)
         return State(speed), {"crank_speed": speed}

@@ -5,13 +5,13 @@ ambient pressure.
 from dataclasses import dataclass
 
 import numpy as np
-from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import Variable
 
-CLOSES, OPENS = (
-    np.radians(-150.0),
-    np.radians(130.0),
-)  # inlet closes, exhaust opens; 0 = firing top dead centre
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
+
+# crank angles, 0 = firing top dead centre
+CLOSES = np.radians(-150.0)  # inlet
+OPENS = np.radians(130.0)  # exhaust
 AMBIENT = 1.0e5  # Pa
 
 
@@ -23,7 +23,8 @@ class State:
 class GasPressure(FieldSlave):
     """Fired cycle from a motored one.
 
-    Eq. (U1):  p = p0 (V_ivc / V)^1.33 (1 + R x),   x = 1 - exp(-5 ((a - a0) / da)^3),   a0 = -15 deg, da = 60 deg
+    Eq. (U1):  p = p0 (V_ivc / V)^1.33 (1 + R x),   x = 1 - exp(-5 ((a - a0) / da)^3),
+               a0 = -15 deg, da = 60 deg
 
     R is the final rise over the motored pressure (pressure ratio, [Matekunas1983]), x the burnt
     fraction (Wiebe).
@@ -34,30 +35,12 @@ class GasPressure(FieldSlave):
     @staticmethod
     def variables(options):
         return [
-            Variable("crank_angle", "rad", "input", "0 = firing top dead centre", 0.0),
-            Variable(
-                "crank_radius",
-                "m",
-                "parameter",
-                "Crank radius",
-                24.75e-3,
-                minimum=1e-3,
-                maximum=1.0,
-            ),
-            Variable("rod_length", "m", "parameter", "Rod length", 0.1, minimum=1e-2, maximum=5.0),
-            Variable(
-                "compression_ratio",
-                "1",
-                "parameter",
-                "Compression ratio",
-                9.0,
-                minimum=2.0,
-                maximum=25.0,
-            ),
-            Variable(
-                "pressure_rise", "1", "parameter", "R, 0 = motored", 2.5, minimum=0.0, maximum=10.0
-            ),
-            Variable("gas_pressure", "Pa", "output", "Gauge pressure on the crown", nominal=1e6),
+            input_variable("crank_angle", "rad", "0 = firing top dead centre"),
+            parameter("crank_radius", "m", "Crank radius", 24.75e-3, 1e-3, 1.0),
+            parameter("rod_length", "m", "Rod length", 0.1, 1e-2, 5.0),
+            parameter("compression_ratio", "1", "Compression ratio", 9.0, 2.0, 25.0),
+            parameter("pressure_rise", "1", "R, 0 = motored", 2.5, 0.0, 10.0),
+            output_variable("gas_pressure", "Pa", "Gauge pressure on the crown", 1e6),
         ]
 
     def start(self, values):
@@ -72,9 +55,8 @@ class GasPressure(FieldSlave):
             return {"gas_pressure": 0.0}
         burnt = 1 - np.exp(-5 * max((angle + np.radians(15)) / np.radians(60), 0.0) ** 3)
         motored = AMBIENT * (volume(CLOSES, values) / volume(angle, values)) ** 1.33
-        return {
-            "gas_pressure": motored * (1 + values["pressure_rise"] * burnt) - AMBIENT
-        }  # Eq. (U1)
+        # Eq. (U1)
+        return {"gas_pressure": motored * (1 + values["pressure_rise"] * burnt) - AMBIENT}
 
 
 def volume(angle, values):

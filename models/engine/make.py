@@ -1,4 +1,7 @@
-"""Builds the three FMUs and engine.ssp into a folder:  python make.py FOLDER [KEY=VALUE ...]  (changes of the piston's case)."""
+"""Builds the three FMUs and engine.ssp into a folder, with changes of the piston's case:
+
+python make.py FOLDER [KEY=VALUE ...]
+"""
 
 import sys
 from pathlib import Path

@@ -4,13 +4,16 @@ measurement.
 Single zone, constant ratio of specific heats, net heat release (wall heat already taken off):
 
 Eq. (U10):  dp/dphi = -kappa p V'/V + (kappa - 1) Q x_b'/V
-Eq. (U11):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration        Wiebe: 99.9 % burnt at s = 1
+Eq. (U11):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration,
+            Wiebe's: 99.9 % burnt at s = 1
 
 from inlet closing to exhaust opening, where phi_0 is set so that the peak lies 10 deg after firing
 top dead centre; then blow-down, exhaust and intake at constant pressures joined smoothly. Crank
 angle 0 is firing top dead centre; pressure is gauge.
 
-    python make_gas_pressure.py          writes gas_pressure.csv beside this script and prints the peak
+Writes gas_pressure.csv beside this script and prints the peak:
+
+python make_gas_pressure.py
 """
 
 from pathlib import Path
@@ -39,10 +42,11 @@ def volume(angle):
 
 
 def burning(angle, start):
-    """x_b' [1/rad], Eq. (U11)."""
+    """Rate of burning x_b' [1/rad]."""
     s = (angle - start) / DURATION
     if not 0.0 < s < 1.0:
         return 0.0
+    # the derivative of Eq. (U11)
     return 6.908 * (SHAPE + 1) * s**SHAPE * np.exp(-6.908 * s ** (SHAPE + 1)) / DURATION
 
 
@@ -106,8 +110,8 @@ def main():
     path = Path(__file__).parent / "gas_pressure.csv"
     path.write_text("crank angle [deg],gas pressure [MPa gauge]\n" + rows)
     print(
-        f"{path.name}: peak {absolute.max() / 1e6:.3f} MPa absolute at {degrees[absolute.argmax()]:.0f} deg, "
-        f"burning starts at {np.degrees(start):.1f} deg"
+        f"{path.name}: peak {absolute.max() / 1e6:.3f} MPa absolute "
+        f"at {degrees[absolute.argmax()]:.0f} deg, burning starts at {np.degrees(start):.1f} deg"
     )
 
 

@@ -1,14 +1,17 @@
 """Contact without oil, as multibody programs do it: a spring and a damper between skirt and bore,
 Coulomb friction.
 
-To compare with a lubricated run:  piston-cosim pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
+To compare with a lubricated run:
+
+piston-cosim pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
 from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import Variable, constant
+from piston_cosim.master.fmi.variables import constant, input_variable, output_variable, parameter
 
 
 @dataclass(frozen=True)
@@ -32,101 +35,35 @@ class DryContact(FieldSlave):
             constant("n_circumferential", grid[0], "Cells around the skirt"),
             constant("n_axial", grid[1], "Cells along it"),
             constant("contract_version", 1, "Version of the lubrication contract"),
-            Variable(
-                "stiffness",
-                "Pa/m",
-                "parameter",
-                "Contact pressure per overlap",
-                1e12,
-                minimum=1e6,
-                maximum=1e16,
-            ),
-            Variable("damping_time", "s", "parameter", "c / k", 1e-4, minimum=0.0, maximum=1.0),
-            Variable(
-                "touching_gap",
-                "m",
-                "parameter",
-                "Gap at which the surfaces touch",
-                1e-6,
-                minimum=0.0,
-                maximum=1e-3,
-            ),
-            Variable(
-                "friction_coefficient", "1", "parameter", "Coulomb's", 0.1, minimum=0.0, maximum=2.0
-            ),
-            Variable(
-                "rounding_velocity", "m/s", "parameter", "U0", 0.01, minimum=1e-6, maximum=10.0
-            ),
-            Variable(
-                "bore_radius",
-                "m",
-                "parameter",
-                "Radius of the bore",
-                28.25e-3,
-                minimum=1e-3,
-                maximum=1.0,
-            ),
-            Variable(
-                "skirt_length",
-                "m",
-                "parameter",
-                "Length of the skirt",
-                27e-3,
-                minimum=1e-3,
-                maximum=2.0,
-            ),
-            Variable(
-                "film_thickness",
-                "m",
-                "input",
-                "Gap, bore minus skirt",
-                2e-5,
-                nominal=1e-5,
-                shape=grid,
-            ),
-            Variable(
-                "sliding_velocity", "m/s", "input", "Skirt minus bore", 0.0, nominal=1.0, shape=grid
-            ),
-            Variable(
-                "nodal_pressure_force", "N", "output", "Contact force", nominal=1.0, shape=grid
-            ),
-            Variable(
-                "nodal_friction_force",
-                "N",
-                "output",
-                "Axial friction on the skirt",
-                nominal=0.1,
-                shape=grid,
-            ),
-            Variable(
-                "asperity_pressure", "Pa", "output", "Contact pressure", nominal=1e6, shape=grid
-            ),
-            Variable("minimum_film_thickness", "m", "output", "Smallest gap", nominal=1e-5),
-            Variable("friction_power", "W", "output", "Power that sliding costs", nominal=100.0),
+            parameter("stiffness", "Pa/m", "Contact pressure per overlap", 1e12, 1e6, 1e16),
+            parameter("damping_time", "s", "c / k", 1e-4, 0.0, 1.0),
+            parameter("touching_gap", "m", "Gap at which the surfaces touch", 1e-6, 0.0, 1e-3),
+            parameter("friction_coefficient", "1", "Coulomb's", 0.1, 0.0, 2.0),
+            parameter("rounding_velocity", "m/s", "U0", 0.01, 1e-6, 10.0),
+            parameter("bore_radius", "m", "Radius of the bore", 28.25e-3, 1e-3, 1.0),
+            parameter("skirt_length", "m", "Length of the skirt", 27e-3, 1e-3, 2.0),
+            input_variable("film_thickness", "m", "Gap, bore minus skirt", 2e-5, 1e-5, grid),
+            input_variable("sliding_velocity", "m/s", "Skirt minus bore", 0.0, 1.0, grid),
+            output_variable("nodal_pressure_force", "N", "Contact force", 1.0, grid),
+            output_variable("nodal_friction_force", "N", "Axial friction on the skirt", 0.1, grid),
+            output_variable("asperity_pressure", "Pa", "Contact pressure", 1e6, grid),
+            output_variable("minimum_film_thickness", "m", "Smallest gap", 1e-5),
+            output_variable("friction_power", "W", "Power that sliding costs", 100.0),
         ]
 
     def start(self, values):
         return self.advance(State(values["film_thickness"]), values, 0.0, 1.0)
 
     def advance(self, state, values, time, step):
-        film, speed = values["film_thickness"], values["sliding_velocity"]
-        area = (
-            values["skirt_length"]
-            / film.shape[1]
-            * 2
-            * np.pi
-            * values["bore_radius"]
-            / film.shape[0]
-        )
+        film = values["film_thickness"]
+        speed = values["sliding_velocity"]
+        strip = values["skirt_length"] / film.shape[1]
+        area = strip * 2 * np.pi * values["bore_radius"] / film.shape[0]
         overlap = np.maximum(values["touching_gap"] - film, 0.0)
         closing = np.where(overlap > 0, np.maximum((state.film - film) / step, 0.0), 0.0)
         pressure = values["stiffness"] * (overlap + values["damping_time"] * closing)  # Eq. (U9)
-        friction = (
-            -values["friction_coefficient"]
-            * pressure
-            * np.tanh(speed / values["rounding_velocity"])
-            * area
-        )
+        rounded = np.tanh(speed / values["rounding_velocity"])
+        friction = -values["friction_coefficient"] * pressure * rounded * area
         return State(film), {
             "nodal_pressure_force": pressure * area,
             "nodal_friction_force": friction,

@@ -1,9 +1,11 @@
 """One half of the two-mass oscillator: a mass between a wall and the other mass, its motion exact
 for the input it is told.
 
-Eq. (U6):  m u'' = -(k_o + k_m) u + k_m v(t),   v the other mass's displacement, within a step a polynomial up to degree 3
-Eq. (U7):  u = p + (u0 - p0) cos W s + (u0' - p0')/W sin W s,   W^2 = (k_o + k_m)/m,   p the polynomial that solves (U6):
-           W^2 p_j = k_m/m v_j - (j + 2)(j + 1) p_{j+2}   for the coefficients of s^j
+Eq. (U6):  m u'' = -(k_o + k_m) u + k_m v(t),
+           v the other mass's displacement, within a step a polynomial up to degree 3
+Eq. (U7):  u = p + (u0 - p0) cos W s + (u0' - p0')/W sin W s,   W^2 = (k_o + k_m)/m,
+           p the polynomial that solves (U6), for the coefficients of s^j
+           W^2 p_j = k_m/m v_j - (j + 2)(j + 1) p_{j+2}
 
 The system is that of preCICE's tutorial `oscillator`.
 """
@@ -12,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import Polynomial
+
 from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import Variable
+from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
 
 
 @dataclass(frozen=True)
@@ -25,52 +28,23 @@ class State:
 class Oscillator(FieldSlave):
     """A mass on two springs, Eqs. (U6) and (U7)."""
 
-    name, description, state_type, usual_step = (
-        "oscillator",
-        "A mass between a wall and another mass",
-        State,
-        1e-2,
-    )
+    name = "oscillator"
+    description = "A mass between a wall and another mass"
+    state_type = State
+    usual_step = 1e-2
     interpolates_inputs = True
 
     @staticmethod
     def variables(options):
         return [
-            Variable("mass", "kg", "parameter", "Mass", 1.0, minimum=1e-9),
-            Variable(
-                "outer_stiffness",
-                "N/m",
-                "parameter",
-                "Spring to the wall",
-                4 * np.pi**2,
-                minimum=0.0,
-            ),
-            Variable(
-                "middle_stiffness",
-                "N/m",
-                "parameter",
-                "Spring to the other mass",
-                16 * np.pi**2,
-                minimum=1e-9,
-            ),
-            Variable("start_displacement", "m", "parameter", "Displacement at the start", 0.0),
-            Variable(
-                "other_displacement",
-                "m",
-                "input",
-                "Displacement of the other mass",
-                0.0,
-                nominal=1.0,
-            ),
-            Variable("displacement", "m", "output", "Displacement of the mass", 0.0, nominal=1.0),
-            Variable(
-                "velocity",
-                "m/s",
-                "output",
-                "Velocity of the mass",
-                0.0,
-                nominal=1.0,
-                derivative_of="displacement",
+            parameter("mass", "kg", "Mass", 1.0, 1e-9),
+            parameter("outer_stiffness", "N/m", "Spring to the wall", 4 * np.pi**2, 0.0),
+            parameter("middle_stiffness", "N/m", "Spring to the other mass", 16 * np.pi**2, 1e-9),
+            parameter("start_displacement", "m", "Displacement at the start", 0.0),
+            input_variable("other_displacement", "m", "Displacement of the other mass", 0.0, 1.0),
+            output_variable("displacement", "m", "Displacement of the mass", 1.0),
+            output_variable(
+                "velocity", "m/s", "Velocity of the mass", 1.0, derivative_of="displacement"
             ),
         ]
 
@@ -78,25 +52,24 @@ class Oscillator(FieldSlave):
         return published(State(values["start_displacement"], 0.0))
 
     def advance(self, state, values, time, step):
-        other = self.course("other_displacement") / np.array([1, 1, 2, 6])
+        coefficients = self.course("other_displacement") / np.array([1, 1, 2, 6])
+        coupling = values["middle_stiffness"] / values["mass"]
         frequency = np.sqrt(
             (values["outer_stiffness"] + values["middle_stiffness"]) / values["mass"]
         )
-        p = np.zeros(6)
-        for j in (3, 2, 1, 0):
-            p[j] = (
-                values["middle_stiffness"] / values["mass"] * other[j]
-                - (j + 2) * (j + 1) * p[j + 2]
-            ) / frequency**2
-        p, slope = Polynomial(p), Polynomial(p).deriv()
-        a, b = state.displacement - p(0.0), (state.velocity - slope(0.0)) / frequency
-        cos, sin = np.cos(frequency * step), np.sin(frequency * step)
-        return published(
-            State(
-                float(p(step) + a * cos + b * sin),  # Eq. (U7)
-                float(slope(step) + frequency * (b * cos - a * sin)),
-            )
-        )
+        p = np.zeros(len(coefficients) + 2)
+        for j in reversed(range(len(coefficients))):  # the particular solution of Eq. (U6)
+            p[j] = (coupling * coefficients[j] - (j + 2) * (j + 1) * p[j + 2]) / frequency**2
+        particular = Polynomial(p)
+        slope = particular.deriv()
+        a = state.displacement - particular(0.0)
+        b = (state.velocity - slope(0.0)) / frequency
+        cos = np.cos(frequency * step)
+        sin = np.sin(frequency * step)
+        # Eq. (U7)
+        displacement = particular(step) + a * cos + b * sin
+        velocity = slope(step) + frequency * (b * cos - a * sin)
+        return published(State(float(displacement), float(velocity)))
 
 
 def published(state):

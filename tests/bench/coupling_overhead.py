@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.fmu_mfbd.slave import Mfbd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
@@ -84,8 +85,9 @@ def main():
     ]  # what is compiled or first touched in the first steps is left out
     through, direct = timed.sum(axis=0) / (STEPS - UNTIMED)
     print(
-        f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: {through / direct:.2f} times "
-        f"(at most 1.5); median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}"
+        f"a macro step through FMUs {1e3 * through:.2f} ms, called directly {1e3 * direct:.2f} ms: "
+        f"{through / direct:.2f} times (at most 1.5); "
+        f"median of turns {np.median(timed[:, 0] / timed[:, 1]):.2f}; same bits: {same}"
     )
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters

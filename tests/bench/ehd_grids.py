@@ -14,6 +14,7 @@ for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters

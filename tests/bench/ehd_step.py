@@ -12,6 +12,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film

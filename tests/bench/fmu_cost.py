@@ -16,10 +16,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 import time
 
 import numpy as np
-from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.participants.open import open_fmu
 from rich.console import Console
 from rich.table import Table
+
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.participants.open import open_fmu
 
 CELLS, REPEATS, STEP = (40, 40), 60, 5e-5
 INPUTS = {
@@ -140,7 +141,8 @@ def main():
         for name in ("FMI 2 pointers", "FMI 2 lists")
     )
     print(
-        f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU (at most 0.3)"
+        f"fields in and out by pointers: {pointers / lists:.3f} of FMPy's lists on the same FMU "
+        "(at most 0.3)"
     )
 
 

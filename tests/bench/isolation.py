@@ -13,6 +13,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -62,7 +63,8 @@ def main():
             assert np.array_equal(one, other)
     here, there = times.min(axis=0).mean(axis=0)
     print(
-        f"step in this process {1e6 * here:.0f} us, isolated {1e6 * there:.0f} us: {there / here:.2f} times, same bits"
+        f"step in this process {1e6 * here:.0f} us, isolated {1e6 * there:.0f} us: "
+        f"{there / here:.2f} times, same bits"
     )
     for participant in pair:
         participant.close()

@@ -36,7 +36,8 @@ def reduce_one(name, basis, modes):
     seconds = time.perf_counter() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
     print(
-        f"{name:>8} {3 * len(body.anatomy.points):>8} dof  {modes:>3} {basis:<34} {seconds:6.1f} s {peak:5.2f} GB"
+        f"{name:>8} {3 * len(body.anatomy.points):>8} dof  {modes:>3} {basis:<34} "
+        f"{seconds:6.1f} s {peak:5.2f} GB"
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
@@ -78,8 +79,8 @@ def row(modes, symmetric=True):
 def main():
     """The table."""
     print(
-        f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} {'ratio':>6} {'first':>10} "
-        f"{'ratio':>6}"
+        f"{'modes':>10} {'2 products':>11} {'step':>10} {'ratio':>6} {'derivative':>11} "
+        f"{'ratio':>6} {'first':>10} {'ratio':>6}"
     )
     for modes, symmetric in itertools.product((0, 20, 40, 60, 120, 200), (True, False)):
         if modes or symmetric:
@@ -92,8 +93,9 @@ def main():
                 flush=True,
             )
     print(
-        "* as if the bodies had no planes of symmetry. Products: two dense 1600 x modes (60 at least) matrices times a vector, "
-        "timed in turns with\nthe rest. first: the first derivative after a step, which linearises; a step asks for several."
+        "* as if the bodies had no planes of symmetry. Products: two dense 1600 x modes (60 at "
+        "least) matrices times a vector, timed in turns with\nthe rest. first: the first "
+        "derivative after a step, which linearises; a step asks for several."
     )
 
 

@@ -13,6 +13,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 

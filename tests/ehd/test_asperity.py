@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
-from piston_cosim.fmu_ehd import asperity
 from scipy.integrate import quad
+
+from piston_cosim.fmu_ehd import asperity
 
 
 @pytest.mark.parametrize("order", [1.5, 2.0, 2.5])

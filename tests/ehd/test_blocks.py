@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal, invert_in_place
 from piston_cosim.fmu_ehd.grid import CENTRE, EAST, NORTH, SOUTH, WEST
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd import cavitation, reynolds
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
+
 from piston_cosim.fmu_ehd import roughness
 from piston_cosim.fmu_ehd.films import CONDUCTIVITY_A, rough_film, smooth_film
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
-from scipy.integrate import trapezoid
 
 SHAPE = (6, 5)
 SIGMA = 1e-6

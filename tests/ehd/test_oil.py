@@ -2,12 +2,22 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
+
 from piston_cosim.fmu_ehd.build import oil_values
 from piston_cosim.fmu_ehd.oil import Barus1893, Oil, Roelands1966
 from piston_cosim.models import MODELS
-from scipy.integrate import trapezoid
 
-LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
+OILS = ("engine_oil_vogel_cross", "light_machine_oil", "heavy_machine_oil", "medicinal_white_oil")
+
+
+@pytest.fixture(scope="module")
+def library():
+    return tomllib.loads((MODELS / "oils.toml").read_text())
+
+
+def test_no_oil_of_the_library_is_left_out(library):
+    assert set(OILS) == set(library)
 
 
 @pytest.mark.parametrize("law", [Barus1893, Roelands1966])
@@ -58,17 +68,17 @@ def test_thinning_falls_from_one_to_the_high_shear_ratio_with_its_own_slope(law,
     assert slope[1] == pytest.approx(difference[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("name", LIBRARY)
-def test_every_oil_of_the_library_is_usable_and_sourced(name):
+@pytest.mark.parametrize("name", OILS)
+def test_every_oil_of_the_library_is_usable_and_sourced(name, library):
     faults = []
-    values = oil_values(name, LIBRARY[name], faults)
+    values = oil_values(name, library[name], faults)
     assert faults == []
     viscosity = Oil(**values).low_shear_viscosity(np.array([313.15, 373.15, 423.15]))
     assert np.all(np.diff(viscosity) < 0.0) and 1e-3 < viscosity[1] < 0.1
 
 
-def test_points_of_a_library_oil_are_met():
-    oil = Oil(**oil_values("heavy_machine_oil", LIBRARY["heavy_machine_oil"], []))
+def test_points_of_a_library_oil_are_met(library):
+    oil = Oil(**oil_values("heavy_machine_oil", library["heavy_machine_oil"], []))
     assert oil.low_shear_viscosity(np.array([303.15, 333.15, 373.15])) == pytest.approx(
         [0.153, 0.034, 0.0091], rel=1e-9
     )

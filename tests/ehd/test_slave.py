@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd import sparse
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film

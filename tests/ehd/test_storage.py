@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film, motored_until
 from piston_cosim.fmu_ehd.parameters import Parameters

@@ -15,11 +15,12 @@ References
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 RADIUS = 31e-3  # [m]
 LENGTH = 23e-3  # [m]

@@ -11,11 +11,12 @@ from math import exp, log, log10
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 SHAPE = (4, 6)
 RADIUS = 31e-3  # [m]

@@ -17,12 +17,13 @@ from math import cosh, erf, exp, gamma, pi, sqrt, tanh
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+
 from piston_cosim.fmu_ehd import roughness
 from piston_cosim.fmu_ehd.asperity import fitted_integral, gaussian_integral
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
-from scipy.integrate import quad
 
 SHAPE = (4, 6)
 RADIUS = 31e-3  # [m]

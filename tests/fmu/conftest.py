@@ -9,6 +9,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
+
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
 

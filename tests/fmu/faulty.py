@@ -1,7 +1,8 @@
 """A slave that does one bad thing, once: when its time reaches `at` and the file `marker` is not
 there yet, which it makes.
 
-Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;   output x, input u the other one's x
+Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;
+           output x, input u the other one's x
 """
 
 import ctypes
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import Variable

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from fmpy.util import read_csv
+
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.app import app

@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
@@ -119,8 +120,9 @@ def test_state_is_whole(coupled, reference):
 def test_a_bare_python_simulates_it(coupled):
     script = (
         "import sys, fmpy\n"
-        "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, output=['side_force'], "
-        "start_values={'crank_speed': 300.0})\nprint(len(r), r['side_force'][-1])"
+        "r = fmpy.simulate_fmu(sys.argv[1], stop_time=2e-4, output_interval=1e-4, "
+        "output=['side_force'], start_values={'crank_speed': 300.0})\n"
+        "print(len(r), r['side_force'][-1])"
     )
     command = [sys.executable, "-I", "-c", script, str(coupled)]
     done = subprocess.run(command, capture_output=True, text=True, cwd="/", timeout=300)

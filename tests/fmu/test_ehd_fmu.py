@@ -58,7 +58,8 @@ def test_restored_step_repeats_every_byte(fmu, outside):
         one.setFMUstate(saved)
         second = step(one, film)
         again = one.serializeFMUstate(one.getFMUstate())
-        print(json.dumps([bool((first == second).all()), bytes(after) == bytes(again), float(abs(first).max())]))
+        same = [bool((first == second).all()), bytes(after) == bytes(again)]
+        print(json.dumps([*same, float(abs(first).max())]))
         """,
     )
     assert same_forces and same_state
@@ -93,7 +94,12 @@ def test_refused_steps_leave_the_state_and_the_host_alone(fmu, outside):
         bad = film.copy()
         bad[17] = np.nan
         refusals = 0
-        for wrong in (dict(film=bad), dict(film=film, size=0.0), dict(film=film, size=-1e-5), dict(film=film, speed=np.inf)):
+        for wrong in (
+            dict(film=bad),
+            dict(film=film, size=0.0),
+            dict(film=film, size=-1e-5),
+            dict(film=film, speed=np.inf),
+        ):
             try:
                 step(one, **wrong)
             except Exception as failure:
@@ -127,7 +133,8 @@ def test_fmpy_simulates_it_alone(fmu, outside):
         PRELUDE,
         fmu,
         """
-        result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=["minimum_film_thickness"])
+        wanted = ["minimum_film_thickness"]
+        result = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-4, output=wanted)
         print(json.dumps(len(result)))
         """,
     )

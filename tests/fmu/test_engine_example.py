@@ -5,6 +5,7 @@ master.
 import importlib.util
 
 import pytest
+
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from piston_cosim.models import MODELS
 
 FOLDER = MODELS / "fired_motorcycle"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.case.contract import swap
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.compiler import compiler
@@ -23,7 +24,10 @@ STATES = (1.0, 2.0, -3.0)
 
 
 def real(name, reference, causality, start):
-    return f"""<ScalarVariable name="{name}" valueReference="{reference}" {causality}><Real start="{start}"/></ScalarVariable>"""
+    return f"""
+    <ScalarVariable name="{name}" valueReference="{reference}" {causality}>
+      <Real start="{start}"/>
+    </ScalarVariable>"""
 
 
 REALS = [
@@ -36,28 +40,36 @@ REALS = [
 ]
 DAHLQUIST = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Dahlquist" guid="{{1}}">
-  <CoSimulation modelIdentifier="dahlquist" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"/>
+  <CoSimulation modelIdentifier="dahlquist" canHandleVariableCommunicationStepSize="true"
+    canGetAndSetFMUstate="true"/>
   <ModelVariables>
     {"".join(REALS)}
-    <ScalarVariable name="below" valueReference="0" causality="output" variability="discrete" initial="calculated">
+    <ScalarVariable name="below" valueReference="0" causality="output" variability="discrete"
+      initial="calculated">
       <Boolean/>
     </ScalarVariable>
   </ModelVariables>
   <ModelStructure>
-    <Outputs><Unknown index="5"/><Unknown index="6"/><Unknown index="7"/><Unknown index="8"/></Outputs>
+    <Outputs>
+      <Unknown index="5"/><Unknown index="6"/><Unknown index="7"/><Unknown index="8"/>
+    </Outputs>
     <InitialUnknowns><Unknown index="8"/></InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
 """
 FEEDTHROUGH = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="Feedthrough" instantiationToken="{2}">
-  <CoSimulation modelIdentifier="feedthrough" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
-    canSerializeFMUState="true"/>
+  <CoSimulation modelIdentifier="feedthrough" canHandleVariableCommunicationStepSize="true"
+    canGetAndSetFMUState="true" canSerializeFMUState="true"/>
   <ModelVariables>
     <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
     <Float64 name="gain" valueReference="1" causality="parameter" variability="fixed" start="1"/>
-    <Float64 name="array_input" valueReference="2" causality="input" start="0 0 0"><Dimension start="3"/></Float64>
-    <Float64 name="array_output" valueReference="3" causality="output"><Dimension start="3"/></Float64>
+    <Float64 name="array_input" valueReference="2" causality="input" start="0 0 0">
+      <Dimension start="3"/>
+    </Float64>
+    <Float64 name="array_output" valueReference="3" causality="output">
+      <Dimension start="3"/>
+    </Float64>
     <Int32 name="integer_input" valueReference="4" causality="input" start="0"/>
     <Int32 name="integer_output" valueReference="5" causality="output"/>
     <Boolean name="boolean_input" valueReference="6" causality="input" start="false"/>
@@ -65,7 +77,9 @@ FEEDTHROUGH = """<?xml version="1.0" encoding="UTF-8"?>
   </ModelVariables>
   <ModelStructure>
     <Output valueReference="3"/><Output valueReference="5"/><Output valueReference="7"/>
-    <InitialUnknown valueReference="3"/><InitialUnknown valueReference="5"/><InitialUnknown valueReference="7"/>
+    <InitialUnknown valueReference="3"/>
+    <InitialUnknown valueReference="5"/>
+    <InitialUnknown valueReference="7"/>
   </ModelStructure>
 </fmiModelDescription>
 """

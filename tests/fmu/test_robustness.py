@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from fmpy import fmi2
 from fmpy.validation import validate_fmu
+
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant

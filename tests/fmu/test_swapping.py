@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
+
 from piston_cosim.master.case.contract import check_fmu, swap
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
@@ -19,7 +21,6 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from pythonfmu.builder import FmuBuilder
 
 CELLS = (12, 10)
 HERE = Path(__file__).parent

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.sweep import build_all, local_executor, parse_axis, points, sweep

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 

@@ -1,6 +1,7 @@
 """Case files: every fault at once, units at the edge, variants and changes by dotted key."""
 
 import pytest
+
 from piston_cosim.master.case.schema import check_case, read_tree, times
 from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
 from piston_cosim.master.fmi.errors import BadInput

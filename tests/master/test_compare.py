@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import read_measured, score
 

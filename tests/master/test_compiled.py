@@ -1,4 +1,5 @@
-"""Kernels kept on disk: true to what they call, made again when damaged, done without if it must."""
+"""Kernels kept on disk: true to what they call, made again when damaged, done without
+if need be."""
 
 import os
 import shutil

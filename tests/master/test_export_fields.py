@@ -6,6 +6,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
+
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import (
     chosen,

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+
 from piston_cosim.master.coupling.interface import Interface
 from piston_cosim.master.coupling.methods import (
     Ageing,
@@ -21,7 +23,6 @@ from piston_cosim.master.coupling.methods import (
 from piston_cosim.master.coupling.methods.filtering import filtered
 from piston_cosim.master.coupling.stepping import Predictor, StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import Wire
-from scipy.optimize import brentq
 
 STEP, PADS = 1e-4, 7
 

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import NEUTRAL, Axes
 from piston_cosim.master.results.file import RecordedField
 from piston_cosim.master.results.pictures import draw_maps, draw_sections

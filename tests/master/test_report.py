@@ -10,6 +10,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.judgement import extremes, loop_work, windows

@@ -4,6 +4,7 @@ youngest of a drifting one.
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.coupling.methods import Ageing, LeastSquares, MultiVector
 
 N = 8

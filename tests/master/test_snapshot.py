@@ -5,6 +5,7 @@ import json
 import h5py
 import numpy as np
 import pytest
+
 from piston_cosim.master.commands.snapshot import command
 from piston_cosim.master.fmi.errors import BadInput
 

@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.ssp import SPACE, export_ssp
 from piston_cosim.master.case.system import open_system

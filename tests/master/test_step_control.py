@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.coupling.freezing import ArrayPickler, freeze, thaw
 from piston_cosim.master.coupling.methods import Newton
 from piston_cosim.master.coupling.step_control import (

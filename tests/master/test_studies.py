@@ -4,6 +4,7 @@ import csv
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.studies import study_points, study_table, write_table

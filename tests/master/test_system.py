@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import WireTable
 from piston_cosim.master.case.system import _parameters, _wire
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.coupling.methods import (
     Ageing,
     Explicit,

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import check_case, times
 from piston_cosim.master.fmi.description import BASE_UNITS
 from piston_cosim.master.fmi.errors import BadInput

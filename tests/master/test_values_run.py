@@ -12,6 +12,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
+
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.fmi.errors import BadInput

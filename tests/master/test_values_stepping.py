@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.coupling.methods import (
     Ageing,
     LeastSquares,

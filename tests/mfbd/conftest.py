@@ -5,6 +5,7 @@ stands for a block.
 import meshio
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.verification import box_mesh
 

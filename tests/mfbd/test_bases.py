@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg as la
+
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
     each_direction,

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows, window_at
@@ -245,7 +246,10 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
     import subprocess
     import sys
 
-    code = "import sys, piston_cosim.fmu_mfbd.slave; print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
+    code = (
+        "import sys, piston_cosim.fmu_mfbd.slave\n"
+        "print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
+    )
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
         == "set()"

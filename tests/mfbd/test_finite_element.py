@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
     quadrature,

@@ -6,12 +6,13 @@ import meshio
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.io import mmwrite
+
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.finite_elements.matrices import read_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
-from scipy.io import mmwrite
 
 UNITS = {"stiffness_unit": "1 N/mm", "mass_unit": "1 t"}
 GAP = 10  # node numbers of the text formats run 10, 20, ..., as after a renumbering
@@ -359,9 +360,8 @@ def test_supports_in_one_line_are_refused(original, tmp_path, monkeypatch):
     line = np.flatnonzero(np.isclose(mesh.points[:, 0], 0.0) & np.isclose(mesh.points[:, 2], 36e-3))
     lines, bore = ["node,x,y,z,sets"], mesh.nodes("bore")
     for k, point in enumerate(mesh.points):
-        lines.append(
-            f"{k},{','.join(f'{x:.12g}' for x in point)},{'bolts' * (k in line)} {'bore' * (k in bore)}"
-        )
+        position = ",".join(f"{x:.12g}" for x in point)
+        lines.append(f"{k},{position},{'bolts' * (k in line)} {'bore' * (k in bore)}")
     (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
     mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
     mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")

@@ -5,10 +5,11 @@ geometry, linear elements.
 import meshio
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Cylinder, MeshFault, Plane, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
-from scipy.spatial import cKDTree
 
 SKIRT = Cylinder(28e-3, -16e-3, 8e-3)
 CROWN = Plane(20e-3)

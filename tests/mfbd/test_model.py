@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, damping, damping_bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
 from piston_cosim.fmu_mfbd.offline import reduce
 
@@ -126,6 +127,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
 
     import h5py
     import meshio
+
     from piston_cosim.fmu_mfbd.build import reduced_bodies
     from piston_cosim.master.case.schema import find_case, read_tree
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.reduction.symmetry import mirror_image

@@ -3,6 +3,7 @@
 import meshio
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,

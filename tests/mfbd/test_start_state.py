@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.dynamics.start_state import FIELDS, SCALARS, check_modes, read_start
 
 WHOLE = dict.fromkeys(SCALARS, 0.25) | dict.fromkeys(FIELDS, [1.0, 2.0]) | {"film": [[3.0]]}

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
@@ -27,7 +29,6 @@ from piston_cosim.fmu_mfbd.geometry.profile import (
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
-from scipy.integrate import solve_ivp
 
 DEG = np.pi / 180
 

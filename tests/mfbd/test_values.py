@@ -15,6 +15,7 @@ from math import cos, hypot, pi, sin, sqrt, tanh
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.slave import Mfbd
 

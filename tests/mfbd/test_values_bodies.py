@@ -10,6 +10,7 @@ from math import pi, sqrt
 import meshio
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.master.fmi.errors import BadInput
 

@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance

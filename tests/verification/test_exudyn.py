@@ -1,6 +1,7 @@
 """Flexible piston on its crank against Exudyn, an independent multibody code, on the same mesh."""
 
 import pytest
+
 from piston_cosim.fmu_mfbd.verification import exudyn_checks
 from piston_cosim.master.verification.rows import error_of
 

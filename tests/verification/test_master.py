@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from piston_cosim.master.verification.coupling import checks, distances, plain_converges
 from piston_cosim.master.verification.rows import error_of
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.options import Bodies, read_options
 from piston_cosim.fmu_mfbd.reduction.reduce import cached, reduce_block
@@ -80,7 +81,8 @@ def main(cells):
         body = np.load(cached(reduce_block, options, (40, 40), Path(folder) / "cache", say))
         say("done")
         print(
-            f"{body['points'].size} degrees of freedom, {len(body['omega'])} modes from {body['omega'][0] / 2 / np.pi:.1f} Hz: "
+            f"{body['points'].size} degrees of freedom, {len(body['omega'])} modes from "
+            f"{body['omega'][0] / 2 / np.pi:.1f} Hz: "
             f"{body['seconds']:.0f} s, {body['peak_memory'] / 1e9:.2f} GB"
         )
 
