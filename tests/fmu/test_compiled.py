@@ -32,7 +32,7 @@ PARTS = {
     "mfbd": dict(slave="Mfbd", parameters={"crank_speed": 300.0}, output="sliding_velocity"),
 }
 LEAVES = {
-    "ehd": ("fmu_ehd/hermite.py", "return y0 +", "return 2.0 * y0 +"),
+    "ehd": ("fmu_ehd/hermite.py", "value = y0 +", "value = 2.0 * y0 +"),
     "mfbd": ("fmu_mfbd/dynamics/slider_crank.py", "slope = -xi / f", "slope = -2.0 * xi / f"),
 }
 
