@@ -2,14 +2,14 @@
 
     python tests/bench/mutants.py [--only PATTERN] [--workers N]
 
-`mutants.toml` holds the errors. Each is put into a copy of the tree of its own, and the fast tier
-(tests/ehd, tests/mfbd, tests/master) runs there until a test fails: first the tests that concern
-the changed part, then the others. An error survives only if the whole tier passes.
+`mutants.toml` holds the errors. Each is put into a copy of the tree of its own, where tests run
+until one fails: first the quick ones of the changed part, with kernels interpreted, for most of the
+time would go into compiling them (`interpreted.py`); then, for what is left, the whole fast tier
+(tests/ehd, tests/mfbd, tests/master) as it stands. An error survives only if that passes.
 
 Printed are every error with its fate, its time and the test that noticed, then the survivors.
 Exit code 1 if fewer than 90 % are killed, or if a recorded text does not stand exactly once in its
-file (stale); 2 if the tier fails on the unchanged tree, for then it proves nothing. With `--only`
-just the tests that noticed something are tried there.
+file (stale); 2 if the tests fail on the unchanged tree, for then they prove nothing.
 
 Copies share files by hard links: what changes is written anew. Kernels are compiled once, in the
 copy they are all made of, and again only where an error reaches them (`master/fmi/compiled.py`).
@@ -37,10 +37,20 @@ PARTS += ("fmu_ehd", "fmu_mfbd", "master", "models", "docs")
 """What a copy is made of."""
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
+QUICK = {
+    "fmu_ehd": "values values_oil values_surfaces films film_step asperity oil storage".split(),
+    "fmu_mfbd": "values floating_frame values_bodies finite_element solver matrices".split(),
+    "master": "values_stepping values_methods values_run values_results".split(),
+}
+"""Of these, the files that need no reduced body and no picture, likeliest first."""
+INTERPRETED = ("fmu_ehd", "fmu_mfbd")
+"""Parts whose quick tests run with interpreted kernels."""
 NEEDED = 0.9
 """Share that must be killed."""
 TIMEOUT = 900.0
 """Seconds for one run of pytest: several times what the whole tier takes. Who hangs is noticed."""
+QUICK_TIMEOUT = 180.0
+"""The same for the quick tests."""
 TESTS_FAILED, INTERRUPTED = 1, 2
 """Exit codes of pytest: a test failed; a test module could not even be imported."""
 
@@ -88,8 +98,10 @@ class Fate:
 
 
 def read_mutants(path):
-    """The recorded mutants."""
-    return [Mutant(**entry) for entry in tomllib.loads(path.read_text())["mutant"]]
+    """The recorded mutants, each with the test file that is likeliest to notice it."""
+    record = tomllib.loads(path.read_text())
+    first = record["first"]
+    return [Mutant(**entry, first=first.get(entry["file"], "")) for entry in record["mutant"]]
 
 
 def copy_tree(source, target, copy=shutil.copy2):
@@ -103,14 +115,17 @@ def copy_tree(source, target, copy=shutil.copy2):
             copy(part, target / name)
 
 
-def pytest(tree, cache, tests):
+def pytest(tree, cache, tests, interpreted=False):
     """Exit code and output of pytest in a tree, which is found before any that is installed."""
     settings = {
-        "PYTHONPATH": str(tree.parent),
+        "PYTHONPATH": os.pathsep.join([str(tree.parent), str(tree / "tests" / "bench")]),
         "PISTON_COSIM_CACHE": str(cache),
         "OMP_NUM_THREADS": "1",
     }
     command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--tb=line", *tests]
+    if interpreted:
+        command += ["-p", "interpreted"]
+    limit = QUICK_TIMEOUT if interpreted else TIMEOUT
     try:
         run = subprocess.run(
             command,
@@ -119,23 +134,28 @@ def pytest(tree, cache, tests):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=TIMEOUT,
+            timeout=limit,
         )
     except subprocess.TimeoutExpired:
-        return TESTS_FAILED, f"FAILED no end within {TIMEOUT:.0f} s"
+        return TESTS_FAILED, f"FAILED no end within {limit:.0f} s"
     return run.returncode, run.stdout
 
 
-def stages(mutant):
-    """Lists of tests to run one after the other: the likeliest first, then the whole tier."""
-    own = FAST.get(mutant.part, FAST["master"])
-    others = [folder for folder in FAST.values() if folder != own]
-    return [stage for stage in ([mutant.first], [own], others) if stage != [""]]
+def quick_tests(part, first=""):
+    """The quick tests of a part as files, `first` before the others."""
+    folder = FAST[part]
+    files = [f"{folder}/test_{name}.py" for name in QUICK[part]]
+    return [first] * bool(first) + [file for file in files if file != first]
 
 
-def fate_of(mutant, base, base_cache, folder):
-    """Try one mutant in a copy of its own; RuntimeError if pytest itself went wrong."""
+def fate_of(mutant, base, base_cache, folder, quick):
+    """Try one mutant in a copy of its own, on the quick tests of its part or on the whole tier;
+    RuntimeError if pytest itself went wrong.
+    """
     begin = time.perf_counter()
+    own = FAST[mutant.part]
+    tier = [own, *(other for other in FAST.values() if other != own)]
+    tests = quick_tests(mutant.part, mutant.first) if quick else tier
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
         tree, cache = Path(scratch) / "piston_cosim", Path(scratch) / "cache"
         copy_tree(base, tree, os.link)
@@ -144,22 +164,34 @@ def fate_of(mutant, base, base_cache, folder):
         else:
             shutil.copytree(base_cache, cache, copy_function=os.link)
         mutant.put_into(tree)
-        for tests in stages(mutant):
-            code, text = pytest(tree, cache, tests)
-            if code in (TESTS_FAILED, INTERRUPTED):
-                return Fate(mutant, True, noticed(text), time.perf_counter() - begin)
-            if code:
-                raise RuntimeError(f"pytest ended with {code} on {mutant.file}:\n{text}")
-    return Fate(mutant, False, "", time.perf_counter() - begin)
+        code, text = pytest(tree, cache, tests, quick and mutant.part in INTERPRETED)
+    if code not in (0, TESTS_FAILED, INTERRUPTED):
+        raise RuntimeError(f"pytest ended with {code} on {mutant.file}:\n{text}")
+    return Fate(mutant, bool(code), noticed(text) if code else "", time.perf_counter() - begin)
 
 
-def unsound(base, cache, fates):
-    """2 if a test that noticed something fails on the unchanged tree as well, else 0."""
-    noticing = sorted({fate.by for fate in fates if fate.killed})
-    code, text = pytest(base, cache, noticing) if noticing else (0, "")
-    if code:
-        print(f"what noticed fails on the unchanged tree:\n{text}")
-    return 2 if code else 0
+def try_all(mutants, workers, quick, **places):
+    """The fates of all mutants, printed as they come."""
+    fates = []
+    with ThreadPoolExecutor(workers) as pool:
+        tried = [pool.submit(fate_of, mutant, quick=quick, **places) for mutant in mutants]
+        for future in as_completed(tried):
+            fates.append(fate := future.result())
+            left = "left    " if quick else "SURVIVED"
+            word = "killed  " if fate.killed else left
+            print(f"{word} {fate.seconds:6.0f} s  {fate.mutant.file}: {fate.mutant.breaks}")
+            print(f"                   {fate.by}", flush=True)
+    return fates
+
+
+def unsound(runs, base, cache):
+    """Whether one of the runs, (tests, interpreted), fails on the unchanged tree; says so."""
+    for tests, interpreted in runs:
+        code, text = pytest(base, cache, tests, interpreted)
+        if code:
+            print(f"the tests fail on the unchanged tree:\n{text}", flush=True)
+            return True
+    return False
 
 
 def noticed(text):
@@ -202,24 +234,21 @@ def main():
     if not wanted:
         print("no mutant to try")
         return 1
+    parts = sorted({mutant.part for mutant in wanted})
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         base, cache = Path(folder) / "base" / "piston_cosim", Path(folder) / "base" / "cache"
+        places = {"base": base, "base_cache": cache, "folder": folder}
         copy_tree(ROOT, base)
-        if not given.only:
-            code, text = pytest(base, cache, FAST.values())
-            if code:
-                print(f"the tier fails on the unchanged tree:\n{text}")
+        if unsound([(quick_tests(part), part in INTERPRETED) for part in parts], base, cache):
+            return 2
+        quick = try_all(wanted, given.workers, quick=True, **places)
+        fates = [fate for fate in quick if fate.killed]
+        left = [fate.mutant for fate in quick if not fate.killed]
+        if left:
+            print(f"\n{len(left)} left for the whole tier", flush=True)
+            if unsound([(FAST.values(), False)], base, cache):
                 return 2
-        fates = []
-        with ThreadPoolExecutor(given.workers) as pool:
-            tried = [pool.submit(fate_of, mutant, base, cache, folder) for mutant in wanted]
-            for future in as_completed(tried):
-                fates.append(fate := future.result())
-                word = "killed  " if fate.killed else "SURVIVED"
-                print(f"{word} {fate.seconds:6.0f} s  {fate.mutant.file}: {fate.mutant.breaks}")
-                print(f"                   {fate.by}", flush=True)
-        if given.only and (code := unsound(base, cache, fates)):
-            return code
+            fates += try_all(left, given.workers, quick=False, **places)
     return int(report(fates) < NEEDED or bool(stale))
 
 
