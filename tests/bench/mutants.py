@@ -38,19 +38,17 @@ PARTS += ("fmu_ehd", "fmu_mfbd", "master", "models", "docs")
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
 QUICK = {
-    "fmu_ehd": "values values_oil values_surfaces films film_step asperity oil storage".split(),
-    "fmu_mfbd": "values floating_frame values_bodies finite_element solver matrices".split(),
-    "master": "values_stepping values_methods values_run values_results".split(),
+    "fmu_ehd": "values_flows values values_oil values_surfaces films film_step asperity",
+    "fmu_mfbd": "values_kernels values floating_frame values_bodies bases finite_element",
+    "master": "values_stepping values_methods values_run values_results",
 }
-"""Of these, the files that need no reduced body and no picture, likeliest first."""
+"""Of these, the files that need no large body and no picture, likeliest first."""
 INTERPRETED = ("fmu_ehd", "fmu_mfbd")
 """Parts whose quick tests run with interpreted kernels."""
 NEEDED = 0.9
 """Share that must be killed."""
 TIMEOUT = 900.0
 """Seconds for one run of pytest: several times what the whole tier takes. Who hangs is noticed."""
-QUICK_TIMEOUT = 180.0
-"""The same for the quick tests."""
 TESTS_FAILED, INTERRUPTED = 1, 2
 """Exit codes of pytest: a test failed; a test module could not even be imported."""
 
@@ -60,7 +58,8 @@ class Mutant:
     """One deliberate error.
 
     file : in the tree; old, new : text that stands there once, and what takes its place; breaks :
-    what is wrong then, in a sentence; first : test file that should notice, run before all others.
+    what is wrong then, in a sentence; first : the quick test file that is likeliest to
+    notice.
     """
 
     file: str
@@ -125,7 +124,6 @@ def pytest(tree, cache, tests, interpreted=False):
     command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--tb=line", *tests]
     if interpreted:
         command += ["-p", "interpreted"]
-    limit = QUICK_TIMEOUT if interpreted else TIMEOUT
     try:
         run = subprocess.run(
             command,
@@ -134,18 +132,28 @@ def pytest(tree, cache, tests, interpreted=False):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=limit,
+            timeout=TIMEOUT,
         )
     except subprocess.TimeoutExpired:
-        return TESTS_FAILED, f"FAILED no end within {limit:.0f} s"
+        return TESTS_FAILED, f"FAILED no end within {TIMEOUT:.0f} s"
     return run.returncode, run.stdout
 
 
-def quick_tests(part, first=""):
-    """The quick tests of a part as files, `first` before the others."""
-    folder = FAST[part]
-    files = [f"{folder}/test_{name}.py" for name in QUICK[part]]
-    return [first] * bool(first) + [file for file in files if file != first]
+def quick_tests(part):
+    """The quick tests of a part, as files."""
+    return [f"{FAST[part]}/test_{name}.py" for name in QUICK[part].split()]
+
+
+def stages(mutant, quick):
+    """Lists of tests to run one after the other: the likeliest to notice first, for most mutants
+    need no more; to collect all others takes longer than to run it.
+    """
+    if not quick:
+        own = FAST[mutant.part]
+        return [[own], [other for other in FAST.values() if other != own]]
+    files = quick_tests(mutant.part)
+    first = mutant.first or files[0]
+    return [[first], [file for file in files if file != first]]
 
 
 def fate_of(mutant, base, base_cache, folder, quick):
@@ -153,9 +161,6 @@ def fate_of(mutant, base, base_cache, folder, quick):
     RuntimeError if pytest itself went wrong.
     """
     begin = time.perf_counter()
-    own = FAST[mutant.part]
-    tier = [own, *(other for other in FAST.values() if other != own)]
-    tests = quick_tests(mutant.part, mutant.first) if quick else tier
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
         tree, cache = Path(scratch) / "piston_cosim", Path(scratch) / "cache"
         copy_tree(base, tree, os.link)
@@ -164,7 +169,10 @@ def fate_of(mutant, base, base_cache, folder, quick):
         else:
             shutil.copytree(base_cache, cache, copy_function=os.link)
         mutant.put_into(tree)
-        code, text = pytest(tree, cache, tests, quick and mutant.part in INTERPRETED)
+        for tests in stages(mutant, quick):
+            code, text = pytest(tree, cache, tests, quick and mutant.part in INTERPRETED)
+            if code:
+                break
     if code not in (0, TESTS_FAILED, INTERRUPTED):
         raise RuntimeError(f"pytest ended with {code} on {mutant.file}:\n{text}")
     return Fate(mutant, bool(code), noticed(text) if code else "", time.perf_counter() - begin)
@@ -195,9 +203,13 @@ def unsound(runs, base, cache):
 
 
 def noticed(text):
-    """The test that failed, from pytest's output."""
+    """The test that failed, from pytest's output; RuntimeError if it names none, for then pytest
+    itself went wrong.
+    """
     failures = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", text, re.MULTILINE)
-    return failures[0] if failures else FAST["master"]
+    if not failures:
+        raise RuntimeError(f"pytest failed without a test that did:\n{text}")
+    return failures[0]
 
 
 def report(fates):

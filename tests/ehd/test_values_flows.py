@@ -4,11 +4,20 @@ Tests of whole films are exact on rings and for full films alone; what a matrix,
 balance have wrong alike shows here.
 """
 
+from math import gamma, pi, sqrt
+
 import numpy as np
 import pytest
 from piston_cosim.fmu_ehd import coating, reynolds
-from piston_cosim.fmu_ehd.asperity import Contact
-from piston_cosim.fmu_ehd.films import COUETTE, QUANTITIES, FilmSlopes, smooth_film
+from piston_cosim.fmu_ehd.asperity import Contact, ContactConstants, contact, contact_table
+from piston_cosim.fmu_ehd.films import (
+    CONDUCTIVITY_A,
+    COUETTE,
+    QUANTITIES,
+    FilmSlopes,
+    smooth_film,
+    thin,
+)
 from piston_cosim.fmu_ehd.grid import CENTRE, EAST, NORTH, WEST, Cells, Edges, Entrainment
 from piston_cosim.fmu_ehd.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
 
@@ -111,6 +120,40 @@ def test_below_the_floor_nothing_follows_the_film():
     assert quantities[COUETTE, 0, 0] == near(VISCOSITY / 5e-7)
 
 
+def test_thinned_film_follows_film_and_velocity():
+    """m(|V|/h) = mu/mu_0 = 2/5, m' = -2e-8 s at V = -3 m/s: dm/dh = -m' |V|/h^2 = 5000/3 1/m,
+    dm/dV = m' sign(V)/h = 1/300 s/m;  c = m mu_0/h,  g = h^3/(12 m mu_0).
+    """
+    one = np.ones((1, 1))
+    film, by_film = parallel((1, 1))
+    slopes = thin(film, by_film, 0.4 * one, -2e-8 * one, FILM * one, one > 0.0, -3.0 * one)
+    couette = VISCOSITY / FILM
+    assert film[COUETTE, 0, 0] == near(0.4 * couette)
+    assert slopes.by_film[COUETTE, 0, 0] == near(couette * (5000.0 / 3.0 - 0.4 / FILM))
+    assert slopes.by_velocity[COUETTE, 0, 0] == near(couette / 300.0)
+    assert film[CONDUCTIVITY_A, 0, 0] == near(CONDUCTIVITY / 0.4)
+    by_factor = CONDUCTIVITY / 0.16
+    steeper = CONDUCTIVITY / 0.4 * 3.0 / FILM - by_factor * 5000.0 / 3.0
+    assert slopes.by_film[CONDUCTIVITY_A, 0, 0] == near(steeper)
+    assert slopes.by_velocity[CONDUCTIVITY_A, 0, 0] == near(-by_factor / 300.0)
+
+
+def test_contact_at_no_distance_follows_the_film():
+    """F_n' = -n F_(n-1), F_n(0) = 2^((n-1)/2) Gamma((n+1)/2)/sqrt(2 pi), with sigma = 2:
+
+    p = 3 F_5/2, A_c/A = 0.1 F_2, tau = 0.2 p + 7 A_c/A, and their slopes to the film over sigma.
+    """
+    # 0.0 is a point of the table, where values and slopes are those of the integrals
+    force = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.0, 1.5, 2.5)}
+    at = contact(np.zeros((1, 1)), ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
+    slope = -3.0 * 2.5 * force[1.5] / 2.0
+    assert at.pressure[0, 0] == near(3.0 * force[2.5])
+    assert at.pressure_slope[0, 0] == near(slope)
+    assert at.area_fraction[0, 0] == near(0.05)
+    assert at.shear_stress[0, 0] == near(0.6 * force[2.5] + 0.35)
+    assert at.shear_stress_slope[0, 0] == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
+
+
 def test_layer_and_asperities_are_springs_in_series():
     """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
     asperities keep k = 4/(4 + 8), and pressure of the oil moves the layer by k c of it.
@@ -119,9 +162,9 @@ def test_layer_and_asperities_are_springs_in_series():
     """
     c = 2.5e-14
     one = np.ones((1, 1))
-    contact = Contact(2e7 * one, -8e13 * one, 0.0 * one, 0.0 * one, 0.0 * one)
-    assert coating.yielding(c, contact) == near(np.full((1, 1), 1.0 / 3.0))
+    touching = Contact(2e7 * one, -8e13 * one, 0.0 * one, 0.0 * one, 0.0 * one)
+    assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
     tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
-    weight, offset = coating.linear_deflection(c, 2e-7 * one, contact, tangent)
+    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)
     assert weight == near(c / 3.0 * one)
     assert offset == near(1e-7 * one)

@@ -1,4 +1,4 @@
-"""Numbers by hand of single kernels of the bodies: frame, rod, splines."""
+"""Numbers by hand of single parts of the bodies: frame, rod, splines, gas, elements."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,12 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     motion,
     rod_turn,
 )
+from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
+from piston_cosim.fmu_mfbd.finite_elements.element import lame_constants, nodal_stress, von_mises
 from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.modal_field import read
+from piston_cosim.fmu_mfbd.reduction.bases import expected_pressure
+from piston_cosim.fmu_mfbd.verification import box_mesh
 
 
 def near(value, rel=1e-12):
@@ -129,3 +133,40 @@ def test_spline_through_a_peak():
     expected = pytest.approx(np.array([0.0, 17.0 / 28.0, 1.0]), abs=1e-6)
     assert on_rows(window, window.value, knots)[:, 0] == expected
     assert on_rows(window, window.slope, knots)[1, 0] == pytest.approx(9.0 / 7.0, abs=1e-6)
+
+
+# ---- gas
+
+
+@pytest.mark.parametrize("degrees", [240.0, -120.0, 600.0])
+def test_gas_between_the_last_point_and_the_first(degrees):
+    """A two-stroke's table from -100 deg, 10 bar, to 220 deg, 30 bar: it closes at 260 deg with 10
+    bar, half way at 240 deg: 20 bar.
+    """
+    rows = inline_numbers("gas.points", [(-100, 10), (0, 70), (110, 50), (220, 30)])
+    table = gas_table(rows, 2.0 * np.pi, np.pi / 180.0, 1e5)
+    assert gas_pressure(table, np.radians(degrees)) == near(20e5)
+
+
+# ---- elements
+
+
+def test_stress_of_an_even_strain():
+    """E = 2.5, nu = 1/4: lambda = mu = 1. Stretched by 1e-3 along x and sheared by 4e-3 (u_y goes
+    with x): xx = 3e-3, yy = zz = 1e-3, xy = 4e-3. Equivalent: sqrt(4 + 3 16) 1e-3.
+    """
+    assert lame_constants(2.5, 0.25) == near((1.0, 1.0))
+    points, tets = box_mesh((1, 2, 1), (0.3, 0.4, 0.2))
+    displacement = np.zeros_like(points)
+    displacement[:, 0] = 1e-3 * points[:, 0]
+    displacement[:, 1] = 4e-3 * points[:, 0]
+    stress = nodal_stress(points, tets, displacement, 2.5, 0.25)
+    expected = np.array([3e-3, 1e-3, 1e-3, 4e-3, 0.0, 0.0])
+    assert stress == pytest.approx(np.tile(expected, (len(points), 1)), abs=1e-15)  # round-off
+    assert von_mises(stress) == near(np.full(len(points), np.sqrt(52.0) * 1e-3))
+
+
+def test_pressure_is_expected_across_the_pin():
+    """0.1 on the pin axis, 1.1 on the thrust side, 0.6 between; the same at both heights."""
+    weight = expected_pressure(np.radians([0.0, 45.0, 90.0]), 2)
+    assert weight == near(np.array([0.1, 0.1, 0.6, 0.6, 1.1, 1.1]))
