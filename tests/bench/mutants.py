@@ -149,11 +149,11 @@ def stages(mutant, quick):
     need no more; to collect all others takes longer than to run it.
     """
     if not quick:
-        own = FAST[mutant.part]
-        return [[own], [other for other in FAST.values() if other != own]]
+        return [[*FAST.values()]]
     files = quick_tests(mutant.part)
     first = mutant.first or files[0]
-    return [[first], [file for file in files if file != first]]
+    rest = [file for file in files if file != first]
+    return [stage for stage in ([first], rest) if stage]
 
 
 def fate_of(mutant, base, base_cache, folder, quick):
