@@ -149,7 +149,8 @@ def stages(mutant, quick):
     need no more; to collect all others takes longer than to run it.
     """
     if not quick:
-        return [[*FAST.values()]]
+        own = FAST[mutant.part]
+        return [[own, *(other for other in FAST.values() if other != own)]]
     files = quick_tests(mutant.part)
     first = mutant.first or files[0]
     rest = [file for file in files if file != first]
