@@ -2,14 +2,14 @@
 
     python tests/bench/mutants.py [--only PATTERN] [--workers N]
 
-`mutants.toml` holds the errors. Each is put into a copy of the tree of its own, and the fast tier
-(tests/ehd, tests/mfbd, tests/master) runs there until a test fails: first the tests that concern
-the changed part, then the others. An error survives only if the whole tier passes.
+`mutants.toml` holds the errors. Each is put into a copy of the tree of its own, where tests run
+until one fails: first the quick ones of the changed part, with kernels interpreted, for most of the
+time would go into compiling them (`interpreted.py`); then, for what is left, the whole fast tier
+(tests/ehd, tests/mfbd, tests/master) as it stands. An error survives only if that passes.
 
 Printed are every error with its fate, its time and the test that noticed, then the survivors.
 Exit code 1 if fewer than 90 % are killed, or if a recorded text does not stand exactly once in its
-file (stale); 2 if the tier fails on the unchanged tree, for then it proves nothing. With `--only`
-just the tests that noticed something are tried there.
+file (stale); 2 if the tests fail on the unchanged tree, for then they prove nothing.
 
 Copies share files by hard links: what changes is written anew. Kernels are compiled once, in the
 copy they are all made of, and again only where an error reaches them (`master/fmi/compiled.py`).
@@ -37,6 +37,14 @@ PARTS += ("fmu_ehd", "fmu_mfbd", "master", "models", "docs")
 """What a copy is made of."""
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
+QUICK = {
+    "fmu_ehd": "values_flows values values_oil values_surfaces films film_step asperity",
+    "fmu_mfbd": "values_kernels values floating_frame values_bodies bases finite_element",
+    "master": "values_stepping values_methods values_run values_results",
+}
+"""Of these, the files that need no large body and no picture, likeliest first."""
+INTERPRETED = ("fmu_ehd", "fmu_mfbd")
+"""Parts whose quick tests run with interpreted kernels."""
 NEEDED = 0.9
 """Share that must be killed."""
 TIMEOUT = 900.0
@@ -50,7 +58,8 @@ class Mutant:
     """One deliberate error.
 
     file : in the tree; old, new : text that stands there once, and what takes its place; breaks :
-    what is wrong then, in a sentence; first : test file that should notice, run before all others.
+    what is wrong then, in a sentence; first : the quick test file that is likeliest to
+    notice.
     """
 
     file: str
@@ -88,8 +97,10 @@ class Fate:
 
 
 def read_mutants(path):
-    """The recorded mutants."""
-    return [Mutant(**entry) for entry in tomllib.loads(path.read_text())["mutant"]]
+    """The recorded mutants, each with the test file that is likeliest to notice it."""
+    record = tomllib.loads(path.read_text())
+    first = record["first"]
+    return [Mutant(**entry, first=first.get(entry["file"], "")) for entry in record["mutant"]]
 
 
 def copy_tree(source, target, copy=shutil.copy2):
@@ -103,14 +114,16 @@ def copy_tree(source, target, copy=shutil.copy2):
             copy(part, target / name)
 
 
-def pytest(tree, cache, tests):
+def pytest(tree, cache, tests, interpreted=False):
     """Exit code and output of pytest in a tree, which is found before any that is installed."""
     settings = {
-        "PYTHONPATH": str(tree.parent),
+        "PYTHONPATH": os.pathsep.join([str(tree.parent), str(tree / "tests" / "bench")]),
         "PISTON_COSIM_CACHE": str(cache),
         "OMP_NUM_THREADS": "1",
     }
     command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--tb=line", *tests]
+    if interpreted:
+        command += ["-p", "interpreted"]
     try:
         run = subprocess.run(
             command,
@@ -126,15 +139,28 @@ def pytest(tree, cache, tests):
     return run.returncode, run.stdout
 
 
-def stages(mutant):
-    """Lists of tests to run one after the other: the likeliest first, then the whole tier."""
-    own = FAST.get(mutant.part, FAST["master"])
-    others = [folder for folder in FAST.values() if folder != own]
-    return [stage for stage in ([mutant.first], [own], others) if stage != [""]]
+def quick_tests(part):
+    """The quick tests of a part, as files."""
+    return [f"{FAST[part]}/test_{name}.py" for name in QUICK[part].split()]
 
 
-def fate_of(mutant, base, base_cache, folder):
-    """Try one mutant in a copy of its own; RuntimeError if pytest itself went wrong."""
+def stages(mutant, quick):
+    """Lists of tests to run one after the other: the likeliest to notice first, for most mutants
+    need no more; to collect all others takes longer than to run it.
+    """
+    if not quick:
+        own = FAST[mutant.part]
+        return [[own, *(other for other in FAST.values() if other != own)]]
+    files = quick_tests(mutant.part)
+    first = mutant.first or files[0]
+    rest = [file for file in files if file != first]
+    return [stage for stage in ([first], rest) if stage]
+
+
+def fate_of(mutant, base, base_cache, folder, quick):
+    """Try one mutant in a copy of its own, on the quick tests of its part or on the whole tier;
+    RuntimeError if pytest itself went wrong.
+    """
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
         tree, cache = Path(scratch) / "piston_cosim", Path(scratch) / "cache"
@@ -144,28 +170,47 @@ def fate_of(mutant, base, base_cache, folder):
         else:
             shutil.copytree(base_cache, cache, copy_function=os.link)
         mutant.put_into(tree)
-        for tests in stages(mutant):
-            code, text = pytest(tree, cache, tests)
-            if code in (TESTS_FAILED, INTERRUPTED):
-                return Fate(mutant, True, noticed(text), time.perf_counter() - begin)
+        for tests in stages(mutant, quick):
+            code, text = pytest(tree, cache, tests, quick and mutant.part in INTERPRETED)
             if code:
-                raise RuntimeError(f"pytest ended with {code} on {mutant.file}:\n{text}")
-    return Fate(mutant, False, "", time.perf_counter() - begin)
+                break
+    if code not in (0, TESTS_FAILED, INTERRUPTED):
+        raise RuntimeError(f"pytest ended with {code} on {mutant.file}:\n{text}")
+    return Fate(mutant, bool(code), noticed(text) if code else "", time.perf_counter() - begin)
 
 
-def unsound(base, cache, fates):
-    """2 if a test that noticed something fails on the unchanged tree as well, else 0."""
-    noticing = sorted({fate.by for fate in fates if fate.killed})
-    code, text = pytest(base, cache, noticing) if noticing else (0, "")
-    if code:
-        print(f"what noticed fails on the unchanged tree:\n{text}")
-    return 2 if code else 0
+def try_all(mutants, workers, quick, **places):
+    """The fates of all mutants, printed as they come."""
+    fates = []
+    with ThreadPoolExecutor(workers) as pool:
+        tried = [pool.submit(fate_of, mutant, quick=quick, **places) for mutant in mutants]
+        for future in as_completed(tried):
+            fates.append(fate := future.result())
+            left = "left    " if quick else "SURVIVED"
+            word = "killed  " if fate.killed else left
+            print(f"{word} {fate.seconds:6.0f} s  {fate.mutant.file}: {fate.mutant.breaks}")
+            print(f"                   {fate.by}", flush=True)
+    return fates
+
+
+def unsound(runs, base, cache):
+    """Whether one of the runs, (tests, interpreted), fails on the unchanged tree; says so."""
+    for tests, interpreted in runs:
+        code, text = pytest(base, cache, tests, interpreted)
+        if code:
+            print(f"the tests fail on the unchanged tree:\n{text}", flush=True)
+            return True
+    return False
 
 
 def noticed(text):
-    """The test that failed, from pytest's output."""
+    """The test that failed, from pytest's output; RuntimeError if it names none, for then pytest
+    itself went wrong.
+    """
     failures = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", text, re.MULTILINE)
-    return failures[0] if failures else FAST["master"]
+    if not failures:
+        raise RuntimeError(f"pytest failed without a test that did:\n{text}")
+    return failures[0]
 
 
 def report(fates):
@@ -202,24 +247,21 @@ def main():
     if not wanted:
         print("no mutant to try")
         return 1
+    parts = sorted({mutant.part for mutant in wanted})
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         base, cache = Path(folder) / "base" / "piston_cosim", Path(folder) / "base" / "cache"
+        places = {"base": base, "base_cache": cache, "folder": folder}
         copy_tree(ROOT, base)
-        if not given.only:
-            code, text = pytest(base, cache, FAST.values())
-            if code:
-                print(f"the tier fails on the unchanged tree:\n{text}")
+        if unsound([(quick_tests(part), part in INTERPRETED) for part in parts], base, cache):
+            return 2
+        quick = try_all(wanted, given.workers, quick=True, **places)
+        fates = [fate for fate in quick if fate.killed]
+        left = [fate.mutant for fate in quick if not fate.killed]
+        if left:
+            print(f"\n{len(left)} left for the whole tier", flush=True)
+            if unsound([(FAST.values(), False)], base, cache):
                 return 2
-        fates = []
-        with ThreadPoolExecutor(given.workers) as pool:
-            tried = [pool.submit(fate_of, mutant, base, cache, folder) for mutant in wanted]
-            for future in as_completed(tried):
-                fates.append(fate := future.result())
-                word = "killed  " if fate.killed else "SURVIVED"
-                print(f"{word} {fate.seconds:6.0f} s  {fate.mutant.file}: {fate.mutant.breaks}")
-                print(f"                   {fate.by}", flush=True)
-        if given.only and (code := unsound(base, cache, fates)):
-            return code
+            fates += try_all(left, given.workers, quick=False, **places)
     return int(report(fates) < NEEDED or bool(stale))
 
 

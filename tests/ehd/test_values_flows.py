@@ -1,0 +1,170 @@
+"""Numbers by hand of single cells and faces: edges on all sides, cavitated neighbours, tangents.
+
+Tests of whole films are exact on rings and for full films alone; what a matrix, its tangent and a
+balance have wrong alike shows here.
+"""
+
+from math import gamma, pi, sqrt
+
+import numpy as np
+import pytest
+from piston_cosim.fmu_ehd import coating, reynolds
+from piston_cosim.fmu_ehd.asperity import Contact, ContactConstants, contact, contact_table
+from piston_cosim.fmu_ehd.films import (
+    CONDUCTIVITY_A,
+    COUETTE,
+    QUANTITIES,
+    FilmSlopes,
+    smooth_film,
+    thin,
+)
+from piston_cosim.fmu_ehd.grid import CENTRE, EAST, NORTH, WEST, Cells, Edges, Entrainment
+from piston_cosim.fmu_ehd.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
+
+VISCOSITY = 0.012  # [Pa s]
+FILM = 6e-6  # [m]
+CONDUCTIVITY = FILM**3 / (12.0 * VISCOSITY)  # [m3/(Pa s)]
+DX, DY = 3e-3, 2e-3  # [m]
+CELLS = Cells(DX, DY, False)
+FLOODED = np.ones(4)
+NO_PRESSURE = np.zeros(4)
+
+
+def near(value, rel=1e-12):
+    """Round-off: single cells are exact."""
+    return pytest.approx(value, rel=rel, abs=0.0)
+
+
+def parallel(shape):
+    """Quantities of a smooth film FILM."""
+    return smooth_film(np.full(shape, FILM), np.full(shape, VISCOSITY), 1e-8)
+
+
+def steady(shape):
+    """Storage of a film that does not change."""
+    return Storage(np.full(shape, FILM), np.full(shape, FILM), 0.0)
+
+
+def test_one_cell_between_four_edges():
+    """Each edge is half a cell away: K = 2 dy/dx g across, 2 dx/dy g along; nothing slides.
+
+    p = [K_c (p_first + p_last) + K_a (p_lower + p_upper)] / [2 (K_c + K_a)]
+    """
+    pressure = np.array([1e5, 3e5, 7e5, 2e5])  # lower, upper, first, last
+    still = Entrainment(np.zeros((1, 1)), np.zeros((1, 1)))
+    faces = reynolds.faces(parallel((1, 1))[0], still, CELLS)
+    full = np.ones((1, 1), dtype=bool)
+    edges = Edges(pressure, FLOODED)
+    stencil, right = reynolds.assemble(full, faces, steady((1, 1)), edges, False)
+    across = 2.0 * DY / DX * CONDUCTIVITY
+    along = 2.0 * DX / DY * CONDUCTIVITY
+    expected = (across * 9e5 + along * 4e5) / (2.0 * (across + along))
+    assert right[0, 0] / stencil[CENTRE, 0, 0] == near(expected)
+    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)))
+    edge_flow = reynolds.outflow(filling, faces, edges, False).edges
+    assert edge_flow[:2] == near(along * (pressure[:2] - expected))
+    assert edge_flow[2:] == near(across * (pressure[2:] - expected))
+
+
+@pytest.mark.parametrize("velocity, fraction", [(4.0, 0.3), (-4.0, 0.8)])
+def test_two_starved_cells_in_a_stream(velocity, fraction):
+    """A stream U across, fed with 0.3 of a film at the first edge and 0.8 at the last: both cells
+    hold what comes from upstream, and U h dy times that flows over both edges. u = f - 1.
+    """
+    shape = (2, 1)
+    edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]))
+    stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
+    faces = reynolds.faces(parallel(shape)[0], stream, CELLS)
+    cavitated = np.zeros(shape, dtype=bool)
+    stencil, right = reynolds.assemble(cavitated, faces, steady(shape), edges, False)
+    matrix = np.array(
+        [
+            [stencil[CENTRE, 0, 0], stencil[EAST, 0, 0]],
+            [stencil[WEST, 1, 0], stencil[CENTRE, 1, 0]],
+        ]
+    )
+    assert 1.0 + np.linalg.solve(matrix, right[:, 0]) == near(np.full(2, fraction))
+    filling = Filling(np.zeros(shape), np.full(shape, fraction))
+    edge_flow = reynolds.outflow(filling, faces, edges, False).edges
+    flow = velocity * FILM * DY * fraction
+    assert edge_flow[2:] == near(np.array([flow, -flow]))
+
+
+@pytest.mark.parametrize("velocity, upstream", [(4.0, 0.3), (-4.0, 0.8)])
+def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upstream):
+    """q = w U h f with f upstream: to the other cell's film, half of w U f; to its velocity, half
+    of w h f. Cells hold 0.3 and 0.8 of a film, one behind the other along the skirt.
+    """
+    shape = (1, 2)
+    film, by_film = parallel(shape)
+    slopes = FilmSlopes(by_film, np.zeros((0, *shape)))
+    stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
+    follow = Entrainment(np.zeros(shape), np.ones(shape))
+    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]))
+    edges = Edges(NO_PRESSURE, FLOODED)
+    stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
+    assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
+    assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)
+
+
+def test_below_the_floor_nothing_follows_the_film():
+    """Above: s' = t' = 1, g' = h^2/(4 mu), c' = -mu/h^2, b' = 1/2; below all are 0 and the
+    quantities are those of the floor, c = mu/h_min.
+    """
+    film = np.array([[2e-7, FILM]])
+    quantities, slopes = smooth_film(film, np.full((1, 2), VISCOSITY), 5e-7)
+    assert np.array_equal(slopes[:, 0, 0], np.zeros(QUANTITIES))
+    bend = FILM**2 / (4.0 * VISCOSITY)
+    expected = [1.0, 1.0, bend, bend, -VISCOSITY / FILM**2, 0.0, 0.5]
+    assert slopes[:, 0, 1] == near(np.array(expected))
+    assert quantities[COUETTE, 0, 0] == near(VISCOSITY / 5e-7)
+
+
+def test_thinned_film_follows_film_and_velocity():
+    """m(|V|/h) = mu/mu_0 = 2/5, m' = -2e-8 s at V = -3 m/s: dm/dh = -m' |V|/h^2 = 5000/3 1/m,
+    dm/dV = m' sign(V)/h = 1/300 s/m;  c = m mu_0/h,  g = h^3/(12 m mu_0).
+    """
+    one = np.ones((1, 1))
+    film, by_film = parallel((1, 1))
+    slopes = thin(film, by_film, 0.4 * one, -2e-8 * one, FILM * one, one > 0.0, -3.0 * one)
+    couette = VISCOSITY / FILM
+    assert film[COUETTE, 0, 0] == near(0.4 * couette)
+    assert slopes.by_film[COUETTE, 0, 0] == near(couette * (5000.0 / 3.0 - 0.4 / FILM))
+    assert slopes.by_velocity[COUETTE, 0, 0] == near(couette / 300.0)
+    assert film[CONDUCTIVITY_A, 0, 0] == near(CONDUCTIVITY / 0.4)
+    by_factor = CONDUCTIVITY / 0.16
+    steeper = CONDUCTIVITY / 0.4 * 3.0 / FILM - by_factor * 5000.0 / 3.0
+    assert slopes.by_film[CONDUCTIVITY_A, 0, 0] == near(steeper)
+    assert slopes.by_velocity[CONDUCTIVITY_A, 0, 0] == near(-by_factor / 300.0)
+
+
+def test_contact_at_no_distance_follows_the_film():
+    """F_n' = -n F_(n-1), F_n(0) = 2^((n-1)/2) Gamma((n+1)/2)/sqrt(2 pi), with sigma = 2:
+
+    p = 3 F_5/2, A_c/A = 0.1 F_2, tau = 0.2 p + 7 A_c/A, and their slopes to the film over sigma.
+    """
+    # 0.0 is a point of the table, where values and slopes are those of the integrals
+    force = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.0, 1.5, 2.5)}
+    at = contact(np.zeros((1, 1)), ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
+    slope = -3.0 * 2.5 * force[1.5] / 2.0
+    assert at.pressure[0, 0] == near(3.0 * force[2.5])
+    assert at.pressure_slope[0, 0] == near(slope)
+    assert at.area_fraction[0, 0] == near(0.05)
+    assert at.shear_stress[0, 0] == near(0.6 * force[2.5] + 0.35)
+    assert at.shear_stress_slope[0, 0] == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
+
+
+def test_layer_and_asperities_are_springs_in_series():
+    """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
+    asperities keep k = 4/(4 + 8), and pressure of the oil moves the layer by k c of it.
+
+    offset = k (c p_a - w_0) with the oil at p = 0, here 1e-7 (1/3)(5 - 2) m.
+    """
+    c = 2.5e-14
+    one = np.ones((1, 1))
+    touching = Contact(2e7 * one, -8e13 * one, 0.0 * one, 0.0 * one, 0.0 * one)
+    assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
+    tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
+    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)
+    assert weight == near(c / 3.0 * one)
+    assert offset == near(1e-7 * one)

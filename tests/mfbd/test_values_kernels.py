@@ -1,0 +1,172 @@
+"""Numbers by hand of single parts of the bodies: frame, rod, splines, gas, elements."""
+
+import numpy as np
+import pytest
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody, FrameMotion, frame_force
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
+    CrankMotion,
+    LateralMotion,
+    Mechanism,
+    motion,
+    rod_turn,
+)
+from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
+from piston_cosim.fmu_mfbd.finite_elements.element import lame_constants, nodal_stress, von_mises
+from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_rows, window_at
+from piston_cosim.fmu_mfbd.geometry.modal_field import read
+from piston_cosim.fmu_mfbd.reduction.bases import expected_pressure
+from piston_cosim.fmu_mfbd.verification import box_mesh
+
+
+def near(value, rel=1e-12):
+    """Round-off."""
+    return pytest.approx(value, rel=rel, abs=0.0)
+
+
+# ---- a bead on a turning plate
+
+MASS, REACH = 4.0, 3.0  # [kg], [m]
+SPIN, TURN = 5.0, 7.0  # angular velocity [rad/s] and acceleration [rad/s2]
+Q, DQ, DDQ = 0.6, 0.8, 1.1
+ALONG, ALONG_VELOCITY, ALONG_ACCELERATION = Q / 2, DQ / 2, DDQ / 2
+
+
+def bead(direction):
+    """A bead at (REACH, 0) that a spring lets move along `direction` by q / sqrt(MASS), hence with
+    modal mass 1; the frame's origin A rests.
+    """
+    x, y = np.array(direction) / np.sqrt(MASS)
+    body = FlexibleBody(
+        mass=MASS,
+        S=np.array([MASS * REACH, 0.0]),
+        I0=MASS * REACH**2,
+        T=MASS * np.array([[x], [y]]),
+        b=np.array([MASS * REACH * x]),
+        B=np.array([[MASS * (x * x + y * y)]]),
+        g=np.array([MASS * REACH * y]),
+        G=np.zeros((1, 1)),
+        stiffness=np.array([200.0]),
+        damping=np.array([9.0]),
+    )
+    moving = FrameMotion(0.0, 0.0, TURN, SPIN, np.array([Q]), np.array([DQ]), np.array([DDQ]))
+    return frame_force(body, moving)
+
+
+def test_bead_on_a_turning_rod():
+    """Outwards, r = 3 + q/2: a_r = r'' - w^2 r, a_t = r w' + 2 r' w; moment m r a_t; the spring
+    holds sqrt(m) a_r + 9 q' + 200 q.
+    """
+    force = bead((1.0, 0.0))
+    r = REACH + ALONG
+    outwards = ALONG_ACCELERATION - SPIN**2 * r
+    around = r * TURN + 2.0 * ALONG_VELOCITY * SPIN
+    assert force.x == near(MASS * outwards)
+    assert force.y == near(MASS * around)
+    assert force.moment == near(MASS * r * around)
+    assert force.modal == near(np.array([2.0 * outwards + 9.0 * DQ + 200.0 * Q]))
+
+
+def test_bead_that_moves_across_its_arm():
+    """Along y, at (3, q/2): a_x = -w^2 3 - w' y - 2 w y', a_y = 3 w' - w^2 y + y''; moment
+    m (3 a_y - y a_x).
+    """
+    force = bead((0.0, 1.0))
+    y = ALONG
+    a_x = -(SPIN**2) * REACH - TURN * y - 2.0 * SPIN * ALONG_VELOCITY
+    a_y = REACH * TURN - SPIN**2 * y + ALONG_ACCELERATION
+    assert force.x == near(MASS * a_x)
+    assert force.y == near(MASS * a_y)
+    assert force.moment == near(MASS * (REACH * a_y - y * a_x))
+    assert force.modal == near(np.array([2.0 * a_y + 9.0 * DQ + 200.0 * Q]))
+
+
+# ---- rod of length 5 that stands 3 beside and 4 above a crank at its top, which does not turn
+
+STANDING = Mechanism(
+    crank_radius=2.0,
+    rod_length=5.0,
+    offset=3.0,
+    rod_mass=0.0,
+    rod_inertia=1.0,
+    rod_centre=0.3,
+    pin_mass=0.0,
+)
+
+
+def test_turning_rod_follows_where_its_end_goes():
+    """psi1 = -1/4, psi2 = -3/64, psi3 = -1/64 - 27/1024 = -43/1024. With x_A' = 2:
+
+    psi'' = 4 psi2, force psi1 psi'' = 3/64, to the velocity 4 psi1 psi2 = 3/64,
+    to the position 4 (psi2^2 + psi1 psi3) = 13/256.
+    """
+    link = motion(STANDING, LateralMotion(0.0, 2.0, 0.0), CrankMotion(0.0, 0.0, 0.0))
+    assert link.rod_force == near(3.0 / 64.0)
+    assert link.rod_force_by_acceleration == near(1.0 / 16.0)
+    assert link.rod_force_by_velocity == near(3.0 / 64.0)
+    assert link.rod_force_by_position == near(13.0 / 256.0)
+
+
+def test_turn_of_the_rod_and_its_slopes():
+    """psi' = psi1 x_A' = -1/2 for x_A' = 2; its slope 2 psi2 = -3/32; to the crank 2 psi1."""
+    turn = rod_turn(STANDING, 0.0, 2.0, 0.0, 0.0)
+    assert turn.velocity == near(-0.5)
+    assert turn.slope == near(-0.25)
+    assert turn.curvature == near(-3.0 / 64.0)
+    assert turn.velocity_slope == near(-3.0 / 32.0)
+    assert turn.lever == near(-0.5)
+
+
+# ---- bore splines
+
+
+def test_spline_through_a_peak():
+    """Natural cubic spline through 0, 0, 1, 0, 0 at unit distance: second derivatives M at the
+    inner points from 4 M1 + M2 = 6, 2 M1 + 4 M2 = -12: 18/7, -30/7. At 1, 3/2 and 2:
+
+    0, 1/2 - (M1 + M2)/16 = 17/28, 1;  slope at 3/2: 1 - (M2 - M1)/24 = 9/7
+    """
+    values = np.array([0.0, 0.0, 1.0, 0.0, 0.0])[None, :, None]
+    bore = bore_splines(np.arange(5.0), values, values)
+    window = window_at(bore.lowest, bore.spacing, 0.0, np.array([1.0, 1.5, 2.0]))
+    knots = read(bore.radial, window.first, window.knots, np.ones(1))
+    # 1e-6: coefficients are kept in single precision
+    expected = pytest.approx(np.array([0.0, 17.0 / 28.0, 1.0]), abs=1e-6)
+    assert on_rows(window, window.value, knots)[:, 0] == expected
+    assert on_rows(window, window.slope, knots)[1, 0] == pytest.approx(9.0 / 7.0, abs=1e-6)
+
+
+# ---- gas
+
+
+@pytest.mark.parametrize("degrees", [240.0, -120.0, 600.0])
+def test_gas_between_the_last_point_and_the_first(degrees):
+    """A two-stroke's table from -100 deg, 10 bar, to 220 deg, 30 bar: it closes at 260 deg with 10
+    bar, half way at 240 deg: 20 bar.
+    """
+    rows = inline_numbers("gas.points", [(-100, 10), (0, 70), (110, 50), (220, 30)])
+    table = gas_table(rows, 2.0 * np.pi, np.pi / 180.0, 1e5)
+    assert gas_pressure(table, np.radians(degrees)) == near(20e5)
+
+
+# ---- elements
+
+
+def test_stress_of_an_even_strain():
+    """E = 2.5, nu = 1/4: lambda = mu = 1. Stretched by 1e-3 along x and sheared by 4e-3 (u_y goes
+    with x): xx = 3e-3, yy = zz = 1e-3, xy = 4e-3. Equivalent: sqrt(4 + 3 16) 1e-3.
+    """
+    assert lame_constants(2.5, 0.25) == near((1.0, 1.0))
+    points, tets = box_mesh((1, 2, 1), (0.3, 0.4, 0.2))
+    displacement = np.zeros_like(points)
+    displacement[:, 0] = 1e-3 * points[:, 0]
+    displacement[:, 1] = 4e-3 * points[:, 0]
+    stress = nodal_stress(points, tets, displacement, 2.5, 0.25)
+    expected = np.array([3e-3, 1e-3, 1e-3, 4e-3, 0.0, 0.0])
+    assert stress == pytest.approx(np.tile(expected, (len(points), 1)), abs=1e-15)  # round-off
+    assert von_mises(stress) == near(np.full(len(points), np.sqrt(52.0) * 1e-3))
+
+
+def test_pressure_is_expected_across_the_pin():
+    """0.1 on the pin axis, 1.1 on the thrust side, 0.6 between; the same at both heights."""
+    weight = expected_pressure(np.radians([0.0, 45.0, 90.0]), 2)
+    assert weight == near(np.array([0.1, 0.1, 0.6, 0.6, 1.1, 1.1]))
