@@ -133,8 +133,8 @@ class Interface:
         seen = np.where(self.feedback, change, 0.0)
         result = np.zeros(self.size)
         for name, participant in self.participants.items():
-            if not self.outputs[name]:
-                continue
+            if not (self.inputs[name] and self.outputs[name]):
+                continue  # nothing depends on it, or it depends on nothing
             seeds = {end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]}
             products = participant.derivative(seeds, [end.variable for end in self.outputs[name]])
             for variable, part, _ in self.outputs[name]:
