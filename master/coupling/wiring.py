@@ -1,12 +1,13 @@
 """A system ready to run: participants, wires in SI, and how they start together."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, ParticipantFault
 from ..participants.participant import Participant
 
 Port = tuple[str, str]
@@ -121,3 +122,23 @@ def start(
     faults += [fault for participant in started.values() for fault in trial(participant)]
     if faults:
         raise BadInput(faults)
+
+
+@contextmanager
+def closing(participants: Iterable[Participant]) -> Iterator[None]:
+    """Close all participants at the end.
+
+    What goes wrong while they are closed is raised once all are, and only where nothing went wrong
+    before: it is a consequence then.
+    """
+    faults: list[ParticipantFault] = []
+    try:
+        yield
+    finally:
+        for participant in participants:
+            try:
+                participant.close()
+            except ParticipantFault as fault:
+                faults.append(fault)
+    if faults:
+        raise faults[0]

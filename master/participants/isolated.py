@@ -147,12 +147,11 @@ class IsolatedParticipant:
         if self._process is not None:
             try:
                 self._ask("close")
-            except ParticipantFault:
-                pass  # the run ends anyway; why is told by the fault that came first
-            self._pipe.close()
-            self._process.join(self.timeout)
-            self._process.kill()
-            self._process = None
+            finally:
+                self._pipe.close()
+                self._process.join(self.timeout)
+                self._process.kill()
+                self._process = None
 
     def _ask(self, method, *arguments):
         """Send everything queued with this command behind it; its answer, or what it raised in the

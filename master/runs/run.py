@@ -15,7 +15,7 @@ from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
-from ..coupling.wiring import start
+from ..coupling.wiring import closing, start
 from ..coupling.work import InterfaceWork
 from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults
@@ -60,22 +60,22 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
-    try:
-        start(
-            system,
-            (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step),
-        )
-        march = March(system, case, tree, output, watch, begin_at)
+    with closing(system.participants.values()):
         try:
-            return march.go()
-        finally:
-            march.close()
-    except (StepFailed, ParticipantFault, CannotWrite) as stop:
-        stop.add_note(kept(output))
-        raise
-    finally:
-        for participant in system.participants.values():
-            participant.close()
+            start(
+                system,
+                (lambda participant: [])
+                if begin_at
+                else partial(rollback_faults, step=system.step),
+            )
+            march = March(system, case, tree, output, watch, begin_at)
+            try:
+                return march.go()
+            finally:
+                march.close()
+        except (StepFailed, ParticipantFault, CannotWrite) as stop:
+            stop.add_note(kept(output))
+            raise
 
 
 class March:
