@@ -24,6 +24,6 @@ def command(checkpoint: Path):
     case = check_case(found.tree, checkpoint)
     system = open_system(case, Path(found.folder), say)
     with watching(console, output.stem) as watch:
-        summary = run_system(system, case, found.tree, output, watch, found)
+        summary = run_system(system, case, found.tree, output, watch, found, say)
     print_summary(console, {output.stem: summary})
     console.print(f"results  {output}", highlight=False, soft_wrap=True)

@@ -1,7 +1,11 @@
 """One FMU under the master: fields, steps, saved states, derivatives.
 
-open           an FMU of either version                  isolated       in a process of its own
-fmi2, fmi3     FMI 2.0 and 3.0 by FMPy                   local          a slave of this process,
-without FMI interpolated   inputs that move inside a step            timing         under a
-stopwatch rollback       trial of saving and restoring
+open           an FMU of either version
+fmi2, fmi3     FMI 2.0 and 3.0 by FMPy
+local          a slave of this process, without FMI
+isolated       in a process of its own
+interpolated   inputs that move inside a step
+derivatives    by differences; trial of what an FMU offers (P1)
+rollback       trial of saving and restoring
+timing         under a stopwatch
 """

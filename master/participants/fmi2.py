@@ -24,12 +24,9 @@ from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..fmi.fields import gather_fields
+from .derivatives import difference
 
 REAL = ctypes.POINTER(ctypes.c_double)
-DIFFERENCE = 1e-5
-"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends
-the step map.
-"""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -261,11 +258,15 @@ class FmuParticipant:
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
-            text = "\n".join(text for _, text in self.log) or str(failure)
+            text = self._words(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
                 self._broken = True
                 raise ParticipantFault(f"{self.name}: {text}") from None
             raise Discard(f"{self.name}: {text}") from None
+
+    def _words(self, failure):
+        """What the FMU logged in the call that failed, or the call's name and status."""
+        return "\n".join(text for _, text in self.log) or str(failure)
 
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""
@@ -315,7 +316,11 @@ class FmuParticipant:
         known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
-        self._derive(known, unknown)
+        self.log.clear()
+        try:
+            self._derive(known, unknown)
+        except FMICallException as failure:
+            raise ParticipantFault(f"{self.name}: {self._words(failure)}") from None
         return self._cut(unknown)
 
     def _derive(self, known, unknown):
@@ -399,7 +404,7 @@ class FmuParticipant:
             if self._begun and not self._broken:
                 fmu.terminate()
         except FMICallException as failure:
-            words = "\n".join(text for _, text in self.log) or str(failure)
+            words = self._words(failure)
             raise ParticipantFault(f"{self.name}: at its end: {words}") from None
         finally:
             if fmu.component:
@@ -437,51 +442,6 @@ def _block(fields):
         values.ctypes.data_as(REAL),
         parts,
     )
-
-
-def difference(participant, begin, last_step, seeds, products):
-    """Directional derivative from the last step taken once more with changed inputs; the
-    participant is left as it was.
-
-    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,
-               scale: nominal, else max|x|, else 1
-
-    Parameters
-    ----------
-    participant : Participant
-    begin : saved state
-        Where the last step began.
-    last_step : (float, float)
-        Its time and size [s].
-    seeds : dict of str to ndarray
-    products : iterable of str
-
-    Returns
-    -------
-    dict of str to ndarray
-    """
-    before = {name: participant.get(name) for name in (*seeds, *products)}
-    scale = {
-        name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0
-        for name in seeds
-    }
-    largest = max(
-        (float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items()), default=0.0
-    )
-    if largest == 0.0:
-        return {name: np.zeros_like(before[name]) for name in products}
-    end, size = participant.save(), DIFFERENCE / largest
-    try:
-        participant.restore(begin)
-        for name, value in seeds.items():
-            participant.set(name, before[name] + size * value)
-        participant.step(*last_step)
-        return {
-            name: (participant.get(name) - before[name]) / size for name in products
-        }  # Eq. (P1)
-    finally:
-        participant.restore(end)
-        participant.free(end)
 
 
 def unpack(path):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.fields import Field
-from .fmi2 import difference
+from .derivatives import difference
 
 
 def slope_of(name):

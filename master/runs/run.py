@@ -13,6 +13,7 @@ import numpy as np
 
 from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
+from ..coupling.negotiation import by_differences, objections, sentences
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import closing, start
@@ -27,7 +28,9 @@ from .recorder import CannotWrite, Recorder, writing
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
-def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
+def run(
+    system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None
+):
     """Run to the stop time.
 
     Parameters
@@ -42,6 +45,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
         Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
+    say : callable(line)
+        Told in one line each what is done otherwise than the FMUs offer it.
 
     Returns
     -------
@@ -68,7 +73,11 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
                 if begin_at
                 else partial(rollback_faults, step=system.step),
             )
-            march = March(system, case, tree, output, watch, begin_at)
+            objected = objections(system, method_of(case.coupling))
+            for line in sentences(objected):
+                say(line)
+            negotiated = by_differences(system, objected)
+            march = March(negotiated, case, tree, output, watch, begin_at, objected)
             try:
                 return march.go()
             finally:
@@ -80,10 +89,11 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
 
 class March:
     """A run under way; see `run` for the arguments. What it has brought and taken so far is in
-    `account`.
+    `account`, why derivatives are not the participants' own in `objected` (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, watch, begin_at):
+    def __init__(self, system, case, tree, output, watch, begin_at, objected):
+        self.objected = objected
         self.system, self.case, self.tree, self.output, self.watch = (
             system,
             case,
@@ -122,7 +132,14 @@ class March:
                 output,
                 system.participants,
                 case.record,
-                {"title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())},
+                {
+                    "title": case.title,
+                    "case": json.dumps(tree),
+                    "versions": json.dumps(versions()),
+                    "derivatives": json.dumps(
+                        {name: why or "its own" for name, why in objected.items()}
+                    ),
+                },
                 self.account.rows,
             )
             self.log = CouplingLog(output, timed.wires, self.account.counters)
@@ -143,6 +160,8 @@ class March:
                 if heard.signal and k + 1 < steps:
                     raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        if count := sum(map(bool, self.objected.values())):
+            summary["derivatives_by_differences"] = count
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
