@@ -102,6 +102,9 @@ def start(
     `trial` is called with each participant that has started, and returns what is wrong with it.
     Raises BadInput with all that is refused.
     """
+    for participant in system.participants.values():
+        if getattr(participant, "runs_apart", False):
+            participant.launch()
     faults: list[str] = []
     started: dict[str, Participant] = {}
     for name, participant in system.participants.items():

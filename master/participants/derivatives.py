@@ -23,13 +23,13 @@ DIFFERENCE = 1e-5
 the step map.
 """
 TRIED = (DIFFERENCE, 1e-2)
-"""Changes tried in turn until one agrees: an FMU that solves to a loose tolerance answers small ones
-by noise.
+"""Changes tried in turn until one agrees: an FMU that solves to a loose tolerance answers small
+ones by noise.
 """
 MOVED = (0.0, -1e-2, 1e-2)
-"""Shifts of the inputs, in nominals, about which changes are tried in turn until one agrees: a start
-is often at a kink (a film at rest without pressure, a gap just closed), where slopes differ from
-side to side and no derivative is right.
+"""Shifts of the inputs, in nominals, about which changes are tried in turn until one agrees: a
+start is often at a kink (a film at rest without pressure, a gap just closed), where slopes differ
+from side to side and no derivative is right.
 """
 AGREES = 0.1
 """Of the difference: with a derivative that is off by this much Newton's residual still falls to a
@@ -134,6 +134,11 @@ class Differenced:
         """One step [s]."""
         self._last_step = time, step
         self.participant.step(time, step)
+
+    def begin_step(self, time: float, step: float) -> None:
+        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
+        self._last_step = time, step
+        self.participant.begin_step(time, step)
 
     def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
         """Directional derivative of the last step, see `difference`."""

@@ -115,6 +115,16 @@ class InterpolatedParticipant:
 
     def step(self, time, step):
         """One step [s] along the inputs' courses."""
+        self._tell_courses(time, step)
+        self.participant.step(time, step)
+
+    def begin_step(self, time, step):
+        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
+        self._tell_courses(time, step)
+        self.participant.begin_step(time, step)
+
+    def _tell_courses(self, time, step):
+        """Tell the participant the inputs' courses over the step to come."""
         self._last_step = time, step
         begin = self._begin[1]
         for name, kind in self.interpolation.items():
@@ -124,7 +134,6 @@ class InterpolatedParticipant:
             else:
                 course = linear(begin[name], self.now[name], step)
             self.participant.set_course(name, course)
-        self.participant.step(time, step)
 
     def save(self):
         """A handle on the state, the ends of the last step among it."""

@@ -28,9 +28,7 @@ from .recorder import CannotWrite, Recorder, writing
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
-def run(
-    system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None
-):
+def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None):
     """Run to the stop time.
 
     Parameters
