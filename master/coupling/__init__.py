@@ -1,6 +1,7 @@
 """Macro steps of a system of participants.
 
-wiring         participants, wires in SI, their start
+wiring         participants, wires in SI
+starting       how participants start together, start loops
 interface      all wires as one vector
 stepping       predict, solve, halve (equations S)
 step_control   lengths of macro steps by local error

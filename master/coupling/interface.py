@@ -1,6 +1,6 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -86,7 +86,7 @@ class Interface:
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
-        """Participants by the longest chain of wires along the stepping order that leads to them."""
+        """Participants by the longest chain of wires along the order that leads to them."""
         depth: dict[str, int] = {}
         for name in self.participants:
             sources = [
@@ -127,14 +127,30 @@ class Interface:
             Start and length of the macro step [s].
         saved : dict of str to saved state
         """
+
+        def act(stage: Sequence[str]) -> None:
+            self._step(stage, time, step)
+
+        return self.answer(x, act, saved)
+
+    def answer(
+        self,
+        x: np.ndarray,
+        act: Callable[[Sequence[str]], None],
+        saved: Mapping[str, Any] | None = None,
+    ) -> Evaluation:
+        """What the participants say once `act` was done with each stage of them, its inputs set;
+        see `evaluate`.
+        """
         used = x.copy()
         y = np.empty(self.size)
         for stage in self.stages:
             for name in stage:
-                self.participants[name].restore(saved[name])
+                if saved is not None:
+                    self.participants[name].restore(saved[name])
                 for variable, part, shape in self.inputs[name]:
                     self.participants[name].set(variable, used[part].reshape(shape))
-            self._step(stage, time, step)
+            act(stage)
             for name in stage:
                 for variable, part, _ in self.outputs[name]:
                     y[part] = np.ravel(self.participants[name].get(variable))

@@ -83,6 +83,7 @@ class InterpolatedParticipant:
         inputs = [*interpolation, *(name for name in self.fields if name not in participant.fields)]
         self.now = {name: np.zeros(self.fields[name].shape) for name in inputs}
         self._begin: Any = None
+        self._initialising = False
         self._last_step: Any = None
 
     def __getattr__(self, name):
@@ -90,23 +91,31 @@ class InterpolatedParticipant:
 
     def start(self, parameters, start_time, stop_time):
         """See `FmuParticipant.start`; interpolated inputs begin with their start values."""
-        self.participant.start(
-            {
-                k: v
-                for k, v in parameters.items()
-                if k not in self.now or k in self.participant.fields
-            },
-            start_time,
-            stop_time,
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`: in Initialization Mode the participant is told every input as it
+        is set.
+        """
+        known = self.participant.fields
+        self.participant.enter(
+            {k: v for k, v in parameters.items() if k in known}, start_time, stop_time
         )
+        self._initialising = True
         for name in self.interpolation:
             self.now[name] = np.array(self.participant.get(name))
+
+    def leave(self):
+        """Second half of `start`."""
+        self._initialising = False
+        self.participant.leave()
 
     def set(self, name, value):
         """Set a field; of an interpolated input its value at the end of the step to come."""
         if name in self.now:
             self.now[name] = np.array(value, dtype=float)
-        else:
+        if name not in self.now or (self._initialising and name in self.participant.fields):
             self.participant.set(name, value)
 
     def get(self, name):

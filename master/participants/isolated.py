@@ -74,13 +74,23 @@ class IsolatedParticipant:
 
     def start(self, parameters, start_time, stop_time):
         """Instantiate and initialise in the process; see `FmuParticipant.start`."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`; see `FmuParticipant.enter`."""
         if self._process is None:
             self.launch()
-        self._ask("start", parameters, start_time, stop_time)
+        self._ask("enter", parameters, start_time, stop_time)
+
+    def leave(self):
+        """Second half of `start`."""
+        self._fresh = set()
+        self._ask("leave")
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
-        self._fresh.discard(name)
+        self._fresh = set()  # an output may follow its input at once
         if self.fields[name].type == "Real":
             self._values[name][...] = value
             self._queue.append(("write", (name,)))
@@ -91,7 +101,7 @@ class IsolatedParticipant:
         """Set an input and its time derivatives at the beginning of the next step; see
         `FmuParticipant.set_course`.
         """
-        self._fresh.discard(name)
+        self._fresh = set()  # an output may follow its input at once
         self._queue.append(("set_course", (name, course)))
 
     def get(self, name):

@@ -14,9 +14,9 @@ import numpy as np
 from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
 from ..coupling.negotiation import by_differences, objections, sentences
+from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
-from ..coupling.wiring import closing, start
 from ..coupling.work import InterfaceWork
 from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults

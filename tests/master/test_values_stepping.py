@@ -18,9 +18,9 @@ from piston_cosim.master.coupling.methods import (
     QuasiNewton,
     Relaxation,
 )
+from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.step_control import StepControl, step_control
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
-from piston_cosim.master.coupling.wiring import start
 from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.interpolated import (
