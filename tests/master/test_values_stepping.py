@@ -347,8 +347,11 @@ class Told:
         self.fields = {"u": SimpleNamespace(name="u", shape=(1,), unit="m", causality="input")}
         self.courses, self.state = [], 0
 
-    def start(self, parameters, start_time, stop_time):
+    def enter(self, parameters, start_time, stop_time):
         self.parameters = parameters
+
+    def leave(self):
+        pass
 
     def get(self, name):
         return np.array([1.0])
