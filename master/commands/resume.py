@@ -24,6 +24,6 @@ def command(checkpoint: Path):
     case = check_case(kept.tree, checkpoint)
     system = open_system(case, Path(kept.folder), say)
     with watching(console, output.stem) as watch:
-        summary = run_system(system, case, kept.tree, output, watch, kept)
+        summary = run_system(system, case, kept.tree, output, watch, kept, say)
     print_summary(console, {output.stem: summary})
     console.print(f"results  {output}", highlight=False, soft_wrap=True)

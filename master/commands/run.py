@@ -65,7 +65,9 @@ def command(
     for label, system in systems.items():
         files[label] = folder / f"{label}.h5"
         with watching(console, label) as watch:
-            summaries[label] = run_system(system, cases[label], trees[label], files[label], watch)
+            summaries[label] = run_system(
+                system, cases[label], trees[label], files[label], watch, say=say
+            )
         summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
     print_summary(console, summaries)
     if summary_json:

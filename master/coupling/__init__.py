@@ -1,11 +1,13 @@
 """Macro steps of a system of participants.
 
-wiring         participants, wires in SI, their start
+wiring         participants, wires in SI
+starting       how participants start together, start loops
 interface      all wires as one vector
 stepping       predict, solve, halve (equations S)
 step_control   lengths of macro steps by local error
 methods        ways to the fixed point (Q)
 work           work that crosses the wires, on both sides (W)
+negotiation    whose own derivatives are those of a step
 freezing       everything a further step depends on, as bytes
 coupled        a whole system as one slave
 """

@@ -14,8 +14,9 @@ from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
 from .methods import method_of
+from .starting import start
 from .stepping import StepFailed, Stepper
-from .wiring import Port, System, Wire, start
+from .wiring import Port, System, Wire
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,12 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..fmi.errors import Discard, ParticipantFault
 from ..participants.participant import Participant
 from .wiring import Wire, is_unknown, rms
 
@@ -47,6 +49,9 @@ class Interface:
     parallel : bool
         Jacobi's order: every participant reads the iterate alone, all wires are unknowns.
 
+    Participants that wait for no other one's output of the same evaluation form a stage; those of
+    them that `runs_apart`, in a process of their own, step at the same time.
+
     `trail` holds the measures of every wire since `begin`, a list for each evaluation that was
     measured; `first` the root mean square of every wire's residual in the first of them.
     """
@@ -77,6 +82,24 @@ class Interface:
             for name in participants
         }
 
+        self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
+        self.stages = self._stages(against) if self.apart else [[name] for name in participants]
+
+    def _stages(self, against: Sequence[bool]) -> list[list[str]]:
+        """Participants by the longest chain of wires along the order that leads to them."""
+        depth: dict[str, int] = {}
+        for name in self.participants:
+            sources = [
+                wire.source[0]
+                for wire, back in zip(self.wires, against)
+                if wire.target[0] == name and not back
+            ]
+            depth[name] = max((depth[source] + 1 for source in sources), default=0)
+        return [
+            [name for name in self.participants if depth[name] == k]
+            for k in range(max(depth.values(), default=-1) + 1)
+        ]
+
     def begin(self) -> None:
         """A macro step is tried."""
         self.trail: list[list[float]] = []
@@ -104,18 +127,59 @@ class Interface:
             Start and length of the macro step [s].
         saved : dict of str to saved state
         """
+
+        def act(stage: Sequence[str]) -> None:
+            self._step(stage, time, step)
+
+        return self.answer(x, act, saved)
+
+    def answer(
+        self,
+        x: np.ndarray,
+        act: Callable[[Sequence[str]], None],
+        saved: Mapping[str, Any] | None = None,
+    ) -> Evaluation:
+        """What the participants say once `act` was done with each stage of them, its inputs set;
+        see `evaluate`.
+        """
         used = x.copy()
         y = np.empty(self.size)
-        for name, participant in self.participants.items():
-            participant.restore(saved[name])
-            for variable, part, shape in self.inputs[name]:
-                participant.set(variable, used[part].reshape(shape))
-            participant.step(time, step)
-            for variable, part, _ in self.outputs[name]:
-                y[part] = np.ravel(participant.get(variable))
-                if not self.feedback[part.start]:
-                    used[part] = y[part]
+        for stage in self.stages:
+            for name in stage:
+                if saved is not None:
+                    self.participants[name].restore(saved[name])
+                for variable, part, shape in self.inputs[name]:
+                    self.participants[name].set(variable, used[part].reshape(shape))
+            act(stage)
+            for name in stage:
+                for variable, part, _ in self.outputs[name]:
+                    y[part] = np.ravel(self.participants[name].get(variable))
+                    if not self.feedback[part.start]:
+                        used[part] = y[part]
         return Evaluation(used, y, np.where(self.feedback, y - used, used - x))
+
+    def _step(self, stage: Sequence[str], time: float, step: float) -> None:
+        """Step the participants of a stage, those apart while the others step here; every one is
+        waited for before a refusal or fault of the first of them is raised.
+        """
+        apart = [name for name in stage if name in self.apart]
+        here = [name for name in stage if name not in self.apart]
+        calls = [
+            *((name, partial(self.participants[name].begin_step, time, step)) for name in apart),
+            *((name, partial(self.participants[name].step, time, step)) for name in here),
+            *((name, self.participants[name].end_step) for name in apart),
+        ]
+        failures: dict[str, Discard | ParticipantFault] = {}
+        for name, call in calls:
+            if name in failures:
+                continue  # it could not begin
+            try:
+                call()
+            except (Discard, ParticipantFault) as failure:
+                failures[name] = failure
+        for name in stage:
+            if name in failures:
+                raise failures[name]
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """The evaluation linearised at the last step of every participant.
@@ -133,8 +197,8 @@ class Interface:
         seen = np.where(self.feedback, change, 0.0)
         result = np.zeros(self.size)
         for name, participant in self.participants.items():
-            if not self.outputs[name]:
-                continue
+            if not (self.inputs[name] and self.outputs[name]):
+                continue  # nothing depends on it, or it depends on nothing
             seeds = {end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]}
             products = participant.derivative(seeds, [end.variable for end in self.outputs[name]])
             for variable, part, _ in self.outputs[name]:

@@ -1,13 +1,10 @@
-"""A system ready to run: participants, wires in SI, and how they start together."""
+"""A system ready to run: participants and wires in SI."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from ..fmi.errors import BadInput
-from ..participants.participant import Participant
 
 Port = tuple[str, str]
 """(participant, variable)."""
@@ -90,34 +87,3 @@ class System:
     smallest_step: float = 0.0
     folder: str = ""
     parallel: bool = False
-
-
-def start(
-    system: System, trial: Callable[[Participant], Iterable[str]] = lambda participant: ()
-) -> None:
-    """Initialise the participants in the order of the case; inputs fed by an already started one
-    begin with its outputs.
-
-    `trial` is called with each participant that has started, and returns what is wrong with it.
-    Raises BadInput with all that is refused.
-    """
-    faults: list[str] = []
-    started: dict[str, Participant] = {}
-    for name, participant in system.participants.items():
-        fed = {
-            c.target[1]: started[c.source[0]].get(c.source[1])
-            for c in system.wires
-            if c.target[0] == name and c.source[0] in started
-        }
-        try:
-            participant.start({**system.parameters[name], **fed}, 0.0, system.stop)
-            started[name] = participant
-        except BadInput as error:
-            faults += error.faults
-    # where inputs are interpolated the first step begins with what its sources say
-    for c in system.wires:
-        if c.source[0] in started and c.target[0] in started:
-            started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
-    faults += [fault for participant in started.values() for fault in trial(participant)]
-    if faults:
-        raise BadInput(faults)

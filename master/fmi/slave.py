@@ -76,6 +76,8 @@ class FieldSlave(Fmi2Slave):
         self.options = json.loads((self.resources / "build.json").read_text())
         self.table = self.variables(self.options)
         self.state = self.fault = self.started_with = None
+        self.initialising = False
+        self.shown: Any = None
         self.status = Fmi2Status.ok
         self._lay_out()
 
@@ -152,6 +154,7 @@ class FieldSlave(Fmi2Slave):
             ],
             dtype=int,
         )
+        self.given = {v.name for v in real + integer if v.causality != "output"}
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
@@ -239,11 +242,39 @@ class FieldSlave(Fmi2Slave):
 
     # what both call
 
+    def enter_initialization_mode(self):
+        """From here to `exit_initialization_mode` outputs follow what is set."""
+        self.initialising = True
+        self.shown = None
+
+    def show_start(self):
+        """In Initialization Mode, before outputs are read: publish those that follow from the
+        parameters and inputs set so far. Where these are refused the outputs stay as they are; the
+        end of the initialisation says why.
+        """
+        if not self.initialising or self.shown == self._given():
+            return
+        self.shown = self._given()
+        if self._range_faults():
+            return
+        try:
+            self._publish(self.start(self._values())[1])
+        except Exception:
+            return
+
     def exit_initialization_mode(self):
         """Check every parameter range, start the participant; a fault is logged and every later
         step discarded.
         """
+        self.initialising = False
         self.state = self._checked_start()
+
+    def _given(self):
+        """All that a start depends on, comparable."""
+        return (
+            *(self.views[v.name].tobytes() for v in self.table if v.name in self.given),
+            tuple(self.string),
+        )
 
     def _checked_start(self):
         """State at the start with its outputs published; None, the fault noted, where parameters
@@ -339,6 +370,7 @@ class FieldSlave(Fmi2Slave):
         self.products_due = self.products_due or last > self.real_count
 
     def get_real(self, vrs):
+        self.show_start()
         first = vrs[0]
         last = vrs[-1] + 1
         if last > self.first_product and self.products_due:
@@ -351,6 +383,7 @@ class FieldSlave(Fmi2Slave):
         self.integer[vrs] = values
 
     def get_integer(self, vrs):
+        self.show_start()
         return self.integer[vrs].tolist()
 
     def set_string(self, vrs, values):

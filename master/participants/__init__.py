@@ -6,6 +6,7 @@ fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
 local         a slave of this process, without FMI
 isolated      in a process of its own
 interpolated  inputs that move inside a step
+derivatives   by differences; trial of what an FMU offers (P1)
 timing        under a stopwatch
 rollback      trial of saving and restoring
 """

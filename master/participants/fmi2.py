@@ -8,6 +8,7 @@ import ctypes
 import shutil
 import tempfile
 import zipfile
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -23,12 +24,9 @@ from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..fmi.fields import gather_fields
+from .derivatives import difference
 
 REAL = ctypes.POINTER(ctypes.c_double)
-DIFFERENCE = 1e-5
-"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends
-the step map.
-"""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -77,6 +75,8 @@ class FmuParticipant:
         flag = None if offered is None else offered.get(self.derivative_flag)
         self._standard_derivative = flag in ("true", "1")
         self._fmu: Any = None
+        self._begun = False
+        self._broken = False
 
     @property
     def has_derivatives(self):
@@ -111,12 +111,32 @@ class FmuParticipant:
 
         Raises BadInput with what the FMU logged if it refuses.
         """
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """Instantiate, set `parameters` and enter Initialization Mode, as the first half of
+        `start`: outputs there follow the inputs that are set.
+        """
         self.log.clear()
-        try:
+        self._begun = self._broken = False
+        with self._refusing():
             self._instantiate(start_time, stop_time)
             for name, value in parameters.items():
                 self.set(name, value)
-            self._initialise(start_time, stop_time)
+            self._enter(start_time, stop_time)
+
+    def leave(self):
+        """Leave Initialization Mode, as the second half of `start`."""
+        with self._refusing():
+            self._fmu.exitInitializationMode()
+        self._begun = True
+
+    @contextmanager
+    def _refusing(self):
+        """What the FMU logs as an error while it starts is raised."""
+        try:
+            yield
         except Exception as error:
             raise self._refusal() or BadInput(f"{self.name}: {error}") from error
         if refusal := self._refusal():
@@ -140,9 +160,8 @@ class FmuParticipant:
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
 
-    def _initialise(self, start_time, stop_time):
+    def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode()
-        self._fmu.exitInitializationMode()
 
     def _refusal(self):
         """What the log says against a start: a bug, bad input, or None."""
@@ -239,10 +258,15 @@ class FmuParticipant:
         try:
             self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
         except FMICallException as failure:
-            text = "\n".join(text for _, text in self.log) or str(failure)
+            text = self._words(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+                self._broken = True
                 raise ParticipantFault(f"{self.name}: {text}") from None
             raise Discard(f"{self.name}: {text}") from None
+
+    def _words(self, failure):
+        """What the FMU logged in the call that failed, or the call's name and status."""
+        return "\n".join(text for _, text in self.log) or str(failure)
 
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""
@@ -292,7 +316,11 @@ class FmuParticipant:
         known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
-        self._derive(known, unknown)
+        self.log.clear()
+        try:
+            self._derive(known, unknown)
+        except FMICallException as failure:
+            raise ParticipantFault(f"{self.name}: {self._words(failure)}") from None
         return self._cut(unknown)
 
     def _derive(self, known, unknown):
@@ -363,11 +391,26 @@ class FmuParticipant:
         return blocks
 
     def close(self):
-        """Terminate and free the instance."""
-        if self._fmu is not None:
-            self._fmu.terminate()
-            self._fmu.freeInstance()
-            self._fmu = None
+        """Terminate and free the instance, as far as the standard allows it: one that was refused
+        is nothing to free, one that has not started or has failed is not to be terminated.
+
+        Raises ParticipantFault with the FMU's words if it cannot be terminated.
+        """
+        fmu, self._fmu = self._fmu, None
+        if fmu is None:
+            return
+        self.log.clear()
+        try:
+            if self._begun and not self._broken:
+                fmu.terminate()
+        except FMICallException as failure:
+            words = self._words(failure)
+            raise ParticipantFault(f"{self.name}: at its end: {words}") from None
+        finally:
+            if fmu.component:
+                fmu.freeInstance()
+            else:
+                fmu.freeLibrary()
 
 
 @dataclass(frozen=True)
@@ -399,49 +442,6 @@ def _block(fields):
         values.ctypes.data_as(REAL),
         parts,
     )
-
-
-def difference(participant, begin, last_step, seeds, products):
-    """Directional derivative from the last step taken once more with changed inputs; the
-    participant is left as it was.
-
-    Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = 1e-5 / max|v / scale|,
-               scale: nominal, else max|x|, else 1
-
-    Parameters
-    ----------
-    participant : Participant
-    begin : saved state
-        Where the last step began.
-    last_step : (float, float)
-        Its time and size [s].
-    seeds : dict of str to ndarray
-    products : iterable of str
-
-    Returns
-    -------
-    dict of str to ndarray
-    """
-    before = {name: participant.get(name) for name in (*seeds, *products)}
-    scale = {
-        name: participant.fields[name].nominal or float(np.max(np.abs(before[name]))) or 1.0
-        for name in seeds
-    }
-    largest = max(float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items())
-    if largest == 0.0:
-        return {name: np.zeros_like(before[name]) for name in products}
-    end, size = participant.save(), DIFFERENCE / largest
-    try:
-        participant.restore(begin)
-        for name, value in seeds.items():
-            participant.set(name, before[name] + size * value)
-        participant.step(*last_step)
-        return {
-            name: (participant.get(name) - before[name]) / size for name in products
-        }  # Eq. (P1)
-    finally:
-        participant.restore(end)
-        participant.free(end)
 
 
 def unpack(path):

@@ -24,9 +24,8 @@ class Fmu3Participant(FmuParticipant):
     def _note_3(self, _environment, status, _category, message):
         self.log.append((status, (message or b"").decode(errors="replace")))
 
-    def _initialise(self, start_time, stop_time):
+    def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode(startTime=start_time, stopTime=stop_time)
-        self._fmu.exitInitializationMode()
 
     def _write(self, block):
         self._fmu.fmi3SetFloat64(

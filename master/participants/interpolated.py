@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.fields import Field
-from .fmi2 import difference
+from .derivatives import difference
 
 
 def slope_of(name):
@@ -83,6 +83,7 @@ class InterpolatedParticipant:
         inputs = [*interpolation, *(name for name in self.fields if name not in participant.fields)]
         self.now = {name: np.zeros(self.fields[name].shape) for name in inputs}
         self._begin: Any = None
+        self._initialising = False
         self._last_step: Any = None
 
     def __getattr__(self, name):
@@ -90,23 +91,31 @@ class InterpolatedParticipant:
 
     def start(self, parameters, start_time, stop_time):
         """See `FmuParticipant.start`; interpolated inputs begin with their start values."""
-        self.participant.start(
-            {
-                k: v
-                for k, v in parameters.items()
-                if k not in self.now or k in self.participant.fields
-            },
-            start_time,
-            stop_time,
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`: in Initialization Mode the participant is told every input as it
+        is set.
+        """
+        known = self.participant.fields
+        self.participant.enter(
+            {k: v for k, v in parameters.items() if k in known}, start_time, stop_time
         )
+        self._initialising = True
         for name in self.interpolation:
             self.now[name] = np.array(self.participant.get(name))
+
+    def leave(self):
+        """Second half of `start`."""
+        self._initialising = False
+        self.participant.leave()
 
     def set(self, name, value):
         """Set a field; of an interpolated input its value at the end of the step to come."""
         if name in self.now:
             self.now[name] = np.array(value, dtype=float)
-        else:
+        if name not in self.now or (self._initialising and name in self.participant.fields):
             self.participant.set(name, value)
 
     def get(self, name):
@@ -115,6 +124,16 @@ class InterpolatedParticipant:
 
     def step(self, time, step):
         """One step [s] along the inputs' courses."""
+        self._tell_courses(time, step)
+        self.participant.step(time, step)
+
+    def begin_step(self, time, step):
+        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
+        self._tell_courses(time, step)
+        self.participant.begin_step(time, step)
+
+    def _tell_courses(self, time, step):
+        """Tell the participant the inputs' courses over the step to come."""
         self._last_step = time, step
         begin = self._begin[1]
         for name, kind in self.interpolation.items():
@@ -124,7 +143,6 @@ class InterpolatedParticipant:
             else:
                 course = linear(begin[name], self.now[name], step)
             self.participant.set_course(name, course)
-        self.participant.step(time, step)
 
     def save(self):
         """A handle on the state, the ends of the last step among it."""

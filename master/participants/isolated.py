@@ -10,6 +10,7 @@ import os
 import signal
 import threading
 import traceback
+from contextlib import suppress
 from itertools import count
 from typing import Any
 
@@ -40,6 +41,8 @@ class IsolatedParticipant:
         By every method, after a time-out or when the process has ended by itself.
     """
 
+    runs_apart = True
+
     def __init__(self, participant, timeout):
         self.description = participant.description
         self.timeout = timeout
@@ -53,12 +56,13 @@ class IsolatedParticipant:
         self.declares_units = participant.declares_units
         self._process: Any = None
         self._queue: list[tuple[str, tuple]] = []
+        self._awaited: Any = None
         self._fresh: set[str] = set()
         self._read_ahead: set[str] = set()
         self._numbers = count(1)
 
-    def start(self, parameters, start_time, stop_time):
-        """Start the process, then instantiate and initialise there; see `FmuParticipant.start`."""
+    def launch(self):
+        """Start the process, which takes its time; to be called before `start`."""
         memory = FAMILY.RawArray("d", 2 * sum(field.size for field in self.fields.values()))
         self._values, self._changes = _views(memory, self.fields)
         self._pipe, other = FAMILY.Pipe()
@@ -67,11 +71,26 @@ class IsolatedParticipant:
         )
         self._process.start()
         other.close()
-        self._ask("start", parameters, start_time, stop_time)
+
+    def start(self, parameters, start_time, stop_time):
+        """Instantiate and initialise in the process; see `FmuParticipant.start`."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`; see `FmuParticipant.enter`."""
+        if self._process is None:
+            self.launch()
+        self._ask("enter", parameters, start_time, stop_time)
+
+    def leave(self):
+        """Second half of `start`."""
+        self._fresh = set()
+        self._ask("leave")
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
-        self._fresh.discard(name)
+        self._fresh = set()  # an output may follow its input at once
         if self.fields[name].type == "Real":
             self._values[name][...] = value
             self._queue.append(("write", (name,)))
@@ -82,7 +101,7 @@ class IsolatedParticipant:
         """Set an input and its time derivatives at the beginning of the next step; see
         `FmuParticipant.set_course`.
         """
-        self._fresh.discard(name)
+        self._fresh = set()  # an output may follow its input at once
         self._queue.append(("set_course", (name, course)))
 
     def get(self, name):
@@ -104,8 +123,17 @@ class IsolatedParticipant:
 
     def step(self, time, step):
         """One step [s]; raises Discard or ParticipantFault as `FmuParticipant.step` does."""
+        self.begin_step(time, step)
+        self.end_step()
+
+    def begin_step(self, time, step):
+        """Send the step away; other participants may step until `end_step`."""
         self._fresh = set()
-        self._ask("step", time, step)
+        self._send("step", time, step)
+
+    def end_step(self):
+        """Wait for the end of the step that was begun; raises what `step` raises."""
+        self._receive()
         self._fresh = set(self._read_ahead)
 
     def save(self):
@@ -147,36 +175,58 @@ class IsolatedParticipant:
         if self._process is not None:
             try:
                 self._ask("close")
-            except ParticipantFault:
-                pass  # the run ends anyway; why is told by the fault that came first
-            self._pipe.close()
-            self._process.join(self.timeout)
-            self._process.kill()
-            self._process = None
+            finally:
+                self._pipe.close()
+                self._process.join(self.timeout)
+                self._process.kill()
+                self._process = None
 
     def _ask(self, method, *arguments):
         """Send everything queued with this command behind it; its answer, or what it raised in the
         other process.
         """
+        self._send(method, *arguments)
+        return self._receive()
+
+    def _send(self, method, *arguments):
+        """Send everything queued with this command behind it."""
+        if self._awaited:  # the answer to a step that nobody waited for: the run was broken off
+            with suppress(Discard, ParticipantFault):
+                self._receive()
         queue, self._queue = [*self._queue, (method, arguments)], []
+        self._awaited = method, arguments
         try:
             self._pipe.send(queue)
+        except OSError:
+            raise self._ended() from None
+
+    def _receive(self):
+        """Answer to the command that was sent last, or what it raised in the other process."""
+        try:
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
                 raise ParticipantFault(
-                    f"{self.name}: no answer to {method} within {self.timeout:g} s; "
+                    f"{self.name}: no answer to {self._awaited[0]} within {self.timeout:g} s; "
                     "its process has been ended"
                 )
             raised, answer = self._pipe.recv()
         except (EOFError, OSError):
-            self._process.join(self.timeout)
-            raise ParticipantFault(
-                f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
-                f"{method}{arguments if method == 'step' else ''}"
-            ) from None
+            raise self._ended() from None
+        finally:
+            self._awaited = None
         if raised:
             raise answer
         return answer
+
+    def _ended(self):
+        """Fault of a process that is gone."""
+        method, arguments = self._awaited
+        self._awaited = None
+        self._process.join(self.timeout)
+        return ParticipantFault(
+            f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
+            f"{method}{arguments if method == 'step' else ''}"
+        )
 
 
 def _end(code):

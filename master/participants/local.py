@@ -33,8 +33,19 @@ class LocalParticipant:
         """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with
         this name before it.
         """
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """Set `parameters` and enter Initialization Mode, as the first half of `start`: outputs
+        there follow the inputs that are set.
+        """
         for name, value in parameters.items():
             self.set(name, value)
+        self.slave.enter_initialization_mode()
+
+    def leave(self):
+        """Leave Initialization Mode, as the second half of `start`."""
         self.slave.exit_initialization_mode()
         if self.slave.fault:
             raise BadInput([f"{self.name}: {line}" for line in self.slave.fault.splitlines()])
@@ -59,6 +70,7 @@ class LocalParticipant:
 
     def get(self, name):
         """Array of the field's shape, or a number."""
+        self.slave.show_start()
         view = self.slave.views[name]
         return view.copy() if self.fields[name].shape else view.item()
 

@@ -35,7 +35,7 @@ def _measured(method, own):
     return call
 
 
-for _method in ("step", "derivative"):
+for _method in ("step", "begin_step", "end_step", "derivative"):
     setattr(Timed, _method, _measured(_method, own=True))
 for _method in ("set", "get", "save", "restore", "free", "serialise", "deserialise"):
     setattr(Timed, _method, _measured(_method, own=False))

@@ -13,9 +13,10 @@ import numpy as np
 
 from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
+from ..coupling.negotiation import by_differences, objections, sentences
+from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
-from ..coupling.wiring import start
 from ..coupling.work import InterfaceWork
 from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults
@@ -27,7 +28,7 @@ from .recorder import CannotWrite, Recorder, writing
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
-def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
+def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None):
     """Run to the stop time.
 
     Parameters
@@ -42,6 +43,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
         Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
+    say : callable(line)
+        Told in one line each what is done otherwise than the FMUs offer it.
 
     Returns
     -------
@@ -60,30 +63,35 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
-    try:
-        start(
-            system,
-            (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step),
-        )
-        march = March(system, case, tree, output, watch, begin_at)
+    with closing(system.participants.values()):
         try:
-            return march.go()
-        finally:
-            march.close()
-    except (StepFailed, ParticipantFault, CannotWrite) as stop:
-        stop.add_note(kept(output))
-        raise
-    finally:
-        for participant in system.participants.values():
-            participant.close()
+            start(
+                system,
+                (lambda participant: [])
+                if begin_at
+                else partial(rollback_faults, step=system.step),
+            )
+            objected = objections(system, method_of(case.coupling))
+            for line in sentences(objected):
+                say(line)
+            negotiated = by_differences(system, objected)
+            march = March(negotiated, case, tree, output, watch, begin_at, objected)
+            try:
+                return march.go()
+            finally:
+                march.close()
+        except (StepFailed, ParticipantFault, CannotWrite) as stop:
+            stop.add_note(kept(output))
+            raise
 
 
 class March:
     """A run under way; see `run` for the arguments. What it has brought and taken so far is in
-    `account`.
+    `account`, why derivatives are not the participants' own in `objected` (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, watch, begin_at):
+    def __init__(self, system, case, tree, output, watch, begin_at, objected):
+        self.objected = objected
         self.system, self.case, self.tree, self.output, self.watch = (
             system,
             case,
@@ -122,7 +130,14 @@ class March:
                 output,
                 system.participants,
                 case.record,
-                {"title": case.title, "case": json.dumps(tree), "versions": json.dumps(versions())},
+                {
+                    "title": case.title,
+                    "case": json.dumps(tree),
+                    "versions": json.dumps(versions()),
+                    "derivatives": json.dumps(
+                        {name: why or "its own" for name, why in objected.items()}
+                    ),
+                },
                 self.account.rows,
             )
             self.log = CouplingLog(output, timed.wires, self.account.counters)
@@ -143,6 +158,8 @@ class March:
                 if heard.signal and k + 1 < steps:
                     raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        if count := sum(map(bool, self.objected.values())):
+            summary["derivatives_by_differences"] = count
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary

@@ -21,8 +21,8 @@ from piston_cosim.fmu_mfbd.slave import Mfbd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
+from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.stepping import Stepper
-from piston_cosim.master.coupling.wiring import start
 from piston_cosim.master.participants.fmi2 import unpack
 from piston_cosim.master.participants.local import LocalParticipant
 

@@ -6,6 +6,7 @@ Small problems take as long as their kernels take to compile; interpreted they t
 import functools
 
 import numpy as np
+
 from piston_cosim.master.fmi import compiled as module
 
 

@@ -8,6 +8,7 @@ from math import gamma, pi, sqrt
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_ehd import coating, reynolds
 from piston_cosim.fmu_ehd.asperity import Contact, ContactConstants, contact, contact_table
 from piston_cosim.fmu_ehd.films import (

@@ -19,9 +19,9 @@ from piston_cosim.master.coupling.methods import (
     QuasiNewton,
     Relaxation,
 )
+from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.step_control import StepControl, step_control
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
-from piston_cosim.master.coupling.wiring import start
 from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.interpolated import (
@@ -348,8 +348,11 @@ class Told:
         self.fields = {"u": SimpleNamespace(name="u", shape=(1,), unit="m", causality="input")}
         self.courses, self.state = [], 0
 
-    def start(self, parameters, start_time, stop_time):
+    def enter(self, parameters, start_time, stop_time):
         self.parameters = parameters
+
+    def leave(self):
+        pass
 
     def get(self, name):
         return np.array([1.0])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody, FrameMotion, frame_force
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,

@@ -93,7 +93,7 @@ class Newton:
 
         right = residual[feedback] / scale
         tolerance = max(
-            self.accuracy * float(np.min(allowed[feedback] / scale)),
+            self.accuracy * float(np.min(allowed[feedback] / scale, initial=np.inf)),
             self.forcing * float(np.linalg.norm(right)),
         )
         # Eq. (Q1)

@@ -41,7 +41,7 @@ class ProbedStep:
         used, y, _ = self.base
         feedback = self.interface.feedback
         nominal = self.interface.nominal
-        largest = np.max(np.abs(change[feedback] / nominal[feedback]))
+        largest = np.max(np.abs(change[feedback] / nominal[feedback]), initial=0.0)
         share = PROBE / max(largest, np.finfo(float).tiny)
         moved, result, _ = self.macro_step.evaluate(np.where(feedback, used + share * change, used))
         steps = (moved - used) / share

@@ -79,8 +79,8 @@ EXPORT int fmi2SetupExperiment(Instance *I, int tolerant, double tolerance, doub
     return OK;
 }
 
-EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_call(I, "enter_initialization_mode", "()"); }
-EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_call(I, "exit_initialization_mode", "()"); }
+EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_initialise(I, 1); }
+EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_initialise(I, 0); }
 EXPORT int fmi2Terminate(Instance *I) { return front_call(I, "terminate", "()"); }
 
 EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
@@ -97,31 +97,33 @@ static int unknown(Instance *I, const char *where, Reference reference)
     return ERROR;
 }
 
-/* A function that does `action` for each reference k, all below `limit`. */
-#define EACH(name, constant, type, limit, action)                                             \
+/* A function that does `action` for each reference k, all below `limit`, after `before`. */
+#define EACH(name, constant, type, limit, before, action)                                     \
     EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
     {                                                                                         \
+        int status = before;                                                                  \
         for (size_t k = 0; k < count; k++) {                                                  \
             if ((int64_t)vr[k] >= (limit))                                                    \
                 return unknown(I, __func__, vr[k]);                                           \
             action;                                                                           \
         }                                                                                     \
-        return OK;                                                                            \
+        return status;                                                                        \
     }
-EACH(fmi2SetReal, const, double, I->reals, I->real[vr[k]] = value[k])
-EACH(fmi2GetReal, , double, I->reals, value[k] = I->real[vr[k]])
-EACH(fmi2SetInteger, const, int, I->integers, I->integer[vr[k]] = value[k])
-EACH(fmi2GetInteger, , int, I->integers, value[k] = (int)I->integer[vr[k]])
-EACH(fmi2SetBoolean, const, int, 0, (void)value)
-EACH(fmi2GetBoolean, , int, 0, (void)value)
-EACH(fmi2SetString, const, char *const, I->strings, front_set_text(I, vr[k], value[k]))
+EACH(fmi2SetReal, const, double, I->reals, OK, I->real[vr[k]] = value[k])
+EACH(fmi2GetReal, , double, I->reals, front_show(I), value[k] = I->real[vr[k]])
+EACH(fmi2SetInteger, const, int, I->integers, OK, I->integer[vr[k]] = value[k])
+EACH(fmi2GetInteger, , int, I->integers, front_show(I), value[k] = (int)I->integer[vr[k]])
+EACH(fmi2SetBoolean, const, int, 0, OK, (void)value)
+EACH(fmi2GetBoolean, , int, 0, front_show(I), (void)value)
+EACH(fmi2SetString, const, char *const, I->strings, OK, front_set_text(I, vr[k], value[k]))
 
 EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const char **value)
 {
     for (size_t k = 0; k < count; k++)
         if ((int64_t)vr[k] >= I->strings)
             return unknown(I, __func__, vr[k]);
-    return front_get_texts(I, vr, count, value);
+    int status = front_show(I);
+    return status == OK ? front_get_texts(I, vr, count, value) : status;
 }
 
 /* Derivatives of inputs at the beginning of the step to come, which the slave then does not hold but follows. */

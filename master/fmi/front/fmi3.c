@@ -48,10 +48,10 @@ EXPORT int fmi3EnterInitializationMode(Instance *I, bool tolerant, double tolera
 {
     (void)tolerant, (void)tolerance, (void)stops, (void)stop;
     I->reached = start;
-    return front_call(I, "enter_initialization_mode", "()");
+    return front_initialise(I, 1);
 }
 
-EXPORT int fmi3ExitInitializationMode(Instance *I) { return front_call(I, "exit_initialization_mode", "()"); }
+EXPORT int fmi3ExitInitializationMode(Instance *I) { return front_initialise(I, 0); }
 EXPORT int fmi3EnterStepMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3EnterConfigurationMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3ExitConfigurationMode(Instance *I) { (void)I; return OK; }
@@ -100,13 +100,14 @@ EXPORT int fmi3GetFloat64(Instance *I, const Reference *vr, size_t count, double
 {
     if (!fits(I, __func__, REAL, true, vr, count, values))
         return ERROR;
+    int status = front_show(I);
     for (size_t k = 0; k < count; k++) {
         bool time = (int64_t)vr[k] == I->variables;
         Entry entry = time ? (Entry){.size = 1} : I->variable[vr[k]];
         memcpy(value, time ? &I->reached : I->real + entry.offset, (size_t)entry.size * sizeof *value);
         value += entry.size;
     }
-    return OK;
+    return status;
 }
 
 EXPORT int fmi3SetInt32(Instance *I, const Reference *vr, size_t count, const int32_t *value, size_t values)
@@ -123,10 +124,11 @@ EXPORT int fmi3GetInt32(Instance *I, const Reference *vr, size_t count, int32_t 
 {
     if (!fits(I, __func__, INTEGER, false, vr, count, values))
         return ERROR;
+    int status = front_show(I);
     for (size_t k = 0; k < count; k++)
         for (int64_t e = 0; e < I->variable[vr[k]].size; e++)
             *value++ = (int32_t)I->integer[I->variable[vr[k]].offset + e];
-    return OK;
+    return status;
 }
 
 EXPORT int fmi3SetString(Instance *I, const Reference *vr, size_t count, const char *const *value, size_t values)
@@ -145,7 +147,9 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
     Reference *offset = malloc(count * sizeof *offset + 1);
     for (size_t k = 0; k < count; k++)
         offset[k] = (Reference)I->variable[vr[k]].offset;
-    int status = front_get_texts(I, offset, count, value);
+    int status = front_show(I);
+    if (status == OK)
+        status = front_get_texts(I, offset, count, value);
     free(offset);
     return status;
 }

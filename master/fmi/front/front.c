@@ -235,6 +235,14 @@ int front_step(Instance *I, double time, double step)
     return status;
 }
 
+int front_initialise(Instance *I, int enters)
+{
+    I->initialising = enters;
+    return front_call(I, enters ? "enter_initialization_mode" : "exit_initialization_mode", "()");
+}
+
+int front_show(Instance *I) { return I->initialising ? front_call(I, "show_start", "()") : OK; }
+
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
 /* Copies `count` records of `width` numbers and moves the cursor behind them. */
@@ -346,6 +354,7 @@ void front_free(Instance *I)
 
 int front_reset(Instance *I)
 {
+    I->initialising = 0;
     int held = py.PyGILState_Ensure();
     int status = create_slave(I);
     py.PyGILState_Release(held);

@@ -23,6 +23,7 @@ typedef struct Instance {
     void (*logger)(void);                   /* the host's, of the type its standard gives it */
     void *text;                             /* PyObject: keeps the strings last handed out alive */
     double reached;                         /* end of the last step taken */
+    int initialising;                       /* in Initialization Mode: outputs follow what is set */
     double *real;
     int64_t *integer;
     int64_t reals, integers, strings;
@@ -39,6 +40,8 @@ int front_reset(Instance *);
 void front_log(Instance *, int status, const char *format, ...);
 int front_call(Instance *, const char *method, const char *format, ...);   /* arguments as for Py_BuildValue; a status */
 int front_step(Instance *, double time, double step);
+int front_initialise(Instance *, int enters);                   /* into Initialization Mode, or out of it */
+int front_show(Instance *);                                     /* before values are read */
 int front_set_text(Instance *, Reference, const char *text);
 int front_get_texts(Instance *, const Reference *, size_t count, const char **texts);
 int front_derivative(Instance *, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,

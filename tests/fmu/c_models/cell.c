@@ -1,0 +1,96 @@
+/* A first-order lag dx/dt = gain u - x by backward Euler as an FMI 2.0 FMU that keeps to the letter of the standard: its
+   directional derivative is the partial derivative at the communication point, 0 for a state. With REFUSES it is not to
+   be instantiated; a step beyond `fails_at` and fmi2Terminate after it answer fmi2Error. */
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct { double u, x, gain, x0, fails_at; } Model;
+typedef unsigned Reference;
+typedef void Logger(void *environment, const char *instance, int status, const char *category, const char *message, ...);
+typedef struct { Model m; Logger *log; void *environment; int failed; } Instance;
+
+void *fmi2Instantiate(const char *name, int type, const char *guid, const char *place, void *const *host, int v, int l)
+{
+    (void)type, (void)guid, (void)place, (void)v, (void)l;
+    Logger *log = (Logger *)host[0];
+#ifdef REFUSES
+    log(host[4], name, 3, "error", "no licence for this cell");
+    return NULL;
+#endif
+    (void)name;
+    Instance *i = calloc(1, sizeof *i);
+    i->log = log, i->environment = host[4];
+    i->m.gain = 1, i->m.fails_at = 1e9;
+    return i;
+}
+
+int fmi2DoStep(Instance *i, double time, double step, int last)
+{
+    (void)last;
+    if (time + step > i->m.fails_at) {
+        i->failed = 1;
+        i->log(i->environment, "cell", 3, "error", "the cell has burst");
+        return 3;
+    }
+    i->m.x = (i->m.x + step * i->m.gain * i->m.u) / (1 + step);
+    return 0;
+}
+
+int fmi2Terminate(Instance *i)
+{
+    if (i->failed)
+        abort(); /* the standard forbids the call after an error */
+    if (i->m.fails_at < 0.5)
+        i->log(i->environment, "cell", 3, "error", "the cell will not end");
+    return i->m.fails_at < 0.5 ? 3 : 0;
+}
+
+int fmi2SetReal(Instance *i, const Reference *r, size_t n, const double *v)
+{
+    for (size_t k = 0; k < n; k++)
+        (&i->m.u)[r[k]] = v[k];
+    return 0;
+}
+
+int fmi2GetReal(Instance *i, const Reference *r, size_t n, double *v)
+{
+    for (size_t k = 0; k < n; k++)
+        v[k] = (&i->m.u)[r[k]];
+    return 0;
+}
+
+int fmi2GetDirectionalDerivative(Instance *i, const Reference *y, size_t ny, const Reference *u, size_t nu, const double *d,
+                                 double *result)
+{
+    (void)i, (void)y, (void)u, (void)nu, (void)d;
+    memset(result, 0, ny * sizeof *result);
+    return 0;
+}
+
+int fmi2GetFMUstate(Instance *i, void **s)
+{
+    *s = *s ? *s : malloc(sizeof(Model));
+    memcpy(*s, &i->m, sizeof(Model));
+    return 0;
+}
+
+int fmi2SetFMUstate(Instance *i, const void *s) { memcpy(&i->m, s, sizeof(Model)); return 0; }
+int fmi2FreeFMUstate(Instance *i, void **s) { (void)i; free(*s); *s = NULL; return 0; }
+int fmi2SetupExperiment(Instance *i, int a, double t, double s, int e, double x)
+{
+    (void)i, (void)a, (void)t, (void)s, (void)e, (void)x;
+    return 0;
+}
+int fmi2EnterInitializationMode(Instance *i) { (void)i; return 0; }
+int fmi2ExitInitializationMode(Instance *i) { i->m.x = i->m.x0; return 0; }
+void fmi2FreeInstance(Instance *i) { free(i); }
+
+#define ERROR(name) int name(void) { return 3; }
+#define EMPTY(name) const char *name(void) { return "2.0"; }
+EMPTY(fmi2GetVersion) EMPTY(fmi2GetTypesPlatform)
+ERROR(fmi2Reset) ERROR(fmi2SetDebugLogging) ERROR(fmi2GetInteger) ERROR(fmi2SetInteger) ERROR(fmi2GetBoolean)
+ERROR(fmi2SetBoolean) ERROR(fmi2GetString) ERROR(fmi2SetString) ERROR(fmi2SerializedFMUstateSize)
+ERROR(fmi2SerializeFMUstate) ERROR(fmi2DeSerializeFMUstate) ERROR(fmi2SetRealInputDerivatives)
+ERROR(fmi2GetRealOutputDerivatives) ERROR(fmi2CancelStep) ERROR(fmi2GetStatus) ERROR(fmi2GetRealStatus)
+ERROR(fmi2GetIntegerStatus) ERROR(fmi2GetBooleanStatus) ERROR(fmi2GetStringStatus)
