@@ -67,6 +67,14 @@ def export_fmu(case, folder, progress):
     if given:
         raise BadInput(given)
     system = open_system(case, folder, progress)
+    if system.held:
+        raise BadInput(
+            [
+                f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}: "
+                "inside one FMU wires carry real numbers alone"
+                for wire in system.held
+            ]
+        )
     packages = {name: table.package for name, table in case.participants.items()}
     prepared = {
         name: import_part(f"{package}.build").prepare(

@@ -56,6 +56,11 @@ def export_ssp(tree, system, path):
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
+    mixed += [
+        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: is no wire of real numbers; "
+        "none other goes into an SSP"
+        for wire in system.held
+    ]
     if mixed:
         raise BadInput(mixed)
     version = "2.0" if any(map(_has_arrays, system.participants.values())) else "1.0"

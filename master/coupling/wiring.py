@@ -13,6 +13,22 @@ Port = tuple[str, str]
 """(participant, variable)."""
 
 
+def port_of(text: str) -> Port:
+    """Port of "participant.variable"; the variable's own name may hold dots."""
+    owner, _, name = text.partition(".")
+    return owner, name
+
+
+@dataclass(frozen=True)
+class HeldWire:
+    """A wire that carries no real numbers: what the source says at the beginning of a macro step is
+    set at the target and held over the step.
+    """
+
+    source: Port
+    target: Port
+
+
 @dataclass(frozen=True)
 class Wire:
     """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local
@@ -78,7 +94,7 @@ class System:
 
     stop, step : stop time and macro step [s]; smallest_step : where step control divides macro
     steps [s]; parallel : Jacobi's order, every participant reads what the others said in the
-    evaluation before.
+    evaluation before; held : wires that carry no real numbers.
     """
 
     participants: Mapping[str, Any]
@@ -90,6 +106,14 @@ class System:
     smallest_step: float = 0.0
     folder: str = ""
     parallel: bool = False
+    held: tuple[HeldWire, ...] = ()
+
+
+def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:
+    """Set what held wires carry, as their sources say it now."""
+    for wire in held:
+        value = participants[wire.source[0]].get(wire.source[1])
+        participants[wire.target[0]].set(wire.target[1], value)
 
 
 def start(
@@ -106,7 +130,7 @@ def start(
     for name, participant in system.participants.items():
         fed = {
             c.target[1]: started[c.source[0]].get(c.source[1])
-            for c in system.wires
+            for c in (*system.wires, *system.held)
             if c.target[0] == name and c.source[0] in started
         }
         try:
@@ -114,6 +138,8 @@ def start(
             started[name] = participant
         except BadInput as error:
             faults += error.faults
+    if not faults:
+        carry(started, system.held)
     # where inputs are interpolated the first step begins with what its sources say
     for c in system.wires:
         if c.source[0] in started and c.target[0] in started:

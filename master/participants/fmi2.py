@@ -65,7 +65,10 @@ class FmuParticipant:
             raise BadInput(
                 f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation"
             )
-        self.fields = gather_fields(self.description)
+        try:
+            self.fields = gather_fields(self.description)
+        except ValueError as error:
+            raise BadInput(f"participant {name}: {path}: {error}") from None
         self.folder = unpack(self.path)
         self.log = []
         root = self._model_description()
@@ -173,7 +176,10 @@ class FmuParticipant:
             block.values[:] = np.ravel(value)
             self._write(block)
         else:
-            self._access()[field.type][1](list(field.references), [value] * field.size)
+            values = (
+                np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
+            )
+            self._access()[field.type][1](list(field.references), values)
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step.
@@ -198,11 +204,16 @@ class FmuParticipant:
         """Value of a field: array of its shape, or a Python scalar."""
         field = self.fields[name]
         if field.type != "Real":
-            value = self._access()[field.type][0](list(field.references))[0]
-            return value.decode() if isinstance(value, bytes) else value
+            values = self._listed(field)
+            return np.array(values).reshape(field.shape) if field.shape else values[0]
         block = self._vector(name)
         self._read(block)
         return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+
+    def _listed(self, field):
+        """Values of all elements of a field that is not real."""
+        values = self._access()[field.type][0](list(field.references))
+        return [value.decode() if isinstance(value, bytes) else value for value in values]
 
     def _write(self, block):
         self._fmu.fmi2SetReal(self._fmu.component, block.references, block.count, block.pointer)

@@ -11,11 +11,12 @@ from importlib.metadata import version
 
 import numpy as np
 
+from ..case.schema import reduced
 from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
-from ..coupling.wiring import start
+from ..coupling.wiring import port_of, start
 from ..coupling.work import InterfaceWork
 from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults
@@ -63,7 +64,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     try:
         start(
             system,
-            (lambda participant: []) if begin_at else partial(rollback_faults, step=system.step),
+            (lambda participant: []) if begin_at else partial(_trial, step=system.step),
         )
         march = March(system, case, tree, output, watch, begin_at)
         try:
@@ -76,6 +77,11 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     finally:
         for participant in system.participants.values():
             participant.close()
+
+
+def _trial(participant, step):
+    """What is wrong with going back to a saved state, where the participant offers it."""
+    return rollback_faults(participant, step) if participant.can_redo else []
 
 
 class March:
@@ -102,6 +108,7 @@ class March:
             self,
             case.coupling.predictor,
             step_control(timed.wires, system.smallest_step),
+            system.held,
         )
         if begin_at:
             thaw(self.stepper, begin_at.frozen)
@@ -187,8 +194,8 @@ class Reduction:
 
     def __init__(self, name, text):
         self.name = name
-        self.kind, port = text.split()
-        self.owner, self.variable = port.split(".")
+        self.kind, port = reduced(text)
+        self.owner, self.variable = port_of(port)
         self.values = []
 
     def add(self, values):
@@ -204,7 +211,7 @@ def monitored(case, system, values):
     """Monitor entries of the step just taken: name -> (value, unit)."""
     found = {}
     for name, text in case.monitor.items():
-        owner, variable = text.split()[1].split(".")
+        owner, variable = port_of(reduced(text).port)
         found[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
     return found
 
