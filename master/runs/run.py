@@ -8,6 +8,7 @@ import time as clock
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from ..participants.fmi2 import ParticipantFault
 from ..participants.rollback import rollback_faults
 from ..participants.timing import Timed, split
 from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
+from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, writing
 
@@ -52,8 +54,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Raises
     ------
     BadInput
-        If a participant refuses its parameters, or cannot go back to a saved state; nothing has
-        been written then.
+        If a participant refuses its parameters, or cannot go back to a saved state, or another
+        process writes the same results; nothing has been written then.
     StepFailed, ParticipantFault, CannotWrite
         If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the
         results up to there stay in `<output>.partial`, and a note on the exception names the last
@@ -61,22 +63,24 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
-    try:
-        start(
-            system,
-            (lambda participant: []) if begin_at else partial(_trial, step=system.step),
-        )
-        march = March(system, case, tree, output, watch, begin_at)
+    output = Path(output).absolute()  # an FMU may change the working directory
+    with sole_writer(output), listening() as heard:
         try:
-            return march.go()
+            start(
+                system,
+                (lambda participant: []) if begin_at else partial(_trial, step=system.step),
+            )
+            march = March(system, case, tree, output, watch, begin_at)
+            try:
+                return march.go(heard)
+            finally:
+                march.close()
+        except (StepFailed, ParticipantFault, CannotWrite) as stop:
+            stop.add_note(kept(output))
+            raise
         finally:
-            march.close()
-    except (StepFailed, ParticipantFault, CannotWrite) as stop:
-        stop.add_note(kept(output))
-        raise
-    finally:
-        for participant in system.participants.values():
-            participant.close()
+            for participant in system.participants.values():
+                participant.close()
 
 
 def _trial(participant, step):
@@ -134,21 +138,22 @@ class March:
             )
             self.log = CouplingLog(output, timed.wires, self.account.counters)
 
-    def go(self):
-        """March to the stop time; the summary."""
+    def go(self, heard):
+        """March to the stop time, or to the end of the macro step in which a signal is `heard`; the
+        summary.
+        """
         stop, steps = self.system.stop, round(self.system.stop / self.system.step)
         every = self.case.record.checkpoint_every
-        with listening() as heard:
-            if not self.account.rows:
-                self.recorder.write(0.0)
-            for k in range(self.account.steps_done, steps):
-                before, after = stop * k / steps, stop * (k + 1) / steps
-                self.stepper.advance(before, after - before)
-                self.account.steps_done = k + 1
-                if heard.signal or (every and (k + 1) % every == 0):
-                    self.keep()
-                if heard.signal and k + 1 < steps:
-                    raise Interrupted(self.output, after)
+        if not self.account.rows:
+            self.recorder.write(0.0)
+        for k in range(self.account.steps_done, steps):
+            before, after = stop * k / steps, stop * (k + 1) / steps
+            self.stepper.advance(before, after - before)
+            self.account.steps_done = k + 1
+            if heard.signal or (every and (k + 1) % every == 0):
+                self.keep()
+            if heard.signal and k + 1 < steps:
+                raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)

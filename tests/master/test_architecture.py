@@ -12,7 +12,15 @@ ROOT = Path(__file__).parents[2]
 PARTS = ("fmu_ehd", "fmu_mfbd", "master")
 NAMES = {"piston_cosim", "models", *PARTS}
 COMPILED = "master.fmi.compiled"
-OUTER = {"declaration.py", "slave.py", "variables.py", "build.py", "options.py", "verification.py", "offline.py"}
+OUTER = {
+    "declaration.py",
+    "slave.py",
+    "variables.py",
+    "build.py",
+    "options.py",
+    "verification.py",
+    "offline.py",
+}
 
 
 def test_import_contracts_hold():
