@@ -24,7 +24,7 @@ COUPLING = [
         "wiring",
     )
 ]
-COUPLING += ["master.participants.local", "master.participants.participant"]
+COUPLING += [f"master.participants.{name}" for name in ("local", "participant", "plain")]
 """The part of the master that goes inside."""
 
 

@@ -3,17 +3,21 @@ crash.
 """
 
 import os
-import pickle
 import signal
 import threading
+import zipfile
+from collections import Counter
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 
 from ..coupling.stepping import Counters
-from ..coupling.work import InterfaceWork
+from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
+from ..participants.plain import NotPlain, pack, unpack
+from .reductions import Reduction
 
 
 class Interrupted(RuntimeError):
@@ -52,18 +56,33 @@ class Account:
     wall_time: float = 0.0
 
 
+MAGIC = b"piston-cosim checkpoint\n"
+VERSION = 1
+CHECKSUM = 32
+"""Bytes of a SHA-256."""
+
+ACCOUNTS = (Account, Counters, Reduction, InterfaceWork, ConjugatePair)
+"""Classes of what an account is made of."""
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """State of a run after a macro step.
 
     tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor,
-    method (see `freezing`).
+    method (see `freezing`); fmus : participant -> SHA-256 of its FMU's content.
+
+    The file holds the line "piston-cosim checkpoint", 4 bytes with the version of this layout, the
+    SHA-256 of all that follows, and then plain data (see `participants.plain`): no code. Its size
+    is that of the participants' states and of what the method remembers, and does not grow with the
+    run.
     """
 
     tree: dict
     folder: str
     frozen: bytes
     account: Account
+    fmus: dict
 
     @staticmethod
     def path(output):
@@ -76,25 +95,68 @@ class Checkpoint:
         """Put it beside the results file, in place of the last one in a single move."""
         target = self.path(output)
         partial = target.with_name(target.name + ".part")
+        data = pack(vars(self) | {"account": _bounded(self.account)}, ACCOUNTS)
         with open(partial, "wb") as file:
-            pickle.dump(self, file)
+            file.write(MAGIC + VERSION.to_bytes(4, "little") + sha256(data).digest())
+            file.write(data)
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, target)
 
     @staticmethod
     def read(path):
-        """The checkpoint in a file; only files of your own making: reading one can run code.
-        BadInput if it is none.
-        """
+        """The checkpoint in a file; BadInput if it is none, damaged or of another version."""
         try:
-            with open(path, "rb") as file:
-                checkpoint = pickle.load(file)
-        except (OSError, pickle.UnpicklingError, EOFError, AttributeError) as error:
+            whole = Path(path).read_bytes()
+        except OSError as error:
             raise BadInput(f"{path}: no checkpoint of this version: {error}") from None
-        if not isinstance(checkpoint, Checkpoint):
-            raise BadInput(f"{path}: no checkpoint")
-        return checkpoint
+        begin = len(MAGIC) + 4 + CHECKSUM
+        if not whole.startswith(MAGIC) or len(whole) < begin:
+            raise BadInput(f"{path}: no checkpoint of this version")
+        version = int.from_bytes(whole[len(MAGIC) : len(MAGIC) + 4], "little")
+        if version != VERSION:
+            raise BadInput(
+                f"{path}: is a checkpoint of layout {version}; this version reads {VERSION}"
+            )
+        data = whole[begin:]
+        if sha256(data).digest() != whole[begin - CHECKSUM : begin]:
+            raise BadInput(f"{path}: is damaged: its checksum is not that of its content")
+        try:
+            found = Checkpoint(**unpack(data, ACCOUNTS))
+            _unbounded(found.account)
+        except (NotPlain, TypeError, AttributeError, KeyError) as error:
+            raise BadInput(f"{path}: no checkpoint: {error}") from None
+        return found
+
+
+def _bounded(account):
+    """The account with the number of macro steps by their iterations, in place of a list of them
+    all.
+    """
+    counted = dict(Counter(account.counters.iterations))
+    return replace(account, counters=replace(account.counters, iterations=counted))
+
+
+def _unbounded(account):
+    """The list of iterations again, in another order, which nobody asks for."""
+    counted = account.counters.iterations
+    account.counters.iterations = [int(k) for k, count in counted.items() for _ in range(count)]
+
+
+def fingerprints(participants):
+    """SHA-256 of the content of every participant's FMU: participant -> text."""
+    paths = {name: getattr(p, "path", None) for name, p in participants.items()}
+    return {name: _content_hash(path) for name, path in paths.items() if path is not None}
+
+
+def _content_hash(path):
+    """Of names and contents alone: an FMU built again has other times in its archive."""
+    digest = sha256()
+    with zipfile.ZipFile(path) as archive:
+        for name in sorted(archive.namelist()):
+            digest.update(f"{name}\n".encode())
+            digest.update(sha256(archive.read(name)).digest())
+    return digest.hexdigest()
 
 
 @contextmanager

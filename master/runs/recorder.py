@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 
 from ..coupling.wiring import port_of
+from ..fmi.errors import BadInput
 from ..results.file import dataset_path
 
 ROOM = 2**18
@@ -125,7 +126,11 @@ class Recorder:
         """Copy the first rows of the interrupted run; its file may lack the mark of having been
         closed.
         """
-        with h5py.File(self.partial, "r", libver="latest", swmr=True) as file:
+        try:
+            before = h5py.File(self.partial, "r", libver="latest", swmr=True)
+        except OSError as error:
+            raise BadInput(f"{self.partial}: is damaged: {error}") from None
+        with before as file:
             old: Any = file
             instants = -(-self.rows // self.record.every)
 
@@ -135,7 +140,12 @@ class Recorder:
                     dataset.resize(count, axis=0)
                     dataset[...] = old[name][:count]
 
-            self.file.visititems(copy)
+            try:
+                self.file.visititems(copy)
+            except (KeyError, TypeError, ValueError, AttributeError):
+                raise BadInput(
+                    f"{self.partial}: does not hold the first {self.rows} rows of this run"
+                ) from None
 
     def _largest_growth(self):
         """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each

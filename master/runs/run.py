@@ -6,7 +6,7 @@ import json
 import platform
 import time as clock
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -19,13 +19,16 @@ from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import port_of, start
 from ..coupling.work import InterfaceWork
+from ..fmi.errors import BadInput
 from ..participants.fmi2 import ParticipantFault
+from ..participants.plain import NotPlain
 from ..participants.rollback import rollback_faults
 from ..participants.timing import Timed, split
-from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
+from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
 from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, writing
+from .reductions import Reduction
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
@@ -66,6 +69,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
     output = Path(output).absolute()  # an FMU may change the working directory
     with sole_writer(output), listening() as heard:
         try:
+            if begin_at:
+                _check_resumable(begin_at, system, output)
             start(
                 system,
                 (lambda participant: []) if begin_at else partial(_trial, step=system.step),
@@ -81,6 +86,22 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None):
         finally:
             for participant in system.participants.values():
                 participant.close()
+
+
+def _check_resumable(checkpoint, system, output):
+    """BadInput where the FMUs are not those of the checkpoint, or the results so far are gone."""
+    now = fingerprints(system.participants)
+    faults = [
+        f"{Checkpoint.path(output)}: was written with another FMU of {name}: its content "
+        "has changed since; run again from the start"
+        for name in sorted(now.keys() | checkpoint.fmus.keys())
+        if now.get(name) != checkpoint.fmus.get(name)
+    ]
+    partial_file = Path(f"{output}.partial")
+    if not partial_file.exists():
+        faults.append(f"{partial_file}: is gone; without it the run cannot go on")
+    if faults:
+        raise BadInput(faults)
 
 
 def _trial(participant, step):
@@ -115,7 +136,12 @@ class March:
             system.held,
         )
         if begin_at:
-            thaw(self.stepper, begin_at.frozen)
+            try:
+                thaw(self.stepper, begin_at.frozen)
+            except NotPlain as error:
+                raise BadInput(
+                    f"{Checkpoint.path(output)}: no checkpoint of this run: {error}"
+                ) from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
         else:
             Checkpoint.path(output).unlink(
@@ -183,33 +209,24 @@ class March:
         self.recorder.flush()
         self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
         with writing(Checkpoint.path(self.output)):
-            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(
-                self.output
-            )
+            Checkpoint(
+                self.tree,
+                self.system.folder,
+                freeze(self.stepper),
+                self.account,
+                self.fingerprints,
+            ).write(self.output)
         self.account.spent["recording"] += clock.perf_counter() - begin
+
+    @cached_property
+    def fingerprints(self):
+        """Hashes of the participants' FMUs."""
+        return fingerprints(self.system.participants)
 
     def close(self):
         """Close the files; what they hold stays."""
         self.recorder.close()
         self.log.close()
-
-
-class Reduction:
-    """One summary entry: "min|max|mean|last participant.variable" over all macro steps."""
-
-    def __init__(self, name, text):
-        self.name = name
-        self.kind, port = reduced(text)
-        self.owner, self.variable = port_of(port)
-        self.values = []
-
-    def add(self, values):
-        self.values.append(values[self.owner][self.variable])
-
-    def result(self):
-        if self.kind == "last":
-            return self.values[-1]
-        return float({"min": np.min, "max": np.max, "mean": np.mean}[self.kind](self.values))
 
 
 def monitored(case, system, values):
