@@ -6,7 +6,15 @@ from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from ...models import MODELS
 from ..fmi.errors import BadInput
@@ -16,6 +24,16 @@ Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
 """A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
 brackets and all.
 """
+
+
+def _file_name(text: str) -> str:
+    if text in ("", ".", "..") or re.search(r"[/\\\x00-\x1f]", text):
+        raise ValueError("must be a plain file name, without / and \\")
+    return text
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+"""Becomes the name of a file in the output folder, and of none elsewhere."""
 
 REDUCTIONS = ("min", "max", "mean", "last")
 TAKEN = ("coupling", "fields", "time")
@@ -168,7 +186,7 @@ class Picture(Table):
     length is 360 deg), at the share `height` of their second.
     """
 
-    file: str
+    file: FileName
     title: str
     kind: Literal["lines", "map", "section"]
     x: Port | None = None
@@ -275,7 +293,7 @@ class Study(Table):
 
     title: str
     set: dict[str, Any] = {}
-    points: dict[str, dict[str, Any]]
+    points: dict[FileName, dict[str, Any]]
     reference: str
     x: Port | None = None
     curves: list[Port] = []
@@ -303,7 +321,7 @@ class Case(Table):
     """
 
     title: str
-    label: str = "base"
+    label: FileName = "base"
     time: Time
     participants: dict[str, ParticipantTable]
     wires: list[WireTable]
@@ -315,8 +333,8 @@ class Case(Table):
     axes: list[Axes] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
-    studies: dict[str, Study] = {}
-    variants: dict[str, dict[str, Any]] = {}
+    studies: dict[FileName, Study] = {}
+    variants: dict[FileName, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
     @classmethod

@@ -7,6 +7,7 @@ The only file that knows FMPy.
 import ctypes
 import shutil
 import tempfile
+import warnings
 import zipfile
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -19,6 +20,7 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
+from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, ParticipantFault
@@ -54,7 +56,11 @@ class FmuParticipant:
     def __init__(self, name, path):
         self.name, self.path = name, Path(path)
         try:
+            with zipfile.ZipFile(path) as archive:
+                check_archive(archive, self.path)
             self.description: Any = fmpy.read_model_description(str(path), validate=False)
+        except BadInput:
+            raise
         except Exception as error:
             raise BadInput(
                 f"participant {name}: {path} cannot be read as an FMU: {error}"
@@ -459,9 +465,15 @@ def unpack(path):
     """Folder with the FMU's content in the user's cache, named by the file's hash."""
     digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
     folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
-    if not folder.exists():
+    if folder.exists():
+        if healed := heal(path, folder):
+            warnings.warn(
+                f"{folder}: was damaged and is whole again: {', '.join(healed)}", stacklevel=2
+            )
+    else:
         partial = Path(tempfile.mkdtemp(dir=folder.parent))
         with zipfile.ZipFile(path) as archive:
+            check_archive(archive, Path(path))
             archive.extractall(partial)
         try:
             partial.rename(folder)

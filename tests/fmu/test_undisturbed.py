@@ -1,5 +1,5 @@
-"""What must not break a run: an FMU that hangs or changes the working directory, a second run in the
-same folder, a point of a sweep that never ends.
+"""What must not break a run: an FMU that hangs or changes the working directory, a second run in
+the same results, a point of a sweep that never ends, archives and names made to do harm.
 """
 
 import csv
@@ -7,9 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 
 import numpy as np
 import pytest
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import unpack
+from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 
 from .counter import case_text, library, make
@@ -120,3 +125,45 @@ def test_a_time_limit_is_a_time(folder, limit):
     process = begun(folder, "sweep", "case.toml", *words)
     _, told = process.communicate(timeout=60)
     assert process.returncode == 2 and "--time-limit" in told
+
+
+PICTURE = '[[pictures]]\nfile = "{}"\ntitle = "t"\nkind = "lines"\nx = "a.x"\ny = [["b.x"]]\n'
+
+
+@pytest.mark.parametrize("name", ["../x", "/tmp/x", "a/../x", "..", "a\\\\b", ""])
+@pytest.mark.parametrize(
+    "more", [PICTURE, '[variants."{}"]\n"coupling.predictor" = 1\n', 'label = "{}"\n']
+)
+def test_names_of_files_stay_in_the_output_folder(tmp_path, more, name):
+    text = case_text(LOOP)
+    added = more.format(name)
+    text = added + text if more.startswith("label") else text + added
+    (tmp_path / "case.toml").write_text(text)
+    with pytest.raises(BadInput, match="must be a plain file name"):
+        check_case(read_tree(tmp_path / "case.toml"), tmp_path)
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(folder):
+    with zipfile.ZipFile(folder / "a.fmu", "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("resources/zeros", bytes(2**27))
+    with pytest.raises(BadInput, match="would unpack to 134 MB, more than 200 times"):
+        open_fmu("a", folder / "a.fmu")
+    with zipfile.ZipFile(folder / "b.fmu", "a") as archive:
+        archive.writestr("../../x", b"out")
+    with pytest.raises(BadInput, match="'../../x' leads out of it"):
+        open_fmu("b", folder / "b.fmu")
+
+
+def test_damaged_files_of_the_cache_are_named_and_whole_again(folder, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
+    unpacked = unpack(folder / "a.fmu")
+    library_there = unpacked / "binaries" / "linux64" / "counter.so"
+    whole = library_there.read_bytes()
+    for damaged in (whole[:-1], b"X" + whole[1:], None):
+        if damaged is None:
+            library_there.unlink()
+        else:
+            library_there.write_bytes(damaged)
+        with pytest.warns(UserWarning, match="was damaged and is whole again: .*counter.so"):
+            unpack(folder / "a.fmu")
+        assert library_there.read_bytes() == whole
