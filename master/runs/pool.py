@@ -68,9 +68,9 @@ class LocalPool(Executor):
             future, work = call
             if self._closed.is_set() or not future.set_running_or_notify_cancel():
                 continue
-            if process is None or not process.is_alive():
-                process, pipe = self._start()
             try:
+                if process is None or not process.is_alive():
+                    process, pipe = self._start()
                 self._answer(future, work, process, pipe)
             except Exception as error:
                 future.set_exception(error)
@@ -85,6 +85,11 @@ class LocalPool(Executor):
         process.start()
         other.close()
         self._processes.add(process)
+        try:
+            pipe.recv()  # it is up: its start is not counted into any call's time
+        except EOFError:
+            self._end(process)
+            raise PointDied("its process could not be started") from None
         return process, pipe
 
     def _answer(self, future, work, process, pipe):
@@ -119,6 +124,7 @@ def _serve(pipe):
     """Answer calls until the pipe closes; Ctrl-C is the master's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, daemon=True).start()
+    pipe.send("up")
     while True:
         try:
             function, arguments, named = pipe.recv()
