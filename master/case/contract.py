@@ -11,6 +11,7 @@ from pathlib import Path
 from ...models import MODELS
 from ..fmi.errors import BadInput
 from ..participants.open import open_fmu
+from .schema import reduced
 
 CONTRACT = MODELS / "lubrication_contract.toml"
 
@@ -219,13 +220,18 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
     left_out: list[str] = []
 
     def known(port):
-        owner, _, variable = port.split()[-1].partition(".")
+        owner, _, variable = port.partition(".")
         return owner != name or variable in fields
 
     def kept(table, entries):
         """Entries (key -> port) of a table whose port is there; the others are noted."""
         left_out.extend(f"{table}.{key}" for key, port in entries.items() if not known(port))
         return {key: port for key, port in entries.items() if known(port)}
+
+    def kept_reductions(table):
+        entries = tree.get(table, {})
+        ports = kept(table, {key: reduced(text).port for key, text in entries.items()})
+        return {key: entries[key] for key in ports}
 
     table = tree["participants"][name]
     given = table.get("parameters", {})
@@ -244,8 +250,8 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
         | {
             "fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))
         },
-        "summary": kept("summary", tree.get("summary", {})),
-        "monitor": kept("monitor", tree.get("monitor", {})),
+        "summary": kept_reductions("summary"),
+        "monitor": kept_reductions("monitor"),
         "pictures": [
             p
             for p in (_picture(picture, known, left_out) for picture in tree.get("pictures", []))

@@ -12,20 +12,8 @@ from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from .system import open_system
 
-COUPLING = [
-    f"master.coupling.{name}"
-    for name in (
-        "coupled",
-        "freezing",
-        "interface",
-        "methods",
-        "step_control",
-        "stepping",
-        "wiring",
-    )
-]
-COUPLING += ["master.participants.local", "master.participants.participant"]
-"""The part of the master that goes inside."""
+COUPLED = "master.coupling.coupled"
+"""The part of the master that goes inside, with all that it imports."""
 
 
 def export_fmu(case, folder, progress):
@@ -67,6 +55,14 @@ def export_fmu(case, folder, progress):
     if given:
         raise BadInput(given)
     system = open_system(case, folder, progress)
+    if system.held:
+        raise BadInput(
+            [
+                f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}: "
+                "inside one FMU wires carry real numbers alone"
+                for wire in system.held
+            ]
+        )
     packages = {name: table.package for name, table in case.participants.items()}
     prepared = {
         name: import_part(f"{package}.build").prepare(
@@ -92,8 +88,8 @@ def export_fmu(case, folder, progress):
     }
     return pack_fmu(
         "coupled",
-        "master.coupling.coupled:Coupled",
-        [*packages.values(), *COUPLING],
+        f"{COUPLED}:Coupled",
+        [*packages.values(), COUPLED],
         options,
         _resources(prepared),
         progress,

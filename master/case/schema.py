@@ -1,17 +1,56 @@
 """Case files: TOML with units -> a checked `Case`, every fault of the file in one message."""
 
+import re
 import tomllib
+from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from ...models import MODELS
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
+from ..fmi.quantities import registry, to_si
 
-Port = Annotated[str, Field(pattern=r"^\w+\.\w+$")]
-"""A variable of a participant: "participant.variable"."""
+Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
+"""A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
+brackets and all.
+"""
+
+
+def _file_name(text: str) -> str:
+    if text in ("", ".", "..") or re.search(r"[/\\\x00-\x1f]", text):
+        raise ValueError("must be a plain file name, without / and \\")
+    return text
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+"""Becomes the name of a file in the output folder, and of none elsewhere."""
+
+REDUCTIONS = ("min", "max", "mean", "last")
+TAKEN = ("coupling", "fields", "time")
+"""What results files hold beside the participants."""
+
+
+class Reduced(NamedTuple):
+    """What "min|max|mean|last participant.variable" says."""
+
+    kind: str
+    port: str
+
+
+def reduced(text: str) -> Reduced:
+    """Kind and port of a summary entry."""
+    kind, _, port = text.strip().partition(" ")
+    return Reduced(kind, port.strip())
 
 
 class Table(BaseModel):
@@ -147,7 +186,7 @@ class Picture(Table):
     length is 360 deg), at the share `height` of their second.
     """
 
-    file: str
+    file: FileName
     title: str
     kind: Literal["lines", "map", "section"]
     x: Port | None = None
@@ -254,7 +293,7 @@ class Study(Table):
 
     title: str
     set: dict[str, Any] = {}
-    points: dict[str, dict[str, Any]]
+    points: dict[FileName, dict[str, Any]]
     reference: str
     x: Port | None = None
     curves: list[Port] = []
@@ -282,7 +321,7 @@ class Case(Table):
     """
 
     title: str
-    label: str = "base"
+    label: FileName = "base"
     time: Time
     participants: dict[str, ParticipantTable]
     wires: list[WireTable]
@@ -294,23 +333,31 @@ class Case(Table):
     axes: list[Axes] = []
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
-    studies: dict[str, Study] = {}
-    variants: dict[str, dict[str, Any]] = {}
+    studies: dict[FileName, Study] = {}
+    variants: dict[FileName, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")
     @classmethod
     def reductions(cls, entries):
         for name, text in entries.items():
-            words = text.split()
-            if (
-                len(words) != 2
-                or words[0] not in ("min", "max", "mean", "last")
-                or words[1].count(".") != 1
-            ):
+            kind, port = reduced(text)
+            owner, _, variable = port.partition(".")
+            if kind not in REDUCTIONS or not owner or not variable:
                 raise ValueError(
                     f"{name} = {text!r}: write 'min|max|mean|last participant.variable'"
                 )
         return entries
+
+    @field_validator("participants")
+    @classmethod
+    def names(cls, tables):
+        for name in tables:
+            if not re.fullmatch(r"\w+", name) or name in TAKEN:
+                raise ValueError(
+                    f"{name!r} cannot name a participant: letters, digits and _, "
+                    f"and none of {', '.join(TAKEN)}"
+                )
+        return tables
 
     @field_validator("window")
     @classmethod
@@ -344,7 +391,7 @@ class Case(Table):
             ports += picture.fields
             ports += [port for panel in picture.y for port in panel]
         for entries in (self.summary.values(), self.monitor.values(), self.window):
-            ports += [text.split()[1] for text in entries]
+            ports += [reduced(text).port for text in entries]
         for loop in self.report.loops.values():
             ports += [loop.x, *loop.y]
         if motion := self.report.motion:
@@ -397,7 +444,7 @@ def _change(tree, key, value):
     """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0.
     Returns a fault or None.
     """
-    *parents, last = key.split(".")
+    *parents, last = _parts(key)
     node = tree
     for k, part in enumerate(parents):
         if isinstance(node, list):
@@ -413,6 +460,18 @@ def _change(tree, key, value):
         )
     node[last] = value
     return None
+
+
+def _parts(key):
+    """Parts of a dotted key; a part with dots of its own is quoted, as in TOML."""
+    try:
+        node, parts = tomllib.loads(f"{key} = 0"), []
+    except tomllib.TOMLDecodeError:
+        return key.split(".")
+    while isinstance(node, dict):
+        ((part, node),) = node.items()
+        parts.append(part)
+    return parts
 
 
 def check_case(tree, path):
@@ -457,4 +516,21 @@ def times(case: Case, speed: float | None) -> Clock:
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
+    if fault := _end_fault(case.time, values["stop"] / values["step"]):
+        raise BadInput(fault)
     return Clock(values["stop"], values["step"], values.get("smallest_step", values["step"] / 64))
+
+
+def _end_fault(time: Time, steps: float) -> str | None:
+    """What is wrong with a stop time of so many macro steps; they may be off a whole number by
+    what rounding does to two units.
+    """
+    whole = round(steps)
+    if whole >= 1 and abs(steps - whole) <= 1e-9 * whole:
+        return None
+    where = f"time.stop = {time.stop}"
+    if steps < 1:
+        return f"{where}: is before the end of the first step, {time.step}"
+    step = registry().Quantity(time.step)
+    nearest = [f"{count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
+    return f"{where}: is no multiple of time.step = {time.step}; {nearest[0]} and {nearest[1]} are"

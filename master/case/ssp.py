@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder
 from ..fmi.description import BASE_UNITS, VENDOR
 from ..fmi.errors import BadInput
@@ -55,6 +56,11 @@ def export_ssp(tree, system, path):
         for c in system.wires
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
+    ]
+    mixed += [
+        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: is no wire of real numbers; "
+        "none other goes into an SSP"
+        for wire in system.held
     ]
     if mixed:
         raise BadInput(mixed)
@@ -199,6 +205,7 @@ def read_ssp(path):
     folder = cache_folder("ssp") / sha256(Path(path).read_bytes()).hexdigest()[:16]
     try:
         with zipfile.ZipFile(path) as archive:
+            check_archive(archive, Path(path))
             archive.extractall(folder)
         root = ElementTree.parse(folder / "SystemStructure.ssd").getroot()
     except (zipfile.BadZipFile, OSError, ElementTree.ParseError) as error:

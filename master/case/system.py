@@ -6,15 +6,17 @@ from dataclasses import replace
 from difflib import get_close_matches
 from math import inf
 
-from ..coupling.wiring import System, Wire, is_unknown
+from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
+from ..fmi.quantities import is_known, pint_unit, registry, to_si
+from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
+from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
-from .schema import times
+from .schema import reduced, times
 
 TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
@@ -42,14 +44,20 @@ def open_system(case, folder, progress):
         name: _parameters(participants[name], case.participants[name].parameters, faults)
         for name in participants
     }
+    _check_sources(case.wires, faults)
+    conversions = {}
     joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
-    wires = [wire for wire in joined if wire is not None]
-    participants = _interpolating(case, participants, faults)
+    wires = [wire for wire in joined if isinstance(wire, Wire)]
+    reals = [table for table, wire in zip(case.wires, joined) if isinstance(wire, Wire)]
+    held = [wire for wire in joined if isinstance(wire, HeldWire)]
+    conversions = {} if faults else _conversions(reals, participants)
+    _in_units_of_wires(parameters, conversions)
+    participants = _interpolating(case, _converting(participants, conversions), faults)
     try:
         conjugates(wires, case.wires)
     except BadInput as error:
         faults += error.faults
-    _check_capabilities(participants, faults)
+    participants = _able(case, participants, faults)
     _check_ports(case, participants, faults)
     clock = None
     try:
@@ -69,6 +77,7 @@ def open_system(case, folder, progress):
         clock.smallest_step,
         str(folder),
         case.coupling.parallel,
+        tuple(held),
     )
 
 
@@ -119,11 +128,16 @@ def _value(field, text):
     """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
     if field.type == "String":
         return str(text)
+    if field.type == "Binary":
+        try:
+            return bytes.fromhex(str(text))
+        except ValueError:
+            raise ValueError(f"{text!r} must be bytes as hexadecimal digits") from None
     if field.type == "Boolean":
         if not isinstance(text, bool):
             raise ValueError(f"{text!r} must be true or false")
         return text
-    value = to_si(text, field.unit)
+    value = _quantity(text, field)
     low = float("-inf") if field.minimum is None else field.minimum
     high = float("inf") if field.maximum is None else field.maximum
     if not low <= value <= high:
@@ -134,13 +148,26 @@ def _value(field, text):
     return value if field.type == "Real" else int(value)
 
 
+def _quantity(text, field):
+    """A value in the FMU's unit: by what the FMU declares of a unit of its own, else by the unit's
+    name.
+    """
+    definition = _definition(field)
+    if definition is None or (definition.factor == 1.0 and definition.offset == 0.0):
+        return to_si(text, field.unit)
+    try:
+        return definition.from_base(to_si(text, definition.base))
+    except ValueError as error:
+        raise ValueError(f"{error} (the FMU has {field.unit})") from None
+
+
 def _near(name, known):
     close = get_close_matches(name, known, 1)
     return f" (did you mean {close[0]}?)" if close else ""
 
 
 def _field(port, causalities, participants, where, faults):
-    owner, name = port.split(".")
+    owner, name = port_of(port)
     field = participants[owner].fields.get(name)
     known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
     if field is None or field.causality not in causalities:
@@ -151,6 +178,29 @@ def _field(port, causalities, participants, where, faults):
     return field
 
 
+def _check_sources(tables, faults):
+    """One input has one source."""
+    sources: dict[str, list[str]] = {}
+    for table in tables:
+        sources.setdefault(table.target, []).append(table.source)
+    faults += [
+        f"wire to {target}: has {len(several)} sources, {' and '.join(several)}; an input takes one"
+        for target, several in sources.items()
+        if len(several) > 1
+    ]
+
+
+OF_NUMBERS = (
+    "tolerance",
+    "relative_tolerance",
+    "residual_relative_tolerance",
+    "largest_decrease",
+    "local_error",
+    "conjugate",
+)
+"""What a wire's table may say of real numbers alone."""
+
+
 def _wire(table, participants, coupling, faults):
     """The wire of a case's table, ready for use; None and a fault where an end is missing."""
     where = f"wire {table.source} -> {table.target}"
@@ -158,27 +208,32 @@ def _wire(table, participants, coupling, faults):
     target = _field(table.target, ("input",), participants, where, faults)
     if source is None or target is None:
         return None
+    if source.type != target.type:
+        faults.append(
+            f"{where}: types differ, {source.type} and {target.type}; a wire joins equal types"
+        )
+        return None
     if source.shape != target.shape:
         faults.append(
             f"{where}: shapes differ, {source.shape} and {target.shape} "
             "(build both FMUs with the same grid)"
         )
-    declared = [
-        field.unit
-        for field, port in ((source, table.source), (target, table.target))
-        if participants[port.split(".")[0]].declares_units
-    ]
-    if len(set(declared)) > 1:
-        faults.append(f"{where}: units differ, {source.unit} and {target.unit}")
-    unit = declared[-1] if declared else "1"
-    nominal = target.nominal or source.nominal or 1.0
-    tolerance = _amount(table.tolerance, "tolerance", nominal, unit, where, faults)
-    local_error = _amount(table.local_error, "local_error", nominal, unit, where, faults)
+    if source.type != "Real":
+        return _held_wire(table, source, where, faults)
+    named = source
+    conversion = None
+    try:
+        named, conversion = _common_unit(table, participants)
+    except ValueError as error:
+        faults.append(f"{where}: units differ, {source.unit} and {target.unit}{error}")
+    nominal = _nominal(source, target, conversion)
+    tolerance = _amount(table.tolerance, "tolerance", nominal, named, where, faults)
+    local_error = _amount(table.local_error, "local_error", nominal, named, where, faults)
     wire = Wire(
-        source=tuple(table.source.split(".")),
-        target=tuple(table.target.split(".")),
+        source=port_of(table.source),
+        target=port_of(table.target),
         shape=target.shape,
-        unit=unit,
+        unit=named.unit,
         nominal=nominal,
         tolerance=0.0 if tolerance is None else tolerance,
         largest_decrease=table.largest_decrease,
@@ -192,14 +247,101 @@ def _wire(table, participants, coupling, faults):
     return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
-def _amount(given, key, nominal, unit, where, faults):
-    """A positive entry of a wire in SI: a number multiplies the nominal value; None if it is not
-    given, or with a fault.
+def _held_wire(table, source, where, faults):
+    """A wire of integers, booleans, enumerations, texts or bytes."""
+    said = [key for key in OF_NUMBERS if getattr(table, key)]
+    said += ["interpolation"] if table.interpolation != "held" else []
+    if said:
+        faults.append(
+            f"{where}: {', '.join(said)}: a wire of type {source.type} is handed over as it is "
+            "and held over a macro step"
+        )
+    return HeldWire(port_of(table.source), port_of(table.target))
+
+
+def _common_unit(table, participants):
+    """The end whose unit the wire has, and the `Conversion` to its target or None. That is its
+    source; but an FMU that names no unit at all is taken to have the other's.
+    """
+    ports = [port_of(table.source), port_of(table.target)]
+    ends = [participants[owner].fields[name] for owner, name in ports]
+    declared = [end for end, (owner, _) in zip(ends, ports) if participants[owner].declares_units]
+    if len(declared) < 2:
+        return (declared[0] if declared else ends[0]), None
+    conversion = _conversion(*ends)
+    return ends[0], None if conversion == (1.0, 0.0) else conversion
+
+
+def _conversions(tables, participants):
+    """Input -> `Conversion`, of the wires whose ends differ in unit."""
+    units = {port_of(table.target): _common_unit(table, participants)[1] for table in tables}
+    return {port: conversion for port, conversion in units.items() if conversion is not None}
+
+
+def _definition(field):
+    """What an FMU declares of a field's unit; a participant that is none declares nothing."""
+    return getattr(field, "definition", None)
+
+
+def _conversion(source, target):
+    """From a field's unit to another's, by what both FMUs declare of their units, else by the
+    units' names; ValueError where it cannot be.
+    """
+    first = _definition(source)
+    second = _definition(target)
+    if first is not None and second is not None:
+        if first.exponents != second.exponents:
+            raise ValueError(f": {first.base} and {second.base} in base units")
+        return Conversion(
+            first.factor / second.factor, (first.offset - second.offset) / second.factor
+        )
+    if source.unit == target.unit:
+        return Conversion(1.0, 0.0)
+    if "1" in (source.unit, target.unit):
+        raise ValueError("")
+    if not (is_known(source.unit) and is_known(target.unit)):
+        raise ValueError("; neither FMU says how to convert")
+    unit = registry().Unit(pint_unit(source.unit))
+    wanted = registry().Unit(pint_unit(target.unit))
+    if not unit.is_compatible_with(wanted):
+        raise ValueError("")
+    zero, one = (registry().Quantity(value, unit).to(wanted).magnitude for value in (0.0, 1.0))
+    return Conversion(float(one - zero), float(zero))
+
+
+def _nominal(source, target, conversion):
+    """Nominal value of a wire in its source's unit, that of its target if it has one."""
+    if target.nominal and conversion is not None:
+        return target.nominal / abs(conversion.gain)
+    return target.nominal or source.nominal or 1.0
+
+
+def _in_units_of_wires(parameters, conversions):
+    """Start values of converted inputs are given in the FMU's unit and set in the wire's."""
+    for (owner, name), conversion in conversions.items():
+        if name in parameters[owner]:
+            parameters[owner][name] = conversion.back(parameters[owner][name])
+
+
+def _converting(participants, conversions):
+    """The participants, those with inputs in another unit than their wires' wrapped."""
+    by_owner: dict[str, dict[str, Conversion]] = {}
+    for (owner, name), conversion in conversions.items():
+        by_owner.setdefault(owner, {})[name] = conversion
+    return {
+        name: ConvertedParticipant(p, by_owner[name]) if name in by_owner else p
+        for name, p in participants.items()
+    }
+
+
+def _amount(given, key, nominal, named, where, faults):
+    """A positive entry of a wire in its unit, that of its source: a number multiplies the nominal
+    value; None if it is not given, or with a fault.
     """
     if given is None:
         return None
     try:
-        amount = given * nominal if isinstance(given, float) else to_si(given, unit)
+        amount = given * nominal if isinstance(given, float) else _difference(given, named)
     except ValueError as error:
         faults.append(f"{where}: {key}: {error}")
         return None
@@ -208,13 +350,20 @@ def _amount(given, key, nominal, unit, where, faults):
     return amount
 
 
+def _difference(given, named):
+    """A difference of values in a field's unit: an offset of the unit has no part in it."""
+    if _definition(named) is None:
+        return to_si(given, named.unit)
+    return _quantity(given, replace(named, definition=replace(named.definition, offset=0.0)))
+
+
 def _interpolating(case, participants, faults):
     """The participants, those with interpolated inputs wrapped; faults of those that cannot are
     appended.
     """
     kinds = {}
     for wire in case.wires:
-        (owner, name), (target, inlet) = wire.source.split("."), wire.target.split(".")
+        (owner, name), (target, inlet) = port_of(wire.source), port_of(wire.target)
         if wire.interpolation == "held":
             continue
         kinds.setdefault(target, {})[inlet] = wire.interpolation
@@ -271,22 +420,38 @@ def _slopes(case, participants, wires, step):
     return slopes
 
 
-def _check_capabilities(participants, faults):
-    for participant in participants.values():
-        if not participant.can_redo:
-            faults.append(
-                f"participant {participant.name}: {participant.path.name} cannot save and restore "
-                "its state, so no step can be repeated"
-            )
+def _able(case, participants, faults):
+    """The participants; those that cannot go back wrapped where no step is repeated, else a
+    fault.
+    """
+    once = not case.wires or case.coupling.method == "explicit"
+    controlled = any(wire.local_error is not None for wire in case.wires)
+    unable = [name for name, participant in participants.items() if not participant.can_redo]
+    if not once or controlled:
+        faults += [
+            f"participant {name}: {participants[name].path.name} cannot save and restore its "
+            'state, so no step can be repeated; method = "explicit" without local_error repeats '
+            "none"
+            for name in unable
+        ]
+        return participants
+    return {name: OneWayParticipant(p) if name in unable else p for name, p in participants.items()}
 
 
 def _check_ports(case, participants, faults):
     outputs = ("output", "input", "parameter", "local")
     for port in case.record.fields:
-        _field(port, outputs, participants, "record.fields", faults)
+        field = _field(port, outputs, participants, "record.fields", faults)
+        if field is not None and field.type in ("String", "Binary"):
+            faults.append(f"record.fields: {port} is of type {field.type}, no numbers")
     for table in ("summary", "monitor"):
         for name, text in getattr(case, table).items():
-            _field(text.split()[1], ("output",), participants, f"{table}.{name}", faults)
+            port = reduced(text).port
+            where = f"{table}.{name}"
+            field = _field(port, ("output",), participants, where, faults)
+            if field is not None and (field.shape or field.type in ("String", "Binary")):
+                shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
+                faults.append(f"{where}: {port} is {shape}; a {table} takes scalar numbers")
 
 
 def _angular_speed(case, parameters):
@@ -295,7 +460,7 @@ def _angular_speed(case, parameters):
     """
     if case.time.angular_speed is None:
         return None
-    owner, name = case.time.angular_speed.split(".")
+    owner, name = port_of(case.time.angular_speed)
     if name not in parameters[owner]:
         raise BadInput(
             f"time.angular_speed = {case.time.angular_speed}: give it a value in "

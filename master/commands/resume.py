@@ -17,6 +17,8 @@ def command(checkpoint: Path):
 
     Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
     """
+    shown = checkpoint.with_suffix("")
+    checkpoint = checkpoint.absolute()  # an FMU may change the working directory
     if not checkpoint.name.endswith(".h5.checkpoint"):
         raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
     kept = Checkpoint.read(checkpoint)
@@ -26,4 +28,4 @@ def command(checkpoint: Path):
     with watching(console, output.stem) as watch:
         summary = run_system(system, case, kept.tree, output, watch, kept, say)
     print_summary(console, {output.stem: summary})
-    console.print(f"results  {output}", highlight=False, soft_wrap=True)
+    console.print(f"results  {shown}", highlight=False, soft_wrap=True)

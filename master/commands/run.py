@@ -1,6 +1,7 @@
 """`piston-cosim run`."""
 
 import json
+from os.path import relpath
 from pathlib import Path
 
 from ..case.contract import swap_all
@@ -59,6 +60,9 @@ def command(
     folder = output or Path("results") / (
         path.parent.name if path.name == "case.toml" else path.stem
     )
+    folder = folder.absolute()  # an FMU may change the working directory
+    summary_json = summary_json and summary_json.absolute()
+    begun_in = Path.cwd()
     systems = open_all(cases, path.parent)
     summaries = {}
     files = {}
@@ -77,7 +81,8 @@ def command(
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
     for file in files.values():
-        console.print(f"results  {file}", highlight=False, soft_wrap=True)
+        shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
+        console.print(f"results  {shown}", highlight=False, soft_wrap=True)
     if plots:
         draw_pictures(
             next(iter(cases.values())),

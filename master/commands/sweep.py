@@ -7,8 +7,11 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..case.schema import find_case, read_tree
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
+from .app import say_faults
 from .common import Changes, console, parse_change, say, variant_trees
 
 
@@ -21,11 +24,12 @@ def command(
     output: Path | None = None,
     workers: int | None = None,
     dask: str | None = None,
+    time_limit: str | None = None,
 ):
     """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture.
 
-    Stopped and started again, it goes on where it was. Points that fail stay as rows with their
-    reason.
+    Stopped and started again, it goes on where it was, and tries again what has failed. Points that
+    fail are rows with their reason, and the exit code is 1 then.
 
     Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary
     ovality=100um;200um
@@ -47,7 +51,10 @@ def command(
         Local processes, by default one a processor.
     dask
         Address of a Dask scheduler whose workers see the same folders, in place of local processes.
+    time_limit
+        Longest time for one point, for example "20 min"; it fails then. Of local processes only.
     """
+    limit = _seconds(time_limit, dask)
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
     tree = read_tree(path, changes)
@@ -56,10 +63,11 @@ def command(
         changes += list(tree.get("variants", {}).get(only, {}).items())
     axes = [sweeps.parse_axis(text, tree) for text in vary]
     points = sweeps.points(path, changes, axes)
-    folder = (
+    folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
     )
+    folder = folder.absolute()
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
@@ -71,10 +79,29 @@ def command(
             soft_wrap=True,
         )
 
-    with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers) as executor:
+    with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
     picture = draw_sweep(rows, axes, tree.get("summary", {}), folder / "sweep.png")
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
-    if not any(row["status"] == "done" for row in rows):
+    failed = [row for row in rows if row["status"] != "done"]
+    if failed:
+        say_faults(
+            f"{len(failed)} of {len(rows)} points failed:[/] call again to try them again", []
+        )
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
+
+
+def _seconds(time_limit, dask):
+    """The time limit [s]; None without one."""
+    if time_limit is None:
+        return None
+    if dask:
+        raise BadInput("--time-limit: is of local processes only, not of --dask")
+    try:
+        limit = to_si(time_limit, "s")
+    except ValueError as error:
+        raise BadInput(f"--time-limit: {error}") from None
+    if not limit > 0:
+        raise BadInput(f"--time-limit {time_limit}: must be positive")
+    return limit

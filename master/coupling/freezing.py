@@ -2,27 +2,37 @@
 equal bytes.
 """
 
-import pickle
-from io import BytesIO
+from ..participants.plain import NotPlain, pack, unpack
+from .methods.krylov import RecycledGmres
+from .methods.quasi_newton import Memory
+from .methods.secants import (
+    Ageing,
+    AgeingMemory,
+    Decomposed,
+    LeastSquares,
+    LeastSquaresMemory,
+    MultiVector,
+    MultiVectorMemory,
+    Pair,
+    Rings,
+)
+from .step_control import StepControl
 
-import numpy as np
-
-
-class ArrayPickler(pickle.Pickler):
-    """Equal content gives equal bytes: NumPy's own way writes a shared dtype once, and loses the
-    sharing when it is read.
-    """
-
-    def reducer_override(self, thing):
-        return (
-            (_array, (thing.tobytes(), thing.dtype.str, thing.shape))
-            if type(thing) is np.ndarray
-            else NotImplemented
-        )
-
-
-def _array(data, dtype, shape):
-    return np.frombuffer(data, dtype).reshape(shape).copy()
+REMEMBERED = (
+    Ageing,
+    AgeingMemory,
+    Decomposed,
+    LeastSquares,
+    LeastSquaresMemory,
+    Memory,
+    MultiVector,
+    MultiVectorMemory,
+    Pair,
+    RecycledGmres,
+    Rings,
+    StepControl,
+)
+"""Classes of what methods and step control remember; a new one has to be named here."""
 
 
 def freeze(stepper):
@@ -34,14 +44,21 @@ def freeze(stepper):
         saved = participant.save()
         states[name] = participant.serialise(saved)
         participant.free(saved)
-    buffer = BytesIO()
-    ArrayPickler(buffer).dump((states, stepper.predictor.past, stepper.memory, stepper.control))
-    return buffer.getvalue()
+    whole = (states, stepper.predictor.past, stepper.memory, stepper.control)
+    return pack(whole, REMEMBERED)
 
 
 def thaw(stepper, data):
-    """Put a started stepper and its participants where `freeze` found them."""
-    states, stepper.predictor.past, stepper.memory, stepper.control = pickle.loads(data)
+    """Put a started stepper and its participants where `freeze` found them; NotPlain if the bytes
+    are of another system.
+    """
+    states, past, memory, control = unpack(data, REMEMBERED)
+    others = {type(memory), type(control)} != {type(stepper.memory), type(stepper.control)}
+    if others or states.keys() != stepper.interface.participants.keys():
+        raise NotPlain("it is of other participants or of another method")
+    stepper.predictor.past = past
+    stepper.memory = memory
+    stepper.control = control
     for name, participant in stepper.interface.participants.items():
         saved = participant.deserialise(states[name])
         participant.restore(saved)

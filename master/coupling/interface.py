@@ -68,9 +68,11 @@ class Interface:
         sizes = [int(np.prod(wire.shape)) for wire in wires]
         self.parts = _slices(sizes)
         self.size = sum(sizes)
-        self.nominal = np.repeat([wire.nominal for wire in wires], sizes)
+        self.nominal = np.repeat(
+            np.array([wire.nominal for wire in wires], float), np.array(sizes, int)
+        )
         against = [is_unknown(wire, list(participants), parallel) for wire in wires]
-        self.feedback = np.repeat(against, sizes)
+        self.feedback = np.repeat(np.array(against, bool), np.array(sizes, int))
         self.feedback_wires = _slices([size for size, back in zip(sizes, against) if back])
         whole = list(zip(wires, self.parts))
         self.inputs = {
@@ -223,7 +225,7 @@ class Interface:
         if not self.trail:
             self.first = [rms(residual[part]) for part in self.parts]
         self.trail.append(self._measures(residual, values))
-        return float(np.max(self.trail[-1]))
+        return float(np.max(self.trail[-1], initial=0.0))
 
     def _measures(self, residual: np.ndarray, values: np.ndarray) -> list[float]:
         return [

@@ -11,7 +11,7 @@ from ..participants.interpolated import InterpolatedParticipant
 from ..participants.participant import Participant
 from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
-from .wiring import System
+from .wiring import System, carry
 
 START_ITERATIONS = 50
 """Evaluations of a start loop; Newton needs two where outputs are linear in inputs."""
@@ -39,6 +39,8 @@ def start(
         faults, started = _solved(system)
     else:
         faults, started = _one_by_one(system)
+    if not faults:
+        carry(started, system.held)
     # where inputs are interpolated the first step begins with what its sources say
     for c in system.wires:
         if c.source[0] in started and c.target[0] in started:
@@ -91,7 +93,7 @@ def _fed(system: System, name: str, started: Mapping[str, Participant]) -> dict[
     """Outputs of the participants that have started, by the input of `name` they are wired to."""
     return {
         c.target[1]: started[c.source[0]].get(c.source[1])
-        for c in system.wires
+        for c in (*system.wires, *system.held)
         if c.target[0] == name and c.source[0] in started
     }
 

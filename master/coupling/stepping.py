@@ -1,6 +1,6 @@
 """The run in time: predict, converge, accept or halve; every macro step accounted for."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -9,8 +9,9 @@ import numpy as np
 from ..fmi.errors import Discard
 from .interface import Interface
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
+from .methods.explicit import Explicit
 from .step_control import StepControl
-from .wiring import System
+from .wiring import HeldWire, System, carry
 
 
 class StepFailed(RuntimeError):
@@ -112,6 +113,8 @@ class Stepper:
         Of the predictor.
     control : StepControl, optional
         Divides what `advance` is asked for; without it every step is as long as asked.
+    held : sequence of HeldWire
+        Carried at the beginning of every macro step.
     """
 
     def __init__(
@@ -122,13 +125,15 @@ class Stepper:
         observer: Observer | None = None,
         order: int = 2,
         control: StepControl | None = None,
+        held: Sequence[HeldWire] = (),
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
             system.wires,
             system.parallel,
         )
-        self.method = method
+        self.held = held
+        self.method = method if self.interface.size else Explicit()
         self.halvings = halvings
         self.observer = observer or Nobody()
         self.control = control
@@ -186,6 +191,7 @@ class Stepper:
 
     def _save(self) -> dict[str, Any]:
         self.interface.begin()
+        carry(self.interface.participants, self.held)
         return {name: p.save() for name, p in self.interface.participants.items()}
 
     def _free(self, saved: Mapping[str, Any]) -> None:

@@ -1,13 +1,31 @@
 """A system ready to run: participants and wires in SI."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..participants.participant import Participant
+
 Port = tuple[str, str]
 """(participant, variable)."""
+
+
+def port_of(text: str) -> Port:
+    """Port of "participant.variable"; the variable's own name may hold dots."""
+    owner, _, name = text.partition(".")
+    return owner, name
+
+
+@dataclass(frozen=True)
+class HeldWire:
+    """A wire that carries no real numbers: what the source says at the beginning of a macro step is
+    set at the target and held over the step.
+    """
+
+    source: Port
+    target: Port
 
 
 @dataclass(frozen=True)
@@ -75,7 +93,7 @@ class System:
 
     stop, step : stop time and macro step [s]; smallest_step : where step control divides macro
     steps [s]; parallel : Jacobi's order, every participant reads what the others said in the
-    evaluation before.
+    evaluation before; held : wires that carry no real numbers.
     """
 
     participants: Mapping[str, Any]
@@ -87,3 +105,11 @@ class System:
     smallest_step: float = 0.0
     folder: str = ""
     parallel: bool = False
+    held: tuple[HeldWire, ...] = ()
+
+
+def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:
+    """Set what held wires carry, as their sources say it now."""
+    for wire in held:
+        value = participants[wire.source[0]].get(wire.source[1])
+        participants[wire.target[0]].set(wire.target[1], value)

@@ -25,7 +25,7 @@ from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
 from .errors import BadInput
-from .tree import ROOT, import_part
+from .tree import ROOT, import_part, reached
 
 EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
@@ -220,22 +220,24 @@ def _sources(packages):
 
 
 def _files(name):
-    """Path in the tree -> file, of a module or of all of a package, and of the packages it lies
-    in.
+    """Path in the tree -> file: all of a package, or a module with all that it imports of the
+    project; and the packages they lie in.
     """
     home = Path(getfile(import_part(name)))
-    folder = name.replace(".", "/")
-    if home.name != "__init__.py":
-        files = {f"{folder}.py": home}
+    around = Path(getfile(sys.modules[ROOT])).parent.resolve()
+    if home.name == "__init__.py":
+        top = home.parents[name.count(".") + 1]
+        files = {path.relative_to(top).as_posix(): path for path in home.parent.rglob("*.py")}
+    elif home.resolve().is_relative_to(around):
+        files = {path.relative_to(around).as_posix(): path for path in reached(home.resolve())}
     else:
-        files = {
-            f"{folder}/{path.relative_to(home.parent).as_posix()}": path
-            for path in home.parent.rglob("*.py")
-        }
-    around = Path(getfile(sys.modules[ROOT])).parent
-    while folder := folder.rpartition("/")[0]:
-        files[f"{folder}/__init__.py"] = around / folder / "__init__.py"
-    return files | {"__init__.py": around / "__init__.py"}
+        files = {home.name: home}
+    packages = {
+        f"{folder.as_posix()}/__init__.py" for file in files for folder in Path(file).parents
+    }
+    packages.discard("./__init__.py")
+    rooms = {package: around / package for package in packages if (around / package).is_file()}
+    return rooms | files | {"__init__.py": around / "__init__.py"}
 
 
 def _digest(contents):

@@ -10,6 +10,7 @@ def cache_folder(kind):
     The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
     """
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / kind
+    root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim")
+    folder = root.absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder

@@ -11,7 +11,6 @@ directly or not. A kept kernel that cannot be read is made again; where nothing 
 are compiled anew in each process.
 """
 
-import ast
 from contextlib import suppress
 from functools import cache, partial
 from hashlib import sha256
@@ -20,6 +19,8 @@ from typing import Any
 
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+from .tree import reached
 
 
 def compiled(kernel=None, **options):
@@ -62,31 +63,6 @@ class KernelCache(FunctionCache):
 def stamp(file: str) -> str:
     """Digest of a source file and of all files of the project that it imports, directly or not."""
     digest = sha256()
-    for path in sorted(_reached(Path(file).resolve())):
+    for path in sorted(reached(Path(file).resolve())):
         digest.update(path.read_bytes())
     return digest.hexdigest()
-
-
-def _reached(file):
-    """The file and those that its relative imports lead to, as a set."""
-    reached = set()
-    waiting = [file]
-    while waiting:
-        path = waiting.pop()
-        if path not in reached:
-            reached.add(path)
-            waiting += _imported(path)
-    return reached
-
-
-@cache
-def _imported(file):
-    """Files that a file's relative imports name."""
-    named = []
-    for node in ast.walk(ast.parse(file.read_bytes())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-            named += [package, *(package / alias.name for alias in node.names)]
-    modules = [path.with_name(path.name + ".py") for path in named]
-    packages = [path / "__init__.py" for path in named]
-    return [path.resolve() for path in modules + packages if path.is_file()]

@@ -3,14 +3,49 @@ gathered into arrays.
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 ELEMENT = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(,\d+)*)\]$")
-TYPES_3 = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
+TYPES_3 = {
+    "Float64": "Real",
+    "Int32": "Integer",
+    "Enumeration": "Enumeration",
+    "Boolean": "Boolean",
+    "String": "String",
+    "Binary": "Binary",
+}
 """FMI 3 types that can take part, by their FMI 2 names."""
+
+
+@dataclass(frozen=True)
+class UnitDefinition:
+    """A unit as an FMU declares it, on the base units of the SI.
+
+    Eq. (P4):  (value in base units) = factor (value in the unit) + offset
+
+    exponents : base unit -> exponent, as pairs, zeros left out.
+    """
+
+    exponents: tuple[tuple[str, int], ...]
+    factor: float
+    offset: float
+
+    @property
+    def base(self) -> str:
+        """The base unit as FMI writes it ("kg.m-1.s-2", "1")."""
+        return ".".join(f"{unit}{power}" for unit, power in self.exponents) or "1"
+
+    def to_base(self, value: float) -> float:
+        """A value in the unit, in base units."""
+        return self.factor * value + self.offset  # Eq. (P4)
+
+    def from_base(self, value: float) -> float:
+        """A value in base units, in the unit."""
+        return (value - self.offset) / self.factor
 
 
 @dataclass(frozen=True)
@@ -20,7 +55,7 @@ class Field:
     `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI
     3 the array's one. `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first
     element ("1" and None where the FMU says nothing), `derivative_of` names the field whose time
-    derivative this one is.
+    derivative this one is, `definition` is what the FMU says of its unit.
     """
 
     name: str
@@ -35,6 +70,7 @@ class Field:
     start: str | None
     description: str
     derivative_of: str | None = None
+    definition: UnitDefinition | None = None
 
     @cached_property
     def size(self):
@@ -42,7 +78,7 @@ class Field:
 
 
 def gather_fields(description):
-    """Fields of an FMPy model description.
+    """Fields of an FMPy model description. The elements of an array are counted from 1 or from 0.
 
     Parameters
     ----------
@@ -58,8 +94,9 @@ def gather_fields(description):
     ValueError
         If the elements of an array do not fill a rectangle; names the array.
     """
+    units = {unit.name: _definition(unit.baseUnit) for unit in description.unitDefinitions}
     if description.fmiVersion.startswith("3"):
-        return {v.name: _array(v) for v in description.modelVariables if v.type in TYPES_3}
+        return {v.name: _array(v, units) for v in description.modelVariables if v.type in TYPES_3}
     groups = {}
     for variable in description.modelVariables:
         match = ELEMENT.match(variable.name)
@@ -69,38 +106,66 @@ def gather_fields(description):
             else (variable.name, ())
         )
         groups.setdefault(base, []).append((index, variable))
-    return {base: _field(base, members) for base, members in groups.items()}
+    return {base: _field(base, members, units) for base, members in groups.items()}
 
 
-def _field(base, members):
-    members.sort(key=lambda member: member[0])
-    shape = (
-        tuple(int(n) for n in np.max([index for index, _ in members], axis=0))
-        if members[0][0]
-        else ()
+def _definition(base):
+    """What FMPy says of a unit's base; None where the FMU says nothing."""
+    if base is None:
+        return None
+    exponents = {name: int(getattr(base, name)) for name in BASES}
+    factor = float(base.factor)
+    if factor == 0.0:
+        raise ValueError("a BaseUnit has the factor 0")
+    return UnitDefinition(
+        tuple((name, power) for name, power in exponents.items() if power),
+        factor,
+        float(base.offset),
     )
-    if [index for index, _ in members] != [
-        tuple(k + 1 for k in index) for index in np.ndindex(*shape)
-    ]:
-        raise ValueError(f"{base}: its elements do not fill an array of shape {shape}")
-    return _described(base, shape, [v for _, v in members], members[0][1].type)
 
 
-def _array(variable):
+def _field(base, members, units):
+    members.sort(key=lambda member: member[0])
+    indices = [index for index, _ in members]
+    if len({len(index) for index in indices}) > 1:
+        raise ValueError(f"{base}: its elements have different numbers of indices")
+    first = int(np.min(indices)) if indices[0] else 1
+    shape = tuple(int(n) + 1 - first for n in np.max(indices, axis=0)) if indices[0] else ()
+    size = int(np.prod(shape))
+    if (
+        first not in (0, 1)
+        or size != len(indices)
+        or indices != [tuple(k + first for k in index) for index in np.ndindex(*shape)]
+    ):
+        raise ValueError(
+            f"{base}: its elements do not fill an array of shape {shape} that begins at 0 or 1"
+        )
+    kinds = {variable.type for _, variable in members}
+    if len(kinds) > 1:
+        raise ValueError(f"{base}: its elements are of types {', '.join(sorted(kinds))}")
+    return _described(base, shape, [v for _, v in members], members[0][1].type, units)
+
+
+def _array(variable, units):
     """Field of an FMI 3 variable."""
     return _described(
         variable.name,
         tuple(int(d.start) for d in variable.dimensions),
         [variable],
         TYPES_3[variable.type],
+        units,
     )
 
 
-def _described(name, shape, variables, kind):
+def _described(name, shape, variables, kind, units):
     first = variables[0]
+    definition = units.get(first.unit)
+    if definition and first.relativeQuantity:
+        definition = replace(definition, offset=0.0)
     number = {
         key: float(value)
-        if (value := getattr(first, key)) not in (None, "") and kind != "String"
+        if (value := getattr(first, key)) not in (None, "")
+        and kind in ("Real", "Integer", "Enumeration")
         else None
         for key in ("nominal", "min", "max")
     }
@@ -117,6 +182,7 @@ def _described(name, shape, variables, kind):
         first.start,
         first.description or "",
         _derivative_of(first),
+        definition,
     )
 
 

@@ -43,6 +43,8 @@ def to_si(value, unit):
     ValueError
         If the text is no quantity, or of another dimension; the sentence names value and unit.
     """
+    if not is_known(unit):
+        raise ValueError(f"{value!r}: nothing is known of the unit {unit}")
     ureg = registry()
     target = ureg.Unit(pint_unit(unit))
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
@@ -63,6 +65,15 @@ def to_si(value, unit):
     return float(quantity.to(target).magnitude)
 
 
+def is_known(unit: str) -> bool:
+    """Whether a unit can be read; FMI leaves FMUs free to name theirs as they like."""
+    try:
+        registry().Unit(pint_unit(unit))
+    except Exception:
+        return False
+    return True
+
+
 def in_unit(unit: str) -> BeforeValidator:
     """Reads a pydantic field of floats from text with a unit, into SI `unit`."""
     return BeforeValidator(lambda value: to_si(value, unit))
@@ -79,4 +90,6 @@ def short(value, unit):
         return f"{value:.3g}"
     if unit == "rad":
         return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
+    if not is_known(unit):
+        return f"{value:.3g} {unit}"
     return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"

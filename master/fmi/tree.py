@@ -2,8 +2,10 @@
 name made of its content.
 """
 
+import ast
 import sys
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -61,3 +63,28 @@ def _names(package):
 def _taken_out(package):
     """The same, no longer among the loaded modules: name -> module."""
     return {name: sys.modules.pop(name) for name in _names(package)}
+
+
+def reached(file):
+    """The file and those that its relative imports lead to, directly or not, as a set."""
+    reached = set()
+    waiting = [file]
+    while waiting:
+        path = waiting.pop()
+        if path not in reached:
+            reached.add(path)
+            waiting += _imported(path)
+    return reached
+
+
+@cache
+def _imported(file):
+    """Files that a file's relative imports name."""
+    named = []
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            named += [package, *(package / alias.name for alias in node.names)]
+    modules = [path.with_name(path.name + ".py") for path in named]
+    packages = [path / "__init__.py" for path in named]
+    return [path.resolve() for path in modules + packages if path.is_file()]

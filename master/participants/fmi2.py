@@ -7,6 +7,7 @@ The only file that knows FMPy.
 import ctypes
 import shutil
 import tempfile
+import warnings
 import zipfile
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
+from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, ParticipantFault
@@ -52,7 +54,11 @@ class FmuParticipant:
     def __init__(self, name, path):
         self.name, self.path = name, Path(path)
         try:
+            with zipfile.ZipFile(path) as archive:
+                check_archive(archive, self.path)
             self.description: Any = fmpy.read_model_description(str(path), validate=False)
+        except BadInput:
+            raise
         except Exception as error:
             raise BadInput(
                 f"participant {name}: {path} cannot be read as an FMU: {error}"
@@ -63,7 +69,10 @@ class FmuParticipant:
             raise BadInput(
                 f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation"
             )
-        self.fields = gather_fields(self.description)
+        try:
+            self.fields = gather_fields(self.description)
+        except ValueError as error:
+            raise BadInput(f"participant {name}: {path}: {error}") from None
         self.folder = unpack(self.path)
         self.log = []
         root = self._model_description()
@@ -192,7 +201,10 @@ class FmuParticipant:
             block.values[:] = np.ravel(value)
             self._write(block)
         else:
-            self._access()[field.type][1](list(field.references), [value] * field.size)
+            values = (
+                np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
+            )
+            self._access()[field.type][1](list(field.references), values)
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step.
@@ -217,11 +229,16 @@ class FmuParticipant:
         """Value of a field: array of its shape, or a Python scalar."""
         field = self.fields[name]
         if field.type != "Real":
-            value = self._access()[field.type][0](list(field.references))[0]
-            return value.decode() if isinstance(value, bytes) else value
+            values = self._listed(field)
+            return np.array(values).reshape(field.shape) if field.shape else values[0]
         block = self._vector(name)
         self._read(block)
         return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+
+    def _listed(self, field):
+        """Values of all elements of a field that is not real."""
+        values = self._access()[field.type][0](list(field.references))
+        return [value.decode() if isinstance(value, bytes) else value for value in values]
 
     def _write(self, block):
         self._fmu.fmi2SetReal(self._fmu.component, block.references, block.count, block.pointer)
@@ -448,9 +465,15 @@ def unpack(path):
     """Folder with the FMU's content in the user's cache, named by the file's hash."""
     digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
     folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
-    if not folder.exists():
+    if folder.exists():
+        if healed := heal(path, folder):
+            warnings.warn(
+                f"{folder}: was damaged and is whole again: {', '.join(healed)}", stacklevel=2
+            )
+    else:
         partial = Path(tempfile.mkdtemp(dir=folder.parent))
         with zipfile.ZipFile(path) as archive:
+            check_archive(archive, Path(path))
             archive.extractall(partial)
         try:
             partial.rename(folder)

@@ -42,9 +42,15 @@ class Fmu3Participant(FmuParticipant):
         return {
             "Real": (one.getFloat64, one.setFloat64),
             "Integer": (one.getInt32, one.setInt32),
+            "Enumeration": (one.getInt64, one.setInt64),
             "Boolean": (one.getBoolean, one.setBoolean),
             "String": (one.getString, one.setString),
+            "Binary": (one.getBinary, one.setBinary),
         }
+
+    def _listed(self, field):
+        """Values of all elements of a field that is not real."""
+        return self._access()[field.type][0](list(field.references), field.size)
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(

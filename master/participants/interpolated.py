@@ -2,13 +2,13 @@
 knows at both ends.
 """
 
-import pickle
 from typing import Any
 
 import numpy as np
 
 from ..fmi.fields import Field
 from .derivatives import difference
+from .plain import pack, unpack
 
 
 def slope_of(name):
@@ -159,11 +159,11 @@ class InterpolatedParticipant:
 
     def serialise(self, saved):
         """The saved state as bytes."""
-        return pickle.dumps((self.participant.serialise(saved[0]), saved[1]))
+        return pack((self.participant.serialise(saved[0]), saved[1]))
 
     def deserialise(self, data):
         """A handle on the state that `serialise` made into bytes."""
-        inner, now = pickle.loads(data)
+        inner, now = unpack(data)
         return self.participant.deserialise(inner), now
 
     def derivative(self, seeds, products):

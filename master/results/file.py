@@ -25,6 +25,20 @@ class RecordedField(NamedTuple):
     description: str
 
 
+SLASH = "\u2215"
+"""Stands for / in the names of datasets, where HDF5 would take / for a group."""
+
+
+def dataset_path(port: str) -> str:
+    """Where a results file holds "participant.name"."""
+    owner, _, name = port.partition(".")
+    return f"{owner}/{name.replace('/', SLASH)}"
+
+
+def _port(path: str) -> str:
+    return path.replace("/", ".", 1).replace(SLASH, "/")
+
+
 class Results:
     """A results file, read: `time`, `series(port)`, `field(port, time)`, units and descriptions."""
 
@@ -52,7 +66,7 @@ class Results:
 
     def series(self, port: str) -> Series:
         """Scalar output "participant.name"."""
-        dataset = self.file[port.replace(".", "/")]
+        dataset = self.file[dataset_path(port)]
         return Series(dataset[:], dataset.attrs["unit"], dataset.attrs["description"])
 
     @property
@@ -62,7 +76,7 @@ class Results:
 
         def note(name, item):
             if isinstance(item, h5py.Dataset):
-                names.append(name.replace("/", "."))
+                names.append(_port(name))
 
         self.file.visititems(note)
         return [name for name in names if name != "time" and not name.startswith("fields.")]
@@ -96,11 +110,11 @@ class Results:
             for owner, group in self.file["fields"].items()
             if isinstance(group, h5py.Group)
         }
-        return [f"{owner}.{name}" for owner, group in groups.items() for name in group]
+        return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
 
     def dataset(self, port: str) -> Any:
         """Recorded field at all instants, h5py.Dataset of shape (instants, *shape)."""
-        return self.file["fields/" + port.replace(".", "/")]
+        return self.file["fields/" + dataset_path(port)]
 
     def field(self, port: str, time: float) -> RecordedField:
         """Recorded field nearest to `time` [s]."""

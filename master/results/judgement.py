@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..case.schema import reduced
+from ..coupling.wiring import port_of
 from ..fmi.quantities import pint_unit, registry, to_si
 
 REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
@@ -21,7 +23,7 @@ def extremes(case, results):
     """
     found = []
     for text in case.summary.values():
-        kind, port = text.split()
+        kind, port = reduced(text)
         if kind in ("min", "max"):
             values, unit, _ = results.series(port)
             k = int(np.argmin(values) if kind == "min" else np.argmax(values))
@@ -32,7 +34,7 @@ def extremes(case, results):
                     "unit": unit,
                     "time": float(results.time[k]),
                     "monitor": {
-                        name: _at(results, entry.split()[1], k)
+                        name: _at(results, reduced(entry).port, k)
                         for name, entry in case.monitor.items()
                     },
                 }
@@ -51,7 +53,7 @@ def windows(case, results):
     """
     rows = []
     for text, limits in case.window.items():
-        kind, port = text.split()
+        kind, port = reduced(text)
         values, unit, _ = results.series(port)
         value = float(REDUCTIONS[kind](values))
         low, high = (to_si(limit, unit) for limit in limits)
@@ -74,7 +76,7 @@ def angular_speed(case):
     """
     if case.time.angular_speed is None:
         return None
-    owner, name = case.time.angular_speed.split(".")
+    owner, name = port_of(case.time.angular_speed)
     return to_si(case.participants[owner].parameters[name], "rad/s")
 
 

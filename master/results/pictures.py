@@ -11,6 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..case.schema import reduced
 from ..fmi.quantities import pint_unit, registry, to_si
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
@@ -112,7 +113,7 @@ def _windows_of(ports, window, units, results):
     """Limits of a panel's curves in the units shown, by the kind of value they are for."""
     limits = {}
     for text, pair in window.items():
-        kind, port = text.split()
+        kind, port = reduced(text)
         if port in ports:
             si = results.series(port)[1]
             limits[kind] = tuple(scaled(to_si(v, si), si, units.get(port))[0] for v in pair)
@@ -133,7 +134,7 @@ def _shade(panel, windows):
 
 def _common(ports):
     """The words that the variables' names share, or all names; of one variable its name."""
-    words = [port.split(".")[1].split("_") for port in ports]
+    words = [port.partition(".")[2].split("_") for port in ports]
     shared = [column[0] for column in zip(*words) if len(set(column)) == 1]
     return " ".join(shared) or ", ".join(name_of(port) for port in ports)
 

@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 
+from ..case.schema import reduced
 from ..fmi.quantities import short, to_si
 from .judgement import extremes, loop_curve, loop_work, windows
 from .pictures import PALETTE, figures, name_of, scaled
@@ -242,7 +243,7 @@ def axes_words(case, port):
 
 
 def _pair(results, text, k):
-    values, unit, _ = results.series(text.split()[1])
+    values, unit, _ = results.series(reduced(text).port)
     return float(values[k]), unit
 
 

@@ -3,17 +3,21 @@ crash.
 """
 
 import os
-import pickle
 import signal
 import threading
+import zipfile
+from collections import Counter
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 
 from ..coupling.stepping import Counters
-from ..coupling.work import InterfaceWork
+from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
+from ..participants.plain import NotPlain, pack, unpack
+from .reductions import Reduction
 
 
 class Interrupted(RuntimeError):
@@ -52,18 +56,33 @@ class Account:
     wall_time: float = 0.0
 
 
+MAGIC = b"piston-cosim checkpoint\n"
+VERSION = 1
+CHECKSUM = 32
+"""Bytes of a SHA-256."""
+
+ACCOUNTS = (Account, Counters, Reduction, InterfaceWork, ConjugatePair)
+"""Classes of what an account is made of."""
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """State of a run after a macro step.
 
     tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor,
-    method (see `freezing`).
+    method (see `freezing`); fmus : participant -> SHA-256 of its FMU's content.
+
+    The file holds the line "piston-cosim checkpoint", 4 bytes with the version of this layout, the
+    SHA-256 of all that follows, and then plain data (see `participants.plain`): no code. Its size
+    is that of the participants' states and of what the method remembers, and does not grow with the
+    run.
     """
 
     tree: dict
     folder: str
     frozen: bytes
     account: Account
+    fmus: dict
 
     @staticmethod
     def path(output):
@@ -76,31 +95,74 @@ class Checkpoint:
         """Put it beside the results file, in place of the last one in a single move."""
         target = self.path(output)
         partial = target.with_name(target.name + ".part")
+        data = pack(vars(self) | {"account": _bounded(self.account)}, ACCOUNTS)
         with open(partial, "wb") as file:
-            pickle.dump(self, file)
+            file.write(MAGIC + VERSION.to_bytes(4, "little") + sha256(data).digest())
+            file.write(data)
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, target)
 
     @staticmethod
     def read(path):
-        """The checkpoint in a file; only files of your own making: reading one can run code.
-        BadInput if it is none.
-        """
+        """The checkpoint in a file; BadInput if it is none, damaged or of another version."""
         try:
-            with open(path, "rb") as file:
-                checkpoint = pickle.load(file)
-        except (OSError, pickle.UnpicklingError, EOFError, AttributeError) as error:
+            whole = Path(path).read_bytes()
+        except OSError as error:
             raise BadInput(f"{path}: no checkpoint of this version: {error}") from None
-        if not isinstance(checkpoint, Checkpoint):
-            raise BadInput(f"{path}: no checkpoint")
-        return checkpoint
+        begin = len(MAGIC) + 4 + CHECKSUM
+        if not whole.startswith(MAGIC) or len(whole) < begin:
+            raise BadInput(f"{path}: no checkpoint of this version")
+        version = int.from_bytes(whole[len(MAGIC) : len(MAGIC) + 4], "little")
+        if version != VERSION:
+            raise BadInput(
+                f"{path}: is a checkpoint of layout {version}; this version reads {VERSION}"
+            )
+        data = whole[begin:]
+        if sha256(data).digest() != whole[begin - CHECKSUM : begin]:
+            raise BadInput(f"{path}: is damaged: its checksum is not that of its content")
+        try:
+            found = Checkpoint(**unpack(data, ACCOUNTS))
+            _unbounded(found.account)
+        except (NotPlain, TypeError, AttributeError, KeyError) as error:
+            raise BadInput(f"{path}: no checkpoint: {error}") from None
+        return found
+
+
+def _bounded(account):
+    """The account with the number of macro steps by their iterations, in place of a list of them
+    all.
+    """
+    counted = dict(Counter(account.counters.iterations))
+    return replace(account, counters=replace(account.counters, iterations=counted))
+
+
+def _unbounded(account):
+    """The list of iterations again, in another order, which nobody asks for."""
+    counted = account.counters.iterations
+    account.counters.iterations = [int(k) for k, count in counted.items() for _ in range(count)]
+
+
+def fingerprints(participants):
+    """SHA-256 of the content of every participant's FMU: participant -> text."""
+    paths = {name: getattr(p, "path", None) for name, p in participants.items()}
+    return {name: _content_hash(path) for name, path in paths.items() if path is not None}
+
+
+def _content_hash(path):
+    """Of names and contents alone: an FMU built again has other times in its archive."""
+    digest = sha256()
+    with zipfile.ZipFile(path) as archive:
+        for name in sorted(archive.namelist()):
+            digest.update(f"{name}\n".encode())
+            digest.update(sha256(archive.read(name)).digest())
+    return digest.hexdigest()
 
 
 @contextmanager
 def listening():
     """SIGINT and SIGTERM are noted in `.signal` instead of ending the process, so that the macro
-    step can end.
+    step can end; the second one ends it at once, even where an FMU hangs.
     """
     heard = SimpleNamespace(signal=None)
     if threading.current_thread() is not threading.main_thread():
@@ -111,8 +173,31 @@ def listening():
         heard.signal = number
 
     before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    # a thread: while an FMU's code runs, Python calls no handler of a signal
+    watcher = threading.Thread(target=_end_at_second, args=(reading,), daemon=True)
+    watcher.start()
     try:
         yield heard
     finally:
+        signal.set_wakeup_fd(woken)
+        os.close(writing)
+        watcher.join()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _end_at_second(reading):
+    """Count the signals that come through a pipe, until it is closed."""
+    heard = 0
+    while number := os.read(reading, 1):
+        if number[0] not in (signal.SIGINT, signal.SIGTERM):
+            continue
+        heard += 1
+        if heard == 2:
+            os.write(2, b"\nended at once; what was recorded is in the .partial file\n")
+            os._exit(128 + number[0])
+        os.write(2, b"\nstopping after this macro step; once more ends at once\n")
+    os.close(reading)

@@ -21,6 +21,10 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..coupling.wiring import port_of
+from ..fmi.errors import BadInput
+from ..results.file import dataset_path
+
 ROOM = 2**18
 """Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
 
@@ -75,7 +79,7 @@ class Recorder:
             name: [
                 f
                 for f in p.fields.values()
-                if f.causality == "output" and not f.shape and f.type != "String"
+                if f.causality == "output" and not f.shape and f.type not in ("String", "Binary")
             ]
             for name, p in participants.items()
         }
@@ -94,7 +98,7 @@ class Recorder:
         self._series("time", "s", "end of the macro step")
         for name, fields in self.scalars.items():
             for field in fields:
-                self._series(f"{name}/{field.name}", field.unit, field.description)
+                self._series(dataset_path(f"{name}.{field.name}"), field.unit, field.description)
         for name, text in (
             ("iterations", "evaluations of the macro step"),
             ("derivative_products", "directional derivatives"),
@@ -103,9 +107,9 @@ class Recorder:
             self._series(f"coupling/{name}", "1", text)
         self._series("fields/time", "s", "instants of the recorded fields")
         for port in self.record.fields:
-            owner, name = port.split(".")
+            owner, name = port_of(port)
             field = self.participants[owner].fields[name]
-            self._series(f"fields/{owner}/{name}", field.unit, field.description, field.shape)
+            self._series(f"fields/{dataset_path(port)}", field.unit, field.description, field.shape)
 
     def _series(self, name, unit, description, shape=()):
         chunk = (1, *shape) if shape else (1024,)
@@ -123,7 +127,11 @@ class Recorder:
         """Copy the first rows of the interrupted run; its file may lack the mark of having been
         closed.
         """
-        with h5py.File(self.partial, "r", libver="latest", swmr=True) as file:
+        try:
+            before = h5py.File(self.partial, "r", libver="latest", swmr=True)
+        except OSError as error:
+            raise BadInput(f"{self.partial}: is damaged: {error}") from None
+        with before as file:
             old: Any = file
             instants = -(-self.rows // self.record.every)
 
@@ -133,7 +141,12 @@ class Recorder:
                     dataset.resize(count, axis=0)
                     dataset[...] = old[name][:count]
 
-            self.file.visititems(copy)
+            try:
+                self.file.visititems(copy)
+            except (KeyError, TypeError, ValueError, AttributeError):
+                raise BadInput(
+                    f"{self.partial}: does not hold the first {self.rows} rows of this run"
+                ) from None
 
     def _largest_growth(self):
         """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each
@@ -185,15 +198,15 @@ class Recorder:
         self._append("time", time)
         for name, row in values.items():
             for key, value in row.items():
-                self._append(f"{name}/{key}", value)
+                self._append(dataset_path(f"{name}.{key}"), value)
         self._append("coupling/iterations", solution.iterations if solution else 0)
         self._append("coupling/derivative_products", solution.products if solution else 0)
         self._append("coupling/residual", solution.history[-1] if solution else 0.0)
         if self.rows % self.record.every == 0:
             self._append("fields/time", time)
             for port in self.record.fields:
-                owner, name = port.split(".")
-                self._append(f"fields/{owner}/{name}", self.participants[owner].get(name))
+                owner, name = port_of(port)
+                self._append(f"fields/{dataset_path(port)}", self.participants[owner].get(name))
         self.rows += 1
         if self.rows % self.flush_every == 0:
             self.flush()

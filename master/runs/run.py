@@ -6,24 +6,31 @@ import json
 import platform
 import time as clock
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 
+from ..case.schema import reduced
 from ..coupling.freezing import freeze, thaw
 from ..coupling.methods import method_of
 from ..coupling.negotiation import by_differences, objections, sentences
 from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
+from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
+from ..fmi.errors import BadInput
 from ..participants.fmi2 import ParticipantFault
+from ..participants.plain import NotPlain
 from ..participants.rollback import rollback_faults
 from ..participants.timing import Timed, split
-from .checkpoint import Account, Checkpoint, Interrupted, kept, listening
+from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
+from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, writing
+from .reductions import Reduction
 
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
@@ -54,8 +61,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     Raises
     ------
     BadInput
-        If a participant refuses its parameters, or cannot go back to a saved state; nothing has
-        been written then.
+        If a participant refuses its parameters, or cannot go back to a saved state, or another
+        process writes the same results; nothing has been written then.
     StepFailed, ParticipantFault, CannotWrite
         If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the
         results up to there stay in `<output>.partial`, and a note on the exception names the last
@@ -63,13 +70,15 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     Interrupted
         After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
     """
-    with closing(system.participants.values()):
+    output = Path(output).absolute()  # an FMU may change the working directory
+    participants = system.participants.values()
+    with sole_writer(output), listening() as heard, closing(participants):
         try:
+            if begin_at:
+                _check_resumable(begin_at, system, output)
             start(
                 system,
-                (lambda participant: [])
-                if begin_at
-                else partial(rollback_faults, step=system.step),
+                (lambda participant: []) if begin_at else partial(_trial, step=system.step),
             )
             objected = objections(system, method_of(case.coupling))
             for line in sentences(objected):
@@ -77,12 +86,33 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
             negotiated = by_differences(system, objected)
             march = March(negotiated, case, tree, output, watch, begin_at, objected)
             try:
-                return march.go()
+                return march.go(heard)
             finally:
                 march.close()
         except (StepFailed, ParticipantFault, CannotWrite) as stop:
             stop.add_note(kept(output))
             raise
+
+
+def _check_resumable(checkpoint, system, output):
+    """BadInput where the FMUs are not those of the checkpoint, or the results so far are gone."""
+    now = fingerprints(system.participants)
+    faults = [
+        f"{Checkpoint.path(output)}: was written with another FMU of {name}: its content "
+        "has changed since; run again from the start"
+        for name in sorted(now.keys() | checkpoint.fmus.keys())
+        if now.get(name) != checkpoint.fmus.get(name)
+    ]
+    partial_file = Path(f"{output}.partial")
+    if not partial_file.exists():
+        faults.append(f"{partial_file}: is gone; without it the run cannot go on")
+    if faults:
+        raise BadInput(faults)
+
+
+def _trial(participant, step):
+    """What is wrong with going back to a saved state, where the participant offers it."""
+    return rollback_faults(participant, step) if participant.can_redo else []
 
 
 class March:
@@ -110,9 +140,15 @@ class March:
             self,
             case.coupling.predictor,
             step_control(timed.wires, system.smallest_step),
+            system.held,
         )
         if begin_at:
-            thaw(self.stepper, begin_at.frozen)
+            try:
+                thaw(self.stepper, begin_at.frozen)
+            except NotPlain as error:
+                raise BadInput(
+                    f"{Checkpoint.path(output)}: no checkpoint of this run: {error}"
+                ) from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
         else:
             Checkpoint.path(output).unlink(
@@ -142,21 +178,22 @@ class March:
             )
             self.log = CouplingLog(output, timed.wires, self.account.counters)
 
-    def go(self):
-        """March to the stop time; the summary."""
+    def go(self, heard):
+        """March to the stop time, or to the end of the macro step in which a signal is `heard`; the
+        summary.
+        """
         stop, steps = self.system.stop, round(self.system.stop / self.system.step)
         every = self.case.record.checkpoint_every
-        with listening() as heard:
-            if not self.account.rows:
-                self.recorder.write(0.0)
-            for k in range(self.account.steps_done, steps):
-                before, after = stop * k / steps, stop * (k + 1) / steps
-                self.stepper.advance(before, after - before)
-                self.account.steps_done = k + 1
-                if heard.signal or (every and (k + 1) % every == 0):
-                    self.keep()
-                if heard.signal and k + 1 < steps:
-                    raise Interrupted(self.output, after)
+        if not self.account.rows:
+            self.recorder.write(0.0)
+        for k in range(self.account.steps_done, steps):
+            before, after = stop * k / steps, stop * (k + 1) / steps
+            self.stepper.advance(before, after - before)
+            self.account.steps_done = k + 1
+            if heard.signal or (every and (k + 1) % every == 0):
+                self.keep()
+            if heard.signal and k + 1 < steps:
+                raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
@@ -188,10 +225,19 @@ class March:
         self.recorder.flush()
         self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
         with writing(Checkpoint.path(self.output)):
-            Checkpoint(self.tree, self.system.folder, freeze(self.stepper), self.account).write(
-                self.output
-            )
+            Checkpoint(
+                self.tree,
+                self.system.folder,
+                freeze(self.stepper),
+                self.account,
+                self.fingerprints,
+            ).write(self.output)
         self.account.spent["recording"] += clock.perf_counter() - begin
+
+    @cached_property
+    def fingerprints(self):
+        """Hashes of the participants' FMUs."""
+        return fingerprints(self.system.participants)
 
     def close(self):
         """Close the files; what they hold stays."""
@@ -199,29 +245,11 @@ class March:
         self.log.close()
 
 
-class Reduction:
-    """One summary entry: "min|max|mean|last participant.variable" over all macro steps."""
-
-    def __init__(self, name, text):
-        self.name = name
-        self.kind, port = text.split()
-        self.owner, self.variable = port.split(".")
-        self.values = []
-
-    def add(self, values):
-        self.values.append(values[self.owner][self.variable])
-
-    def result(self):
-        if self.kind == "last":
-            return self.values[-1]
-        return float({"min": np.min, "max": np.max, "mean": np.mean}[self.kind](self.values))
-
-
 def monitored(case, system, values):
     """Monitor entries of the step just taken: name -> (value, unit)."""
     found = {}
     for name, text in case.monitor.items():
-        owner, variable = text.split()[1].split(".")
+        owner, variable = port_of(reduced(text).port)
         found[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
     return found
 

@@ -8,9 +8,8 @@ import itertools
 import json
 import os
 import tomllib
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,8 @@ from ..case.schema import check_case, read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
 from ..fmi.quantities import registry
+from .lock import sole_writer
+from .pool import LocalPool
 
 SHOWN = ("title", "label", "monitor", "pictures", "axes", "window", "report", "studies", "variants")
 """Tables of a case that say how a run is shown: changing them changes no result."""
@@ -155,7 +156,7 @@ def _silent(_text):
 
 
 def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: None):
-    """Run the points that have no row yet; `<folder>/sweep.csv` holds a row for each that has.
+    """Run the points that are not done yet; `<folder>/sweep.csv` holds a row for each that has run.
 
     Parameters
     ----------
@@ -163,8 +164,8 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
     case_folder : Path
         Where the case's files are.
     folder : Path
-        Rows and results go to `<folder>/runs`; what is there from an earlier sweep is taken, failed
-        points included.
+        Rows and results go to `<folder>/runs`; points that an earlier sweep has done are taken,
+        those that failed are tried again.
     executor : concurrent.futures.Executor
         Runs the points; its processes must see the same folders.
     watch : callable(row, done, total)
@@ -173,11 +174,21 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
     -------
     list of dict
         The rows in the points' order.
+
+    Raises
+    ------
+    BadInput
+        If another sweep writes into this folder.
     """
+    with sole_writer(Path(folder) / "sweep.csv"):
+        return _sweep(found, case_folder, folder, executor, watch)
+
+
+def _sweep(found, case_folder, folder, executor, watch):
     runs = Path(folder) / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    kept = {k: runs / f"{point.name}.json" for k, point in enumerate(found)}
-    rows = {k: json.loads(path.read_text()) for k, path in kept.items() if path.exists()}
+    kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(found)}
+    rows = {k: row for k, row in kept.items() if row}
     waiting = {
         executor.submit(
             run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())
@@ -193,6 +204,17 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
         watch(found[k].values | rows[k], len(rows), len(found))
     _write_table(Path(folder) / "sweep.csv", found, rows)
     return [found[k].values | rows[k] for k in range(len(found))]
+
+
+def _done(path):
+    """Row of a point that is done; None of one that has not run, has failed or whose row is
+    damaged.
+    """
+    try:
+        row = json.loads(path.read_text())
+        return row if row["status"] == "done" else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _row(future):
@@ -223,10 +245,10 @@ def _replace(path, text):
 
 
 def unfinished(found, folder):
-    """The points that have no row in `folder` yet. A row is known by the case's content, not by the
-    code that made it.
+    """The points that are not done in `folder` yet. A row is known by the case's content, not by
+    the code that made it.
     """
-    return [point for point in found if not (Path(folder) / "runs" / f"{point.name}.json").exists()]
+    return [p for p in found if not _done(Path(folder) / "runs" / f"{p.name}.json")]
 
 
 def build_all(found, case_folder, progress):
@@ -245,11 +267,11 @@ def build_all(found, case_folder, progress):
             continue
 
 
-def local_executor(workers):
-    """Processes of this machine, each started fresh: what an FMU loads in one is not seen by
-    another.
+def local_executor(workers, time_limit=None):
+    """Processes of this machine, each started fresh; one that dies, or takes longer than
+    `time_limit` [s] for a point, fails that point alone.
     """
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    return LocalPool(workers, time_limit)
 
 
 def dask_executor(address):

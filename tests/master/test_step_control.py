@@ -2,14 +2,12 @@
 resuming.
 """
 
-import pickle
-from io import BytesIO
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from piston_cosim.master.coupling.freezing import ArrayPickler, freeze, thaw
+from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods import Newton
 from piston_cosim.master.coupling.step_control import (
     HARD,
@@ -20,6 +18,7 @@ from piston_cosim.master.coupling.step_control import (
     step_control,
 )
 from piston_cosim.master.coupling.stepping import Stepper
+from piston_cosim.master.participants.plain import pack, unpack
 
 ALLOWED = 1e-3
 
@@ -153,9 +152,7 @@ def test_each_wire_has_its_own_allowed_error(pair):
 
 def frozen(saved):
     """Bytes of a toy's saved state."""
-    buffer = BytesIO()
-    ArrayPickler(buffer).dump(saved)
-    return buffer.getvalue()
+    return pack(saved)
 
 
 def adaptive(pair, order):
@@ -169,7 +166,7 @@ def test_stepping_keeps_the_error_whatever_the_predictor_and_resumes_with_the_sa
 ):
     toy = type(pair.participants["mass"]).__mro__[1]
     monkeypatch.setattr(toy, "serialise", lambda self, saved: frozen(saved), raising=False)
-    monkeypatch.setattr(toy, "deserialise", lambda self, data: pickle.loads(data), raising=False)
+    monkeypatch.setattr(toy, "deserialise", lambda self, data: unpack(data), raising=False)
     stepper = adaptive(pair, order)
     stepper.advance(0.0, 1e-3)
     middle = freeze(stepper)

@@ -1,6 +1,7 @@
 """Sweeps: axes, resuming, failures as rows."""
 
 import csv
+import os
 from concurrent.futures import Executor, Future
 
 import pytest
@@ -69,7 +70,7 @@ def test_bad_axes_say_what_is_wrong(tree, text, message):
         parse_axis(text, tree)
 
 
-def test_failures_are_rows_and_a_second_start_runs_nothing_again(tree, tmp_path):
+def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()
     rows = sweep(found, PATH.parent, tmp_path, first)
@@ -79,8 +80,26 @@ def test_failures_are_rows_and_a_second_start_runs_nothing_again(tree, tmp_path)
         table = list(csv.DictReader(file))
     assert [row["crank_speed"] for row in table] == ["1000 rpm", "2000 rpm", "3000 rpm"]
     assert (table[0]["x"], table[2]["message"]) == ("1.0", "no step")
-    (tmp_path / "runs" / f"{found[2].name}.json").unlink()  # as if stopped before the third
-    assert unfinished(found, tmp_path) == [found[2]]
+    assert unfinished(found, tmp_path) == found[1:]
     again = Answering()
     assert sweep(found, PATH.parent, tmp_path, again) == rows
-    assert (first.asked, again.asked) == (3, 1)
+    assert (first.asked, again.asked) == (3, 2)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"status": "failed"}', '{"x": 1.0}'])
+def test_a_row_that_is_damaged_or_failed_is_no_row(tree, tmp_path, text):
+    found = points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / f"{found[0].name}.json").write_text(text)
+    assert unfinished(found, tmp_path) == found
+
+
+def test_a_second_sweep_in_the_same_folder_is_refused(tree, tmp_path):
+    found = points(PATH, [], [parse_axis("crank_speed=1000rpm;1500rpm", tree)])
+
+    def watch(row, done, total):
+        with pytest.raises(BadInput, match=f"being written by process {os.getpid()}"):
+            sweep(found, PATH.parent, tmp_path, Answering())
+
+    sweep(found, PATH.parent, tmp_path, Answering(), watch)
+    sweep(found, PATH.parent, tmp_path, Answering())

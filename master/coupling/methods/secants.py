@@ -3,7 +3,7 @@
 A secant pair is a change of the unknowns (the feedback wires) and the change of their residual that
 came with it, both in nominals, newest first. Each way below is a value; its `memory()` collects
 pairs by `learn`, answers a residual by `update`, and is told by `close` that the macro step is
-accepted. Memories are plain data: a checkpoint pickles them.
+accepted. Memories are plain data, which a checkpoint holds; see `coupling.freezing`.
 """
 
 from dataclasses import dataclass, field

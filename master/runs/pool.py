@@ -1,0 +1,144 @@
+"""Processes of this machine for the points of a sweep: one that dies or does not end takes its own
+point with it, and nothing else.
+"""
+
+import multiprocessing
+import os
+import queue
+import signal
+import threading
+from concurrent.futures import Executor, Future
+
+FAMILY = multiprocessing.get_context("spawn")
+"""Each process is started fresh: what an FMU loads in one is not seen by another."""
+
+
+class PointDied(RuntimeError):
+    """The process of a point has ended, by itself or because its time was up."""
+
+
+class LocalPool(Executor):
+    """An executor of processes that are replaced when they die.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes, by default one a processor.
+    time_limit : float, optional
+        Longest time [s] for one call; its process is ended then. None: as long as it takes.
+    """
+
+    def __init__(self, workers=None, time_limit=None):
+        self.time_limit = time_limit
+        self._calls: queue.SimpleQueue = queue.SimpleQueue()
+        self._processes: set = set()
+        self._closed = threading.Event()
+        self._threads = [
+            threading.Thread(target=self._work, daemon=True)
+            for _ in range(workers or os.cpu_count() or 1)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, fn, /, *args, **kwargs):
+        """A `Future` of `fn(*args, **kwargs)`."""
+        future: Future = Future()
+        self._calls.put((future, (fn, args, kwargs)))
+        return future
+
+    def shutdown(self, wait=True, *, cancel_futures=False):
+        """End the processes; calls that wait are done before, unless they are cancelled."""
+        if cancel_futures:
+            self._closed.set()
+            for process in list(self._processes):
+                process.kill()
+        for _ in self._threads:
+            self._calls.put(None)
+        if wait:
+            for thread in self._threads:
+                thread.join()
+
+    def __exit__(self, kind, value, traceback):
+        self.shutdown(cancel_futures=kind is not None)
+
+    def _work(self):
+        """A thread's work: hand calls to a process of its own."""
+        process = pipe = None
+        while (call := self._calls.get()) is not None:
+            future, work = call
+            if self._closed.is_set() or not future.set_running_or_notify_cancel():
+                continue
+            try:
+                if process is None or not process.is_alive():
+                    process, pipe = self._start()
+                self._answer(future, work, process, pipe)
+            except Exception as error:
+                future.set_exception(error)
+        if process is not None:
+            pipe.close()
+            process.join()
+            self._processes.discard(process)
+
+    def _start(self):
+        pipe, other = FAMILY.Pipe()
+        process = FAMILY.Process(target=_serve, args=(other,))
+        process.start()
+        other.close()
+        self._processes.add(process)
+        try:
+            pipe.recv()  # it is up: its start is not counted into any call's time
+        except EOFError:
+            self._end(process)
+            raise PointDied("its process could not be started") from None
+        return process, pipe
+
+    def _answer(self, future, work, process, pipe):
+        try:
+            pipe.send(work)
+            if not pipe.poll(self.time_limit):
+                self._end(process)
+                raise PointDied(
+                    f"not done within {self.time_limit:g} s; its process has been ended"
+                )
+            raised, answer = pipe.recv()
+        except (EOFError, OSError):
+            self._end(process)
+            raise PointDied(f"its process has ended ({_words(process.exitcode)})") from None
+        if raised:
+            future.set_exception(answer)
+        else:
+            future.set_result(answer)
+
+    def _end(self, process):
+        process.kill()
+        process.join()
+        self._processes.discard(process)
+
+
+def _words(code):
+    """What an exit code means."""
+    return f"by {signal.Signals(-code).name}" if code and code < 0 else f"exit code {code}"
+
+
+def _serve(pipe):
+    """Answer calls until the pipe closes; Ctrl-C is the master's business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_follow, daemon=True).start()
+    pipe.send("up")
+    while True:
+        try:
+            function, arguments, named = pipe.recv()
+        except EOFError:
+            return
+        try:
+            answer = False, function(*arguments, **named)
+        except Exception as error:
+            answer = True, RuntimeError(f"{type(error).__name__}: {error}")
+        pipe.send(answer)
+
+
+def _follow():
+    """End this process when the master's has ended, even where an FMU hangs."""
+    if master := multiprocessing.parent_process():
+        master.join()
+    os._exit(1)

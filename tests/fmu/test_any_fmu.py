@@ -1,0 +1,223 @@
+"""FMUs as other tools export them: alone, with names and units of their own, without saved states,
+with wires of every type.
+
+Eq. (X5):  x_n = x_0 / (1 + H k)^n                  a lag alone, backward Euler
+Eq. (X6):  sum over n steps of k = n (n - 1) / 2    a counter read at the beginning of each step
+"""
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+from .counter import case_text, library, make
+
+__all__ = ["library"]
+
+H = 0.1
+STEPS = 10
+LAST = "".join(
+    f'{name} = "last b.{name}"\n'
+    for name in ("number_sum", "truth_sum", "phase_sum", "heard_length")
+)
+LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
+
+
+def solved(folder, text, changes=()):
+    """Summary and results of a case."""
+    path = folder / "case.toml"
+    path.write_text(text)
+    tree = read_tree(path, changes)
+    case = check_case(tree, path)
+    summary = run(open_system(case, folder, print), case, tree, folder / "o.h5")
+    return summary, Results(folder / "o.h5")
+
+
+def refused(folder, text):
+    """The sentences by which a case is refused before the run."""
+    with pytest.raises(BadInput) as refusal:
+        solved(folder, text)
+    assert not (folder / "o.h5.partial").exists()
+    return "\n".join(refusal.value.faults)
+
+
+@pytest.fixture
+def folder(tmp_path, library):
+    for name in "ab":
+        make(tmp_path / f"{name}.fmu", library)
+    return tmp_path
+
+
+def test_without_wires_every_fmu_runs_for_itself(folder):
+    _, results = solved(folder, case_text([], a="k = 2.0", b="k = 0.5"))
+    n = np.arange(STEPS + 1)
+    # a division a step: 10 roundings
+    np.testing.assert_allclose(results.series("a.x").values, 1.2**-n, rtol=1e-14)  # Eq. (X5)
+    np.testing.assert_allclose(results.series("b.x").values, 1.05**-n, rtol=1e-14)
+
+
+@pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
+def test_wires_of_all_types_hold_what_was_said_at_the_beginning_of_the_step(folder, method):
+    typed = [
+        ("a.n", "b.number", ""),
+        ("a.odd", "b.truth", ""),
+        ("a.phase_out", "b.phase", ""),
+        ("a.words", "b.heard", ""),
+    ]
+    summary, _ = solved(
+        folder, case_text([*LOOP, *typed], method=method, a="k = 2.0", more=f"[summary]\n{LAST}")
+    )
+    counted = range(STEPS)
+    assert method == "explicit" or summary["mean_iterations"] > 1  # they survive being taken back
+    assert summary["number_sum"] == STEPS * (STEPS - 1) / 2  # Eq. (X6)
+    assert summary["truth_sum"] == sum(k % 2 for k in counted)
+    assert summary["phase_sum"] == sum(1 + k % 3 for k in counted)
+    assert summary["heard_length"] == len("step 9")
+
+
+@pytest.mark.parametrize(
+    "wire, words",
+    [
+        (("a.n", "b.u", ""), "types differ, Integer and Real"),
+        (("a.x", "b.number", ""), "types differ, Real and Integer"),
+        (("a.n", "b.phase", ""), "types differ, Integer and Enumeration"),
+        (("a.words", "b.truth", ""), "types differ, String and Boolean"),
+        (("a.n", "b.number", "tolerance = 1e-3"), "tolerance: a wire of type Integer"),
+        (("a.n", "b.number", 'interpolation = "linear"'), "interpolation: a wire of type Integer"),
+    ],
+)
+def test_types_that_do_not_fit_are_refused(folder, wire, words):
+    assert words in refused(folder, case_text([wire]))
+
+
+def test_names_as_the_standard_allows_them(folder, library):
+    names = {"x": "a.flange.y", "u": "der(s[1].x)", "number_sum": "a/b"}
+    make(folder / "a.fmu", library, names=names)
+    wires = [("a.a.flange.y", "b.u", ""), ("b.x", "a.der(s[1].x)", "tolerance = 1e-12")]
+    text = case_text(
+        wires, more='[record]\nfields = ["a.a.flange.y"]\n[summary]\nx = "last a.a.flange.y"\n'
+    )
+    summary, results = solved(folder, text, [('participants.a.parameters."der(s[1].x)"', 0.5)])
+    plain = folder / "plain"
+    plain.mkdir()
+    for name in "ab":
+        make(plain / f"{name}.fmu", library)
+    _, same = solved(plain, case_text(LOOP), [("participants.a.parameters.u", 0.5)])
+    assert summary["x"] == same.series("a.x").values[-1]
+    assert np.array_equal(results.series("a.a.flange.y").values, same.series("a.x").values)
+    assert {"a.a.flange.y", "a.a/b"} <= set(results.ports)
+    assert results.recorded == ["a.a.flange.y"]
+    assert results.series("a.a/b").values.shape == (STEPS + 1,)
+
+
+DEFINITIONS = (
+    '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit><Unit name="m"><BaseUnit m="1"/></Unit>'
+    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
+    '<Unit name="K"><BaseUnit K="1"/></Unit>'
+    '<Unit name="cubit"><BaseUnit m="1" factor="0.5"/></Unit>'
+)
+
+
+@pytest.mark.parametrize(
+    "first, second, gain, offset",
+    [
+        ("mm", "m", 1e-3, 0.0),
+        ("m", "mm", 1e3, 0.0),
+        ("cubit", "mm", 500.0, 0.0),
+        ("degC", "K", 1.0, 273.15),
+        ("K", "degC", 1.0, -273.15),
+    ],
+)
+def test_a_wire_converts_units_by_what_the_fmus_declare(
+    folder, library, first, second, gain, offset
+):
+    described = {"definitions": DEFINITIONS}
+    make(folder / "a.fmu", library, units={"x": first, "u": first}, **described)
+    make(folder / "b.fmu", library, units={"x": second, "u": second}, **described)
+    wires = [("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12")]
+    _, results = solved(folder, case_text(wires, b="k = 2.0", a=f'u = "1 {si_of(first)}"'))
+    a = np.array([1.0])
+    b = np.array([1.0])
+    for _ in range(STEPS):
+        # (1 + H) a' = a + H (b' - offset) / gain,   (1 + 2 H) b' = b + H (gain a' + offset)
+        matrix = [[1 + H, -H / gain], [-H * gain, 1 + 2 * H]]
+        right = [a[-1] - H * offset / gain, b[-1] + H * offset]
+        step = np.linalg.solve(matrix, right)
+        a = np.append(a, step[0])
+        b = np.append(b, step[1])
+    # every step within 1e-12 of its fixed point; 273.15 costs three digits
+    np.testing.assert_allclose(results.series("a.x").values, a, atol=1e-10)
+    np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-9)
+
+
+def si_of(unit):
+    return {"mm": "m", "cubit": "m", "degC": "K"}.get(unit, unit)
+
+
+def test_a_parameter_in_a_unit_that_only_the_fmu_knows(folder, library):
+    make(folder / "a.fmu", library, units={"u": "cubit"}, definitions=DEFINITIONS)
+    _, results = solved(folder, case_text([], a='u = "2 m"'))
+    n = np.arange(STEPS + 1)
+    # dx/dt = -x + 4 cubits from x = 1: 4 - 3 (1 + H)^-n
+    np.testing.assert_allclose(results.series("a.x").values, 4 - 3 * (1 + H) ** -n, rtol=1e-13)
+    assert "cubit" in refused(folder, case_text([], a='u = "2 K"'))
+
+
+def test_units_of_different_kind_are_refused(folder, library):
+    make(folder / "a.fmu", library, units={"x": "mm"}, definitions=DEFINITIONS)
+    make(folder / "b.fmu", library, units={"u": "K"}, definitions=DEFINITIONS)
+    assert "units differ, mm and K: m1 and K1" in refused(folder, case_text([("a.x", "b.u", "")]))
+
+
+def test_without_saved_states_where_nothing_is_repeated(folder, library):
+    make(folder / "b.fmu", library, can_redo=False)
+    assert "cannot save and restore" in refused(folder, case_text(LOOP))
+    _, results = solved(folder, case_text([("a.x", "b.u", "")], method="explicit"))
+    a = np.array([1.1**-n for n in range(STEPS + 1)])
+    b = [1.0]
+    for k in range(STEPS):
+        b.append((b[-1] + H * a[k + 1]) / (1 + H))  # b steps after a and reads what a has computed
+    np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-14)
+
+
+def test_a_discarded_step_that_cannot_be_repeated_ends_the_run(folder, library):
+    make(folder / "b.fmu", library, can_redo=False)
+    text = case_text([("a.x", "b.u", "")], method="explicit", b="trouble = 2\ntrouble_at = 3")
+    with pytest.raises(ParticipantFault, match="cannot save and restore its state"):
+        solved(folder, text)
+
+
+@pytest.mark.parametrize(
+    "wires, more, stop, words",
+    [
+        ([*LOOP, ("a.number_sum", "b.u", "")], "", "1 s", "wire to b.u: has 2 sources"),
+        ([], '[summary]\nx = "last a.words"\n', "1 s", "summary.x: a.words is a String"),
+        ([], "", "1.05 s", "1 s and 1.1 s are"),
+        ([], "", "0.05 s", "before the end of the first step, 0.1 s"),
+    ],
+)
+def test_faults_of_a_case_are_heard_before_the_run(folder, wires, more, stop, words):
+    assert words in refused(folder, case_text(wires, stop=stop, more=more))
+
+
+def test_an_array_may_begin_at_0_or_1_and_nowhere_else(folder, library):
+    sums = ("number_sum", "truth_sum", "phase_sum")
+    for first in (0, 1):
+        names = {name: f"sums[{k + first}]" for k, name in enumerate(sums)}
+        make(folder / "a.fmu", library, names=names)
+        _, results = solved(folder, case_text([], more='[record]\nfields = ["a.sums"]\n'))
+        # the number and truth inputs are 0, the phase input 1 all the time
+        assert results.field("a.sums", 1.0).values.tolist() == [0.0, 0.0, STEPS]
+        text = case_text([], more='[summary]\nsums = "max a.sums"\n')
+        assert "summary.sums: a.sums is an array of shape (3,)" in refused(folder, text)
+    make(folder / "a.fmu", library, names={"number_sum": "sums[2]", "truth_sum": "sums[3]"})
+    assert "begins at 0 or 1" in refused(folder, case_text([]))
+
+
+def test_names_of_participants_that_results_files_cannot_hold(folder):
+    text = case_text([]).replace("participants.a", "participants.fields").replace('"a"', '"fields"')
+    assert "'fields' cannot name a participant" in refused(folder, text)

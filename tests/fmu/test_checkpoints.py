@@ -1,0 +1,162 @@
+"""Checkpoints: without code, of a size that does not grow, and refused with a sentence where they
+are damaged, of another version or of another FMU.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import CHECKSUM, MAGIC, Checkpoint
+from piston_cosim.master.runs.run import run
+
+from .counter import case_text, library, make
+
+__all__ = ["library"]
+
+LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
+SUMMARY = '[summary]\nmean = "mean a.x"\nleast = "min b.x"\nsum = "last b.number_sum"\n'
+
+
+class Stopped(RuntimeError):
+    """Raised in the middle of a run."""
+
+
+def interrupted(folder, at, method="iqn_ils", every=5, stop="9 s"):
+    """A run that is stopped at a time [s]; its results file."""
+    text = case_text(
+        [*LOOP, ("a.n", "b.number", "")],
+        method=method,
+        stop=stop,
+        a="k = 2.0",
+        more=f"[record]\ncheckpoint_every = {every}\n{SUMMARY}",
+    )
+    path = folder / "case.toml"
+    path.write_text(text)
+    tree = read_tree(path)
+    case = check_case(tree, path)
+
+    def watch(time, *others):
+        if time > at:
+            raise Stopped
+
+    output = folder / f"{at:g}.h5"
+    if at == np.inf:
+        return output, run(open_system(case, folder, print), case, tree, output, watch)
+    with pytest.raises(Stopped):
+        run(open_system(case, folder, print), case, tree, output, watch)
+    return output, None
+
+
+@pytest.fixture
+def folder(tmp_path, library):
+    for name in "ab":
+        make(tmp_path / f"{name}.fmu", library)
+    return tmp_path
+
+
+def resumed(path):
+    """Exit code and error text of `piston-cosim resume`."""
+    done = subprocess.run(
+        [sys.executable, "-m", "piston_cosim", "resume", str(path)], capture_output=True, text=True
+    )
+    assert "Traceback" not in done.stderr
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("method", ["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken"])
+def test_resumed_in_another_process_the_bits_are_the_same(folder, method):
+    whole, summary = interrupted(folder, np.inf, method, stop="3 s")
+    output, _ = interrupted(folder, 1.55, method, stop="3 s")
+    assert resumed(Checkpoint.path(output)) == (0, "")
+    one, other = Results(whole), Results(output)
+    for port in one.ports:
+        assert np.array_equal(one.series(port).values, other.series(port).values), port
+    same = {key for key in summary if not key.startswith("wall_time")}
+    assert {key: summary[key] for key in same} == {key: other.summary[key] for key in same}
+
+
+def test_its_size_does_not_grow_with_the_run(folder):
+    sizes = [
+        Checkpoint.path(interrupted(folder, at)[0]).stat().st_size for at in (2.05, 4.05, 8.05)
+    ]
+    # the secants are full from the third step on; numbers have more or fewer digits
+    assert max(sizes) - min(sizes) < 200
+
+
+@pytest.fixture
+def checkpoint(folder):
+    return Checkpoint.path(interrupted(folder, 1.05)[0])
+
+
+def test_what_is_damaged_anywhere_is_refused(checkpoint):
+    whole = checkpoint.read_bytes()
+    for place in np.linspace(0, len(whole) - 1, 20).astype(int):
+        flipped = bytearray(whole)
+        flipped[place] ^= 1
+        checkpoint.write_bytes(flipped)
+        with pytest.raises(BadInput, match="damaged|version"):
+            Checkpoint.read(checkpoint)
+        checkpoint.write_bytes(whole[:place])
+        with pytest.raises(BadInput, match="damaged|version"):
+            Checkpoint.read(checkpoint)
+    checkpoint.write_bytes(whole[:-1])
+    code, text = resumed(checkpoint)
+    assert code == 2 and "is damaged: its checksum" in text
+
+
+def test_one_of_another_layout_is_refused(checkpoint):
+    whole = bytearray(checkpoint.read_bytes())
+    whole[len(MAGIC)] = 2
+    checkpoint.write_bytes(whole)
+    with pytest.raises(BadInput, match="layout 2; this version reads 1"):
+        Checkpoint.read(checkpoint)
+
+
+class Trap:
+    """Makes a file when it is unpickled."""
+
+    def __reduce__(self):
+        return os.mkdir, ("trapped",)
+
+
+def test_a_crafted_file_runs_nothing(checkpoint, tmp_path, monkeypatch):
+    from hashlib import sha256
+
+    monkeypatch.chdir(tmp_path)
+    trap = pickle.dumps(Trap())
+    head = MAGIC + (1).to_bytes(4, "little")
+    for data in (trap, head + sha256(trap).digest() + trap):
+        checkpoint.write_bytes(data)
+        with pytest.raises(BadInput, match="no checkpoint"):
+            Checkpoint.read(checkpoint)
+    assert not (tmp_path / "trapped").exists()
+    assert CHECKSUM == sha256().digest_size
+
+
+def test_an_fmu_that_has_changed_since_is_refused_and_one_built_again_is_not(
+    folder, checkpoint, library
+):
+    make(folder / "a.fmu", library, names={"heard_length": "length"})
+    code, text = resumed(checkpoint)
+    assert code == 2 and "another FMU of a: its content has changed" in text
+    (folder / "a.fmu").unlink()
+    make(folder / "a.fmu", library)  # the same content, other times in the archive
+    assert resumed(checkpoint)[0] == 0
+
+
+def test_without_the_results_so_far_it_is_refused(checkpoint):
+    partial = checkpoint.with_suffix(".partial")
+    partial.rename(partial.with_name("away"))
+    code, text = resumed(checkpoint)
+    assert code == 2 and "is gone" in text
+    partial.write_bytes(b"no results")
+    code, text = resumed(checkpoint)
+    assert code == 2 and "1.05.h5.partial: is damaged" in text

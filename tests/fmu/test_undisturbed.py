@@ -1,0 +1,170 @@
+"""What must not break a run: an FMU that hangs or changes the working directory, a second run in
+the same results, a point of a sweep that never ends, archives and names made to do harm.
+"""
+
+import csv
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.fmi2 import unpack
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.results.file import Results
+
+from .counter import case_text, library, make
+
+__all__ = ["library"]
+
+COMMAND = [sys.executable, "-m", "piston_cosim"]
+LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
+
+
+@pytest.fixture
+def folder(tmp_path, library):
+    for name in "ab":
+        make(tmp_path / f"{name}.fmu", library)
+    (tmp_path / "case.toml").write_text(case_text(LOOP))
+    return tmp_path
+
+
+def begun(folder, *words):
+    return subprocess.Popen(
+        [*COMMAND, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def hangs(folder, step):
+    """The case with an FMU that hangs at a step."""
+    text = case_text(LOOP, b=f"trouble = 1\ntrouble_at = {step}")
+    (folder / "case.toml").write_text(text)
+
+
+def waited(path):
+    """Wait for a file."""
+    end = time.monotonic() + 60
+    while not path.exists() and time.monotonic() < end:
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_second_signal_ends_a_run_whose_fmu_hangs(folder, number):
+    hangs(folder, 3)
+    process = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
+    waited(folder / "o" / "base.h5.partial")
+    time.sleep(0.5)  # it may still be on the way to the fourth step
+    process.send_signal(number)
+    time.sleep(0.5)
+    assert process.poll() is None  # one signal waits for the macro step
+    process.send_signal(number)
+    _, told = process.communicate(timeout=10)
+    assert process.returncode == 128 + number
+    assert "once more ends at once" in told and "Traceback" not in told
+    # and what it has left is in nobody's way
+    (folder / "case.toml").write_text(case_text(LOOP))
+    process = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
+    assert process.wait(60) == 0
+
+
+def test_an_fmu_that_changes_the_working_directory_does_not_matter(folder):
+    words = ("--no-plots", "--output", "here/o", "--summary-json", "here.json")
+    process = begun(folder, "run", "case.toml", *words)
+    told = process.communicate(timeout=60)
+    assert process.returncode == 0, told
+    assert "results  here/o/base.h5" in told[0]
+    assert (folder / "here/o/base.h5").exists() and (folder / "here.json").exists()
+
+
+def test_a_second_run_into_the_same_results_is_refused_and_the_first_ends_well(folder):
+    hangs(folder, 5)
+    first = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
+    waited(folder / "o" / "base.h5.partial")
+    second = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
+    _, told = second.communicate(timeout=60)
+    assert second.returncode == 2
+    assert f"base.h5: is being written by process {first.pid}" in told
+    first.kill()
+    first.communicate()
+
+
+def test_points_that_hang_or_cannot_run_are_rows_and_the_rest_is_done(folder):
+    hangs(folder, -1)
+    words = [
+        "sweep",
+        "case.toml",
+        "--vary",
+        "participants.b.parameters.trouble_at=-1;3;-2",
+        "--workers",
+        "1",
+        "--time-limit",
+        "8 s",
+        "--output",
+        "s",
+    ]
+    for _ in range(2):
+        process = begun(folder, *words)
+        told = process.communicate(timeout=120)
+        assert process.returncode == 1, told
+        with open(folder / "s" / "sweep.csv") as file:
+            rows = list(csv.DictReader(file))
+        assert [row["status"] for row in rows] == ["done", "failed", "done"]
+        assert "not done within 8 s" in rows[1]["message"]
+    assert "1 of 3 points failed" in told[1]
+    times = [Results(folder / "s" / row["results"]).time for row in rows if row["status"] == "done"]
+    assert np.array_equal(times[0], times[1]) and times[0][-1] == 1.0
+
+
+@pytest.mark.parametrize("limit", ["8 m", "-1 s", "x"])
+def test_a_time_limit_is_a_time(folder, limit):
+    words = ("--vary", "participants.b.parameters.k=1;2", f"--time-limit={limit}")
+    process = begun(folder, "sweep", "case.toml", *words)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 2 and "--time-limit" in told
+
+
+PICTURE = '[[pictures]]\nfile = "{}"\ntitle = "t"\nkind = "lines"\nx = "a.x"\ny = [["b.x"]]\n'
+
+
+@pytest.mark.parametrize("name", ["../x", "/tmp/x", "a/../x", "..", "a\\\\b", ""])
+@pytest.mark.parametrize(
+    "more", [PICTURE, '[variants."{}"]\n"coupling.predictor" = 1\n', 'label = "{}"\n']
+)
+def test_names_of_files_stay_in_the_output_folder(tmp_path, more, name):
+    text = case_text(LOOP)
+    added = more.format(name)
+    text = added + text if more.startswith("label") else text + added
+    (tmp_path / "case.toml").write_text(text)
+    with pytest.raises(BadInput, match="must be a plain file name"):
+        check_case(read_tree(tmp_path / "case.toml"), tmp_path)
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(folder):
+    with zipfile.ZipFile(folder / "a.fmu", "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("resources/zeros", bytes(2**27))
+    with pytest.raises(BadInput, match="would unpack to 134 MB, more than 200 times"):
+        open_fmu("a", folder / "a.fmu")
+    with zipfile.ZipFile(folder / "b.fmu", "a") as archive:
+        archive.writestr("../../x", b"out")
+    with pytest.raises(BadInput, match="'../../x' leads out of it"):
+        open_fmu("b", folder / "b.fmu")
+
+
+def test_damaged_files_of_the_cache_are_named_and_whole_again(folder, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
+    unpacked = unpack(folder / "a.fmu")
+    library_there = unpacked / "binaries" / "linux64" / "counter.so"
+    whole = library_there.read_bytes()
+    for damaged in (whole[:-1], b"X" + whole[1:], None):
+        if damaged is None:
+            library_there.unlink()
+        else:
+            library_there.write_bytes(damaged)
+        with pytest.warns(UserWarning, match="was damaged and is whole again: .*counter.so"):
+            unpack(folder / "a.fmu")
+        assert library_there.read_bytes() == whole
