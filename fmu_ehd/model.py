@@ -10,7 +10,7 @@ from .asperity import Contact, ContactConstants
 from .cavitation import NotConverged
 from .coating import PressureTangent, Softness
 from .film_step import FilmSolution, FilmStep
-from .films import COUETTE, DRAG, STORED, FilmSlopes, rough_film, smooth_film, thin
+from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .parameters import Parameters
@@ -64,7 +64,7 @@ class Inputs(NamedTuple):
 class FlowFilm(NamedTuple):
     """A film as flow and shear see it.
 
-    quantities : ndarray, shape (7, n_c, n_a), of `films`; slopes : films.FilmSlopes.
+    quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes : films.FilmSlopes.
     """
 
     quantities: Array
@@ -307,11 +307,7 @@ class LubricationModel:
         if film.ratio is not None:
             quantities = film.flow.quantities
             by_pressure = (
-                -self.area
-                * shear.shearing
-                * shear.velocity
-                * (quantities[COUETTE] - quantities[DRAG])
-                * film.dratio
+                -self.area * shear.shearing * shear.velocity * quantities[COUETTE] * film.dratio
             )
             slopes = FilmSlopes(
                 _raised(slopes.by_film, film.ratio), _raised(slopes.by_velocity, film.ratio)
@@ -462,7 +458,13 @@ class LubricationModel:
         absolute = film.pressure + p.cavitation_pressure
         pressure_force = (absolute + contact.pressure) * self.area
         summary = summarise(
-            film_thickness, absolute, pressure_force, forces, contact.area_fraction, self._halves
+            film_thickness,
+            sliding_velocity,
+            absolute,
+            pressure_force,
+            forces,
+            contact.area_fraction,
+            self._halves,
         )
         friction_force = forces.viscous + forces.boundary
         if not np.isfinite(sum(summary.radial) + sum(summary.friction)):
@@ -505,11 +507,10 @@ def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
 
 def _raised(quantities: Array, ratio: Array) -> Array:
     """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
-    Couette stress and drag times mu/mu_0.
+    Couette stress times mu/mu_0.
     """
     if len(quantities) == 0:
         return quantities
     raised = quantities.copy()
     raised[COUETTE] *= ratio
-    raised[DRAG] *= ratio
     return raised

@@ -8,7 +8,7 @@ from .declaration import choices_of, variables_of
 from .oil import Oil
 from .parameters import Parameters
 
-CONTRACT_VERSION = 1
+CONTRACT_VERSION = 2
 
 # allowed values of the parameters that choose a law
 CHOICES = choices_of(Parameters) | choices_of(Oil)
@@ -125,7 +125,7 @@ def variables(
             "nodal_friction_force",
             "N",
             "output",
-            "Axial shear force on the skirt",
+            "Axial force of film and asperities on the skirt; its opposite acts on the bore",
             nominal=0.1,
             shape=shape,
         ),
@@ -138,17 +138,23 @@ def variables(
             "friction_force_hydrodynamic",
             "N",
             "output",
-            "Viscous shear force on the skirt",
+            "Axial force of the film on the skirt; its opposite acts on the bore",
             nominal=10.0,
         ),
         Variable(
             "friction_force_asperity",
             "N",
             "output",
-            "Asperity friction force on the skirt",
+            "Axial force of asperities on the skirt; its opposite acts on the bore",
             nominal=10.0,
         ),
-        Variable("friction_power", "W", "output", "Power that sliding costs", nominal=100.0),
+        Variable(
+            "friction_power",
+            "W",
+            "output",
+            "Power that sliding costs, - axial force x velocity",
+            nominal=100.0,
+        ),
         Variable(
             "minimum_film_thickness_thrust_side",
             "m",

@@ -173,7 +173,7 @@ def inclined_pad(cells: int, ratio: float = 1.0) -> Pad:
     peak = p.argmax()
     # parabola through the three highest cells
     square, slope, value = np.polyfit([-1.0, 0.0, 1.0], p[peak - 1 : peak + 2], 2)
-    return Pad(p.mean(), forces.power.sum(), value - slope**2 / (4.0 * square))
+    return Pad(p.mean(), forces.viscous.sum(), value - slope**2 / (4.0 * square))
 
 
 def inclined_pad_rows() -> Rows:
@@ -796,7 +796,12 @@ def roughness_rows() -> Rows:
             rough[CONDUCTIVITY_A],
             roughness.pressure_flow_factor(2.0, 1.0) * 8.0 / 12.0,
         ),
-        ("shear", rough[COUETTE], roughness.shear_stress_factor(2.0) / 2.0),
+        (
+            "shear",
+            rough[COUETTE],
+            0.5 * roughness.shear_stress_factor(2.0)
+            + 0.5 * roughness.sliding_stress_factor(2.0, 1.0),
+        ),
     ):
         yield row(
             "Rough film at h = 2 sigma",

@@ -29,7 +29,7 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
             "nodal_friction_force",
             "N",
             "input",
-            "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
+            "Axial force of the film on the skirt in a grid cell; its opposite acts on the bore",
             nominal=0.1,
             shape=grid,
         ),
@@ -199,5 +199,5 @@ def properties(options: BuildOptions) -> list[Variable]:
         constant("n_axial", along, "Film grid cells along the skirt"),
         constant("piston_modes", options.piston.modes, "Modes of the piston"),
         constant("block_modes", options.block.modes, "Modes of the cylinder block"),
-        constant("contract_version", 1, "Version of the interface contract"),
+        constant("contract_version", 2, "Version of the interface contract"),
     ]

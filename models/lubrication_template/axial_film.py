@@ -21,6 +21,7 @@ class AxialFilm(FieldSlave):
     (Gumbel).
 
     Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
+    Eq. (U12):  tau = -(mu V/h - h/2 dp/dy), the opposite of the shear on the bore,   V = 2 U
     """
 
     name, description, state_type = "axial_film", "Film with axial flow only", State
@@ -31,7 +32,7 @@ class AxialFilm(FieldSlave):
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
             constant("n_axial", grid[1], "Cells along it"),
-            constant("contract_version", 1, "Version of the lubrication contract"),
+            constant("contract_version", 2, "Version of the lubrication contract"),
             Variable(
                 "viscosity",
                 "Pa.s",
@@ -77,7 +78,7 @@ class AxialFilm(FieldSlave):
                 "nodal_friction_force",
                 "N",
                 "output",
-                "Axial shear force on the skirt",
+                "Axial force of the film on the skirt; its opposite acts on the bore",
                 nominal=0.1,
                 shape=grid,
             ),
@@ -107,9 +108,11 @@ class AxialFilm(FieldSlave):
         )
         rise = resistance * (wedge - inflow) * dy  # over a cell, Eq. (U8)
         pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)
+        gradient = np.where(pressure > 0.0, rise / dy, 0.0)
         return State(values["film_thickness"]), {
             "nodal_pressure_force": pressure * area,
-            "nodal_friction_force": -viscosity * speed / film * area,
+            # Eq. (U12)
+            "nodal_friction_force": -(viscosity * speed / film - film / 2 * gradient) * area,
             "pressure": pressure,
             "maximum_pressure": pressure.max(),
             "minimum_film_thickness": values["film_thickness"].min(),

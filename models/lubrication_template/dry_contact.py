@@ -31,7 +31,7 @@ class DryContact(FieldSlave):
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
             constant("n_axial", grid[1], "Cells along it"),
-            constant("contract_version", 1, "Version of the lubrication contract"),
+            constant("contract_version", 2, "Version of the lubrication contract"),
             Variable(
                 "stiffness",
                 "Pa/m",

@@ -82,6 +82,22 @@ def test_coating_lowers_the_peak_of_pressure():
     assert max(o["maximum_pressure"] for o in coated) < max(o["maximum_pressure"] for o in bare)
 
 
+@pytest.mark.parametrize("flow_factors", ["none", "patir_cheng_1978"])
+def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
+    """- sum F V, with a velocity, a film in contact and oil that differ from cell to cell."""
+    rng = np.random.default_rng(3)
+    film = rng.uniform(1e-6, 8e-6, SHAPE)
+    velocity = rng.uniform(-5.0, 5.0, SHAPE)
+    model = LubricationModel(
+        Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=OPENING)
+    )
+    state, _ = model.start(film, velocity)
+    _, o = model.advance(state, film, velocity, 1e-4)
+    work = -(o["nodal_friction_force"] * velocity).sum()
+    assert o["friction_power"] == pytest.approx(work, rel=1e-12)
+    assert o["friction_force_asperity"] != 0.0
+
+
 def test_halves_add_up():
     _, _, history = motored(Parameters(SHAPE, roughness_rms=1e-6), 30)
     o = history[-1]
