@@ -16,7 +16,7 @@ from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .parameters import Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
-from .storage import EulerStep
+from .storage import EulerStep, Past
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
@@ -32,8 +32,9 @@ class State:
     unknown, unknown_before : ndarray
         Signed unknown at the end of the last two steps: its extrapolation starts the next one, so a
         repeat takes the same path.
-    content, content_before : ndarray
-        film_fraction x stored film at the end of the last two steps [m], `storage`.
+    content, growth, growth_before : ndarray
+        film_fraction x stored film [m], and its growth over the last step and the one before [m/s],
+        `storage.Past`.
     deflection : ndarray
         Of the coating [m].
     step_before : float
@@ -43,9 +44,15 @@ class State:
     unknown: Array
     unknown_before: Array
     content: Array
-    content_before: Array
+    growth: Array
+    growth_before: Array
     deflection: Array
     step_before: float
+
+    @property
+    def past(self) -> Past:
+        """What the storage term remembers."""
+        return Past(self.content, self.growth, self.growth_before, self.step_before)
 
 
 class Inputs(NamedTuple):
@@ -183,7 +190,8 @@ class LubricationModel:
             flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0
         )
         content = flow.quantities[STORED].copy()
-        return State(unknown, unknown, content, content, np.zeros(shape), 0.0), outputs
+        still = self._zero
+        return State(unknown, unknown, content, still, still, np.zeros(shape), 0.0), outputs
 
     def advance(
         self,
@@ -228,7 +236,7 @@ class LubricationModel:
         inputs = Inputs(film_thickness, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
-        begin = storage.euler_step(state.content, state.content_before, step, state.step_before)
+        begin = storage.euler_step(state.past, step)
         step_film = self._coated if self._compliance > 0.0 else self._bare
         inputs, flow, solution, deflection = step_film(state, begin, inputs, guess)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
@@ -241,7 +249,13 @@ class LubricationModel:
             solver_iterations=solution.iterations,
         )
         state = State(
-            solution.unknown, state.unknown, solution.content, state.content, deflection, step
+            solution.unknown,
+            state.unknown,
+            solution.content,
+            (solution.content - state.content) / step,
+            state.growth,
+            deflection,
+            step,
         )
         return state, outputs
 
