@@ -206,3 +206,27 @@ def test_starting_outputs_are_a_full_film_between_the_edge_pressures():
 def test_edge_below_cavitation_pressure_is_a_fault():
     sentences = faults(Parameters(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4))
     assert len(sentences) == 2 and "pressure_lower_edge = -10000 Pa" in sentences[0]
+
+
+def test_a_partly_filled_edge_above_cavitation_pressure_is_a_fault():
+    sentences = faults(Parameters(film_fraction_upper_edge=0.3, cavitation_pressure=-1e5))
+    assert sentences == [
+        "film_fraction_upper_edge = 0.3 (unit 1) at pressure_upper_edge = 0 Pa: an edge that is "
+        "only partly filled must be at cavitation_pressure = -100000 Pa, or filled to 1"
+    ]
+    both = dict(film_fraction_lower_edge=0.0, film_fraction_upper_edge=0.9)
+    assert len(faults(Parameters(**both, pressure_lower_edge=1.0, pressure_upper_edge=1.0))) == 2
+    assert faults(Parameters(**both)) == []
+    assert faults(Parameters(cavitation_pressure=-1e5)) == []  # flooded
+
+
+def test_a_step_with_such_an_edge_is_refused():
+    model = LubricationModel(Parameters(SHAPE))
+    film, velocity = np.full(SHAPE, 1e-5), np.full(SHAPE, 2.0)
+    state, _ = model.start(film, velocity)
+    with pytest.raises(NotConverged, match="film_fraction_lower_edge = 0.5 .*pressure_lower_edge"):
+        model.advance(
+            state, film, velocity, 1e-4, film_fraction_lower_edge=0.5, pressure_lower_edge=1e5
+        )
+    state, o = model.advance(state, film, velocity, 1e-4, film_fraction_lower_edge=0.5)
+    assert o["mass_imbalance"] <= 1e-12  # round-off
