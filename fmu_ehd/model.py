@@ -132,6 +132,7 @@ class LubricationModel:
         self.grid = Grid(p.shape, 2.0 * np.pi * p.bore_radius, p.skirt_length)
         self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
         self.area = np.where(self.film_step.open_cells, 0.0, self.grid.cell_area)
+        self._has_openings = bool(self.film_step.open_cells.any())
         self._contact_constants = ContactConstants(
             p.roughness_rms,
             asperity.pressure_scale(p.asperity_product, p.asperity_slope, p.contact_modulus),
@@ -227,10 +228,14 @@ class LubricationModel:
         """
         self._last = None  # a refused step has no tangent
         self._linear = None
-        if not film_thickness.max() > 0.0:
+        lubricated = film_thickness
+        if self._has_openings:
+            lubricated = np.where(self.film_step.open_cells, -np.inf, film_thickness)
+        if not lubricated.max() > 0.0:
+            i, j = np.unravel_index(np.argmax(lubricated), lubricated.shape)
             raise NotConverged(
-                f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there "
-                "is no film"
+                f"film_thickness[{i + 1},{j + 1}] = {film_thickness[i, j]:g} m, and nowhere above "
+                "0 m: there is no film"
             )
         around = surroundings(self.parameters, conditions) if conditions else self._given
         inputs = Inputs(film_thickness, sliding_velocity, around)
@@ -248,11 +253,13 @@ class LubricationModel:
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
         )
+        growth = (solution.content - state.content) / step
+        growth[self.film_step.open_cells] = 0.0
         state = State(
             solution.unknown,
             state.unknown,
             solution.content,
-            (solution.content - state.content) / step,
+            growth,
             state.growth,
             deflection,
             step,
@@ -383,7 +390,7 @@ class LubricationModel:
             weight, offset = coating.linear_deflection(
                 self._compliance,
                 deflection,
-                asperity.contact(inputs.film_thickness, self._contact_constants),
+                self._contact(inputs.film_thickness),
                 _pressure_tangent(reduced, inputs.surroundings),
             )
             softness = Softness(slopes[BY_FILM], weight, offset)
@@ -437,6 +444,16 @@ class LubricationModel:
         )
         return FlowFilm(quantities, slopes)
 
+    def _where_film(self, film_thickness: Array) -> Array:
+        """Film thickness, inf in cells without a film."""
+        if not self._has_openings:
+            return film_thickness
+        return np.where(self.film_step.open_cells, np.inf, film_thickness)
+
+    def _contact(self, film_thickness: Array) -> Contact:
+        """Asperity contact; none in cells without a film."""
+        return asperity.contact(self._where_film(film_thickness), self._contact_constants)
+
     def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
         """The film with true pressure."""
         law = inputs.surroundings.piezoviscosity
@@ -452,7 +469,7 @@ class LubricationModel:
         """
         p = self.parameters
         film_thickness, sliding_velocity, around = film.inputs
-        contact = asperity.contact(film_thickness, self._contact_constants)
+        contact = self._contact(film_thickness)
         quantities = film.flow.quantities
         if film.ratio is not None:
             quantities = _raised(quantities, film.ratio)
@@ -472,7 +489,7 @@ class LubricationModel:
         absolute = film.pressure + p.cavitation_pressure
         pressure_force = (absolute + contact.pressure) * self.area
         summary = summarise(
-            film_thickness,
+            self._where_film(film_thickness),
             sliding_velocity,
             absolute,
             pressure_force,

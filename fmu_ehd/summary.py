@@ -69,7 +69,7 @@ def summarise(
     Parameters
     ----------
     film_thickness, velocity, pressure, pressure_force, contact_area : ndarray, shape (n_c, n_a)
-        h [m], V [m/s], [Pa], [N], [-].
+        h [m], inf in cells without a film, which do not count; V [m/s], [Pa], [N], [-].
     forces : friction.ShearForces
     halves : Halves
 
@@ -88,12 +88,16 @@ def summarise(
     asperity = 0.0
     power = 0.0
     area = 0.0
+    cells = 0
     for i in range(n_c):
         low = np.inf
         normal = 0.0
         wet = 0.0
         dry = 0.0
         for j in range(n_a):
+            if film_thickness[i, j] == np.inf:
+                continue
+            cells += 1
             low = min(low, film_thickness[i, j])
             highest = max(highest, pressure[i, j])
             normal += pressure_force[i, j]
@@ -118,5 +122,5 @@ def summarise(
         hydrodynamic,
         asperity,
         power,
-        area / (n_c * n_a),
+        area / max(cells, 1),
     )

@@ -61,6 +61,45 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
     assert outputs["pressure"][OPENING] == pytest.approx(1e5)
 
 
+@pytest.mark.parametrize("gap", [-5e-6, 3e-6, 4e-5])
+@pytest.mark.parametrize("coating", [0.0, 3e-5])
+def test_cells_without_a_film_count_in_no_scalar(gap, coating):
+    """The thinnest film, the highest pressure and contact are those of the 10 um beside them."""
+    model = LubricationModel(
+        Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=OPENING)
+    )
+    film = np.full(SHAPE, 1e-5)
+    film[OPENING] = gap
+    velocity = np.full(SHAPE, 5.0)
+    state, _ = model.start(film, velocity)
+    for _ in range(3):
+        state, o = model.advance(state, film, velocity, 1e-4)
+    assert o["minimum_film_thickness"] == pytest.approx(1e-5, rel=0.3 if coating else 1e-15)
+    assert o["maximum_pressure"] == o["pressure"][~OPENING].max()
+    assert np.all(o["asperity_pressure"] == 0.0)
+    assert o["contact_area_fraction"] == 0.0
+
+
+def test_contact_area_is_that_of_the_skirt_that_is_there():
+    """The same parallel film with a part cut out has the same share in contact."""
+    film, velocity = np.full(SHAPE, 1e-6), np.zeros(SHAPE)
+    whole, cut = (
+        LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask))
+        for mask in (None, OPENING)
+    )
+    share = whole.start(film, velocity)[1]["contact_area_fraction"]
+    assert share > 0.0
+    assert cut.start(film, velocity)[1]["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
+
+
+def test_a_film_in_cut_outs_alone_is_none():
+    model = LubricationModel(Parameters(SHAPE, open_cells=OPENING))
+    state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
+    film = np.where(OPENING, 1e-5, -1e-6)
+    with pytest.raises(NotConverged, match="there is no film"):
+        model.advance(state, film, np.zeros(SHAPE), 1e-4)
+
+
 def test_coating_yields_by_its_compliance():
     film, velocity = motored_film(SHAPE, 31 * DEGREE)
     for parameters in (
