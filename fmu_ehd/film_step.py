@@ -107,7 +107,7 @@ class FilmStep:
 
         Parameters
         ----------
-        film : ndarray, shape (7, n_c, n_a)
+        film : ndarray, shape (6, n_c, n_a)
             Quantities of `films` at the end of the step.
         entrainment : grid.Entrainment
             At the end of the step [m/s].
@@ -198,7 +198,7 @@ class FilmStep:
 
         Parameters
         ----------
-        film : ndarray, shape (7, n_c, n_a)
+        film : ndarray, shape (6, n_c, n_a)
             Quantities of `films`.
         film_slopes : films.FilmSlopes
         entrainment, dentrainment : grid.Entrainment

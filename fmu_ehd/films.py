@@ -2,19 +2,25 @@
 
 Smooth surfaces:
 
-Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   d = 0,   b = s / 2
+Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   b = s / 2
 
 Rough surfaces, h >= h_min:
 
 Eq. (E8):  s = h_T,   t = h_T - (2 Y - 1) sigma Phi_s,   g = phi h^3 / (12 mu)
-Eq. (E9):  c = phi_f mu / h,   d = (2 Y - 1) Phi_fs mu / h,   b = phi_fp h / 2
+Eq. (E9):  c = (phi_f + Phi_fs) mu / h,   b = [1 - (2 Y - 1) (1 - phi_fp)] h / 2
 
-s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c, d and b give the
-shear stress of `friction`. The factors phi are those of `roughness`; Y is the skirt's share of the
+s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c and b give the
+axial stress of `friction`. The factors phi are those of `roughness`; Y is the skirt's share of the
 roughness variance. In the frame of the grid the skirt rests and the bore moves with twice the
 entrainment velocity, so a rough skirt holds oil back (t < h_T).
 
-All quantities of a film stand in one array of shape (7, n_c, n_a); the names below are its first
+c and b hold all of what acts on the bore along the axis: shear, and the pressure on the slopes of
+its roughness. A smooth bore under a rough skirt (Y = 1) feels shear alone, the published phi_f +
+Phi_fs and phi_fp. For a rough bore under a smooth skirt (Y = 0) that shear is the skirt's, and the
+film, which has no mass, gives the bore the rest: the same whole of sliding, and h - phi_fp h/2 of a
+pressure gradient. Between them both are linear in the variances, as the flow factors are.
+
+All quantities of a film stand in one array of shape (6, n_c, n_a); the names below are its first
 axis.
 """
 
@@ -38,21 +44,21 @@ from .roughness import (
 )
 
 # first axis of the quantities of a film:
-# s, t [m];  g across i and j [m3/(Pa s)];  c, d [Pa s/m];  b [m]
-STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, DRAG, POISEUILLE = range(7)
-QUANTITIES = 7
+# s, t [m];  g across i and j [m3/(Pa s)];  c [Pa s/m];  b [m]
+STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, POISEUILLE = range(6)
+QUANTITIES = 6
 
 # which of them shear thinning raises with mu_0/mu, and which it lowers with mu/mu_0
 RAISED_BY_THINNING = (CONDUCTIVITY_C, CONDUCTIVITY_A)
-LOWERED_BY_THINNING = (COUETTE, DRAG)
+LOWERED_BY_THINNING = (COUETTE,)
 
 
 class FilmSlopes(NamedTuple):
     """Derivatives of the quantities of a film.
 
-    by_film : ndarray, shape (7, n_c, n_a)
+    by_film : ndarray, shape (6, n_c, n_a)
         To film thickness [unit of the quantity/m].
-    by_velocity : ndarray, shape (7, n_c, n_a), or (0, n_c, n_a) if all zero
+    by_velocity : ndarray, shape (6, n_c, n_a), or (0, n_c, n_a) if all zero
         To sliding velocity [unit of the quantity s/m].
     """
 
@@ -75,7 +81,7 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
 
     Returns
     -------
-    quantities, by_film : ndarray, shape (7, n_c, n_a)
+    quantities, by_film : ndarray, shape (6, n_c, n_a)
         The quantities of the film and their derivatives to h.
     """
     n_c, n_a = film_thickness.shape
@@ -91,12 +97,10 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
             quantities[STORED, i, j] = quantities[TRANSPORT, i, j] = h  # Eq. (E7)
             quantities[CONDUCTIVITY_C, i, j] = quantities[CONDUCTIVITY_A, i, j] = h * dg / 3.0
             quantities[COUETTE, i, j] = shear
-            quantities[DRAG, i, j] = 0.0
             quantities[POISEUILLE, i, j] = 0.5 * h
             by_film[STORED, i, j] = by_film[TRANSPORT, i, j] = dh
             by_film[CONDUCTIVITY_C, i, j] = by_film[CONDUCTIVITY_A, i, j] = dh * dg
             by_film[COUETTE, i, j] = -dh * shear / h
-            by_film[DRAG, i, j] = 0.0
             by_film[POISEUILLE, i, j] = 0.5 * dh
     return quantities, by_film
 
@@ -110,12 +114,12 @@ def thin(
     above_floor: Flags,
     sliding_velocity: Array,
 ) -> FilmSlopes:
-    """Shear thinning: conductivities grow by mu_0/mu, Couette stress and drag fall by mu/mu_0;
+    """Shear thinning: conductivities grow by mu_0/mu, Couette stress falls by mu/mu_0;
     `quantities` and `by_film` in place.
 
     Parameters
     ----------
-    quantities, by_film : ndarray, shape (7, n_c, n_a)
+    quantities, by_film : ndarray, shape (6, n_c, n_a)
         From `smooth_film` or `rough_film` with the low-shear viscosity.
     factor, slope : ndarray, shape (n_c, n_a)
         mu/mu_0 [-] and its derivative [s] at the shear rate |V|/h, `oil.Oil.thinning`.
@@ -187,7 +191,7 @@ def rough_film(
 
     Returns
     -------
-    quantities, by_film : ndarray, shape (7, n_c, n_a)
+    quantities, by_film : ndarray, shape (6, n_c, n_a)
         The quantities of the film and their derivatives to h.
     """
     n_c, n_a = film_thickness.shape
@@ -228,13 +232,12 @@ def rough_film(
 
             shear = mu / h
             dshear = -mu * dh / (h * h)
-            phi = 1.0 + f[COUETTE_FACTOR]
+            phi = 1.0 + f[COUETTE_FACTOR] + f[DRAG_FACTOR]
+            dphi = df[COUETTE_FACTOR] + df[DRAG_FACTOR]
             quantities[COUETTE, i, j] = phi * shear  # Eq. (E9)
-            by_film[COUETTE, i, j] = phi * dshear + df[COUETTE_FACTOR] * shear
-            phi = f[DRAG_FACTOR]
-            quantities[DRAG, i, j] = asymmetry * phi * shear
-            by_film[DRAG, i, j] = asymmetry * (phi * dshear + df[DRAG_FACTOR] * shear)
-            phi = 1.0 + f[POISEUILLE_FACTOR]
+            by_film[COUETTE, i, j] = phi * dshear + dphi * shear
+            phi = 1.0 + asymmetry * f[POISEUILLE_FACTOR]
+            dphi = asymmetry * df[POISEUILLE_FACTOR]
             quantities[POISEUILLE, i, j] = 0.5 * phi * h
-            by_film[POISEUILLE, i, j] = 0.5 * (phi * dh + df[POISEUILLE_FACTOR] * h)
+            by_film[POISEUILLE, i, j] = 0.5 * (phi * dh + dphi * h)
     return quantities, by_film

@@ -1,23 +1,30 @@
-"""Axial shear force on the skirt: viscous and asperity part, and what sliding costs.
+"""Axial force between skirt and bore, viscous and asperity part, and what sliding costs.
 
-On the skirt, which slides at V relative to the bore:
+A film has no mass: what it does to the skirt along y is the opposite of what it does to the bore.
+The bore is straight, so that is its shear, with a skirt that slides at V relative to it:
 
-Eq. (F1):  tau_v = -f (c - d) V - b dp/dy
+Eq. (F1):  tau_v = -(f c V - b dp/dy)
 Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
 
-Power, the shear of the film on the bore x sliding velocity:
+both on the skirt, their opposites on the bore. Power that sliding costs:
 
-Eq. (F3):  P = sum A V [f (c + d) V - b dp/dy - tau_a]
+Eq. (F3):  P = -sum A V (tau_v + tau_a)
 
-tau_b is the boundary shear stress of `asperity`; c, d, b are those of `films` (smooth surfaces:
-mu/h, 0, h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
+tau_b is the boundary shear stress of `asperity`; c, b are those of `films` (smooth surfaces: mu/h,
+h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
 `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
 both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a
 derivative.
 
-The shear stresses on skirt and bore differ by 2 b dp/dy: the axial part of the pressure on the
-sloping skirt. The bore is the straight surface, so its shear is the whole axial force between the
-bodies and gives the power that sliding costs.
+Why not the shear on the skirt: it differs from Eq. (F1) by h dp/dy, and the pressure on the slope
+of the skirt adds p dh/dy. Both together are d(p h)/dy: in all, the film gives the skirt Eq. (F1)
+and p h at its two ends. That p h is what the pressure beyond an edge puts on the end of the film,
+which has the area of the gap. It belongs to whoever puts that pressure on the piston: over the
+whole section of the bore, pi R^2, it is in there already. With it here as well it would count
+twice, and without a partner on the bore.
+
+Valid for a bore that is straight along y; slopes of its profile and distortion, some 1e-4, are
+left out. Asperities press at right angles to the bore.
 
 References
 ----------
@@ -29,7 +36,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .films import COUETTE, DRAG, POISEUILLE, FilmSlopes
+from .films import COUETTE, POISEUILLE, FilmSlopes
 from .grid import Array
 
 # what shears of a cavitated film: its oil alone, or f = 1
@@ -53,7 +60,7 @@ class ShearInputs(NamedTuple):
     """What friction depends on; arrays of shape (n_c, n_a) where nothing else is said.
 
     pressure : p [Pa]; shearing : share of the film that shears f [-]; velocity : V [m/s];
-    film : ndarray, shape (7, n_c, n_a), quantities of `films`, of which c, d, b count;
+    film : ndarray, shape (6, n_c, n_a), quantities of `films`, of which c and b count;
     boundary_stress : tau_b [Pa]; area : lubricated area of each cell [m2];
     constants : ShearConstants.
     """
@@ -68,18 +75,18 @@ class ShearInputs(NamedTuple):
 
 
 class ShearForces(NamedTuple):
-    """Forces on the skirt and power, each ndarray of shape (n_c, n_a).
+    """Axial forces on the skirt, along +y [N], each ndarray of shape (n_c, n_a); their opposites
+    act on the bore.
 
-    viscous, boundary : force along +y [N]; power : [W].
+    viscous : of the film; boundary : of the asperities.
     """
 
     viscous: Array
     boundary: Array
-    power: Array
 
 
 class ShearSlopes(NamedTuple):
-    """Derivatives of the shear force of each cell, each ndarray of shape (n_c, n_a).
+    """Derivatives of the axial force of each cell, each ndarray of shape (n_c, n_a).
 
     film : to film thickness [N/m]; velocity : to sliding velocity [N s/m]; shearing : to the
     shearing share [N]; gradient : to the pressure gradient [N m/Pa]; pressure : to the cell's own
@@ -128,7 +135,7 @@ def _gradients(pressure, lower, upper, dy, out):
 
 @compiled
 def shear_forces(inputs: ShearInputs):
-    """Viscous and asperity shear force of each cell, and the power of sliding, Eqs. (F1) to (F3).
+    """Viscous and asperity force of each cell, Eqs. (F1), (F2).
 
     Parameters
     ----------
@@ -143,7 +150,6 @@ def shear_forces(inputs: ShearInputs):
     n_c, n_a = pressure.shape
     viscous = np.empty((n_c, n_a))
     boundary = np.empty((n_c, n_a))
-    power = np.empty((n_c, n_a))
     gradient = np.empty(n_a)
     for i in range(n_c):
         _gradients(pressure[i], lower, upper, dy, gradient)
@@ -152,20 +158,18 @@ def shear_forces(inputs: ShearInputs):
             f = shearing[i, j]
             a = area[i, j]
             c = film[COUETTE, i, j]
-            d = film[DRAG, i, j]
             flow = film[POISEUILLE, i, j] * gradient[j]
-            viscous[i, j] = -a * (f * (c - d) * v + flow)  # Eq. (F1)
+            viscous[i, j] = -a * (f * c * v - flow)  # Eq. (F1)
             speed = np.sqrt(v * v + rounding * rounding)
             boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
-            power[i, j] = v * (a * (f * (c + d) * v - flow) - boundary[i, j])  # Eq. (F3)
-    return ShearForces(viscous, boundary, power)
+    return ShearForces(viscous, boundary)
 
 
 @compiled
 def shear_slopes(
     inputs: ShearInputs, film_slopes: FilmSlopes, boundary_slope: Array, by_pressure: Array
 ):
-    """Derivatives of the total shear force of each cell, Eqs. (F1), (F2).
+    """Derivatives of the total axial force of each cell, Eqs. (F1), (F2).
 
     Parameters
     ----------
@@ -196,13 +200,13 @@ def shear_slopes(
         for j in range(n_a):
             v = velocity[i, j]
             f = shearing[i, j]
-            c = film[COUETTE, i, j] - film[DRAG, i, j]
+            c = film[COUETTE, i, j]
             a = -area[i, j]
             square = v * v + rounding * rounding
             direction = v / np.sqrt(square)
             to_film[i, j] = a * (
-                f * v * (by_film[COUETTE, i, j] - by_film[DRAG, i, j])
-                + by_film[POISEUILLE, i, j] * gradient[j]
+                f * v * by_film[COUETTE, i, j]
+                - by_film[POISEUILLE, i, j] * gradient[j]
                 + boundary_slope[i, j] * direction
             )
             to_velocity[i, j] = a * (
@@ -210,11 +214,10 @@ def shear_slopes(
             )
             if by_velocity.shape[0] > 0:
                 to_velocity[i, j] += a * (
-                    f * v * (by_velocity[COUETTE, i, j] - by_velocity[DRAG, i, j])
-                    + by_velocity[POISEUILLE, i, j] * gradient[j]
+                    f * v * by_velocity[COUETTE, i, j] - by_velocity[POISEUILLE, i, j] * gradient[j]
                 )
             to_shearing[i, j] = a * c * v
-            to_gradient[i, j] = a * film[POISEUILLE, i, j]
+            to_gradient[i, j] = -a * film[POISEUILLE, i, j]
     return ShearSlopes(to_film, to_velocity, to_shearing, to_gradient, by_pressure)
 
 

@@ -34,9 +34,8 @@ class Edges(NamedTuple):
     (the last two unused on a ring).
 
     pressure : above cavitation pressure [Pa], >= 0.
-    film_fraction : film fraction of the oil that sliding drags in [-], 0 to 1. An edge with less
-    than 1 should have the cavitation pressure: the model knows no gas at another pressure inside
-    the film.
+    film_fraction : film fraction of the oil that sliding drags in [-], 0 to 1; below 1
+    only at cavitation pressure, `parameters.edge_faults`.
     """
 
     pressure: Array

@@ -10,13 +10,13 @@ from .asperity import Contact, ContactConstants
 from .cavitation import NotConverged
 from .coating import PressureTangent, Softness
 from .film_step import FilmSolution, FilmStep
-from .films import COUETTE, DRAG, STORED, FilmSlopes, rough_film, smooth_film, thin
+from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .parameters import Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
-from .storage import EulerStep
+from .storage import EulerStep, Past
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 
@@ -32,8 +32,9 @@ class State:
     unknown, unknown_before : ndarray
         Signed unknown at the end of the last two steps: its extrapolation starts the next one, so a
         repeat takes the same path.
-    content, content_before : ndarray
-        film_fraction x stored film at the end of the last two steps [m], `storage`.
+    content, growth, growth_before : ndarray
+        film_fraction x stored film [m], and its growth over the last step and the one before [m/s],
+        `storage.Past`.
     deflection : ndarray
         Of the coating [m].
     step_before : float
@@ -43,9 +44,15 @@ class State:
     unknown: Array
     unknown_before: Array
     content: Array
-    content_before: Array
+    growth: Array
+    growth_before: Array
     deflection: Array
     step_before: float
+
+    @property
+    def past(self) -> Past:
+        """What the storage term remembers."""
+        return Past(self.content, self.growth, self.growth_before, self.step_before)
 
 
 class Inputs(NamedTuple):
@@ -64,7 +71,7 @@ class Inputs(NamedTuple):
 class FlowFilm(NamedTuple):
     """A film as flow and shear see it.
 
-    quantities : ndarray, shape (7, n_c, n_a), of `films`; slopes : films.FilmSlopes.
+    quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes : films.FilmSlopes.
     """
 
     quantities: Array
@@ -125,6 +132,7 @@ class LubricationModel:
         self.grid = Grid(p.shape, 2.0 * np.pi * p.bore_radius, p.skirt_length)
         self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
         self.area = np.where(self.film_step.open_cells, 0.0, self.grid.cell_area)
+        self._has_openings = bool(self.film_step.open_cells.any())
         self._contact_constants = ContactConstants(
             p.roughness_rms,
             asperity.pressure_scale(p.asperity_product, p.asperity_slope, p.contact_modulus),
@@ -183,7 +191,8 @@ class LubricationModel:
             flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0
         )
         content = flow.quantities[STORED].copy()
-        return State(unknown, unknown, content, content, np.zeros(shape), 0.0), outputs
+        still = self._zero
+        return State(unknown, unknown, content, still, still, np.zeros(shape), 0.0), outputs
 
     def advance(
         self,
@@ -219,16 +228,20 @@ class LubricationModel:
         """
         self._last = None  # a refused step has no tangent
         self._linear = None
-        if not film_thickness.max() > 0.0:
+        lubricated = film_thickness
+        if self._has_openings:
+            lubricated = np.where(self.film_step.open_cells, -np.inf, film_thickness)
+        if not lubricated.max() > 0.0:
+            i, j = np.unravel_index(np.argmax(lubricated), lubricated.shape)
             raise NotConverged(
-                f"film_thickness[1,1] = {film_thickness[0, 0]:g} m, and nowhere above 0 m: there "
-                "is no film"
+                f"film_thickness[{i + 1},{j + 1}] = {film_thickness[i, j]:g} m, and nowhere above "
+                "0 m: there is no film"
             )
         around = surroundings(self.parameters, conditions) if conditions else self._given
         inputs = Inputs(film_thickness, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
-        begin = storage.euler_step(state.content, state.content_before, step, state.step_before)
+        begin = storage.euler_step(state.past, step)
         step_film = self._coated if self._compliance > 0.0 else self._bare
         inputs, flow, solution, deflection = step_film(state, begin, inputs, guess)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
@@ -240,8 +253,16 @@ class LubricationModel:
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
         )
+        growth = (solution.content - state.content) / step
+        growth[self.film_step.open_cells] = 0.0
         state = State(
-            solution.unknown, state.unknown, solution.content, state.content, deflection, step
+            solution.unknown,
+            state.unknown,
+            solution.content,
+            growth,
+            state.growth,
+            deflection,
+            step,
         )
         return state, outputs
 
@@ -307,11 +328,7 @@ class LubricationModel:
         if film.ratio is not None:
             quantities = film.flow.quantities
             by_pressure = (
-                -self.area
-                * shear.shearing
-                * shear.velocity
-                * (quantities[COUETTE] - quantities[DRAG])
-                * film.dratio
+                -self.area * shear.shearing * shear.velocity * quantities[COUETTE] * film.dratio
             )
             slopes = FilmSlopes(
                 _raised(slopes.by_film, film.ratio), _raised(slopes.by_velocity, film.ratio)
@@ -373,7 +390,7 @@ class LubricationModel:
             weight, offset = coating.linear_deflection(
                 self._compliance,
                 deflection,
-                asperity.contact(inputs.film_thickness, self._contact_constants),
+                self._contact(inputs.film_thickness),
                 _pressure_tangent(reduced, inputs.surroundings),
             )
             softness = Softness(slopes[BY_FILM], weight, offset)
@@ -427,6 +444,16 @@ class LubricationModel:
         )
         return FlowFilm(quantities, slopes)
 
+    def _where_film(self, film_thickness: Array) -> Array:
+        """Film thickness, inf in cells without a film."""
+        if not self._has_openings:
+            return film_thickness
+        return np.where(self.film_step.open_cells, np.inf, film_thickness)
+
+    def _contact(self, film_thickness: Array) -> Contact:
+        """Asperity contact; none in cells without a film."""
+        return asperity.contact(self._where_film(film_thickness), self._contact_constants)
+
     def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
         """The film with true pressure."""
         law = inputs.surroundings.piezoviscosity
@@ -442,7 +469,7 @@ class LubricationModel:
         """
         p = self.parameters
         film_thickness, sliding_velocity, around = film.inputs
-        contact = asperity.contact(film_thickness, self._contact_constants)
+        contact = self._contact(film_thickness)
         quantities = film.flow.quantities
         if film.ratio is not None:
             quantities = _raised(quantities, film.ratio)
@@ -462,7 +489,13 @@ class LubricationModel:
         absolute = film.pressure + p.cavitation_pressure
         pressure_force = (absolute + contact.pressure) * self.area
         summary = summarise(
-            film_thickness, absolute, pressure_force, forces, contact.area_fraction, self._halves
+            self._where_film(film_thickness),
+            sliding_velocity,
+            absolute,
+            pressure_force,
+            forces,
+            contact.area_fraction,
+            self._halves,
         )
         friction_force = forces.viscous + forces.boundary
         if not np.isfinite(sum(summary.radial) + sum(summary.friction)):
@@ -505,11 +538,10 @@ def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
 
 def _raised(quantities: Array, ratio: Array) -> Array:
     """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
-    Couette stress and drag times mu/mu_0.
+    Couette stress times mu/mu_0.
     """
     if len(quantities) == 0:
         return quantities
     raised = quantities.copy()
     raised[COUETTE] *= ratio
-    raised[DRAG] *= ratio
     return raised

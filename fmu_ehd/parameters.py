@@ -1,5 +1,6 @@
 """What is fixed for a run."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from .asperity import CONTACT_LAWS
@@ -16,7 +17,7 @@ class Parameters:
     """What is fixed for a run. Each number is declared here, once: unit, default, range and
     meaning.
 
-    Pressures are gauge, on one datum, edges not below cavitation.
+    Pressures are gauge, on one datum, edges not below cavitation, `edge_faults`.
 
     Parameters
     ----------
@@ -87,10 +88,20 @@ class Parameters:
         "Pa", 0.0, -2e5, 1e8, "Pressure at the upper edge, gauge", condition=True
     )
     film_fraction_lower_edge: float = declared(
-        "1", 1.0, 0.0, 1.0, "Film fraction of the oil entering at the lower edge", condition=True
+        "1",
+        1.0,
+        0.0,
+        1.0,
+        "Film fraction of the oil entering at the lower edge; below 1 only at cavitation pressure",
+        condition=True,
     )
     film_fraction_upper_edge: float = declared(
-        "1", 1.0, 0.0, 1.0, "Film fraction of the oil entering at the upper edge", condition=True
+        "1",
+        1.0,
+        0.0,
+        1.0,
+        "Film fraction of the oil entering at the upper edge; below 1 only at cavitation pressure",
+        condition=True,
     )
     oil_temperature_lower_edge: float = declared(
         "K",
@@ -111,6 +122,50 @@ class Parameters:
 CONDITION_NAMES = names_of(Parameters, condition=True)
 
 
+# what belongs to one edge
+EDGES = (
+    ("film_fraction_lower_edge", "pressure_lower_edge"),
+    ("film_fraction_upper_edge", "pressure_upper_edge"),
+)
+
+
+def edge_faults(conditions: Mapping[str, float], cavitation_pressure: float) -> list[str]:
+    """What is wrong with the oil supply at the edges.
+
+    An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity
+    at cavitation pressure: the model knows no gas at another pressure inside the film, and a higher
+    one would press oil in as if the edge were flooded.
+
+    Parameters
+    ----------
+    conditions : mapping
+        Values of `CONDITION_NAMES`.
+    cavitation_pressure : float
+        Gauge [Pa].
+
+    Returns
+    -------
+    list of str
+        One sentence a fault.
+    """
+    sentences = []
+    for fraction_name, pressure_name in EDGES:
+        pressure = conditions[pressure_name]
+        fraction = conditions[fraction_name]
+        if pressure < cavitation_pressure:
+            sentences.append(
+                f"{pressure_name} = {pressure:g} Pa: must not be below cavitation_pressure = "
+                f"{cavitation_pressure:g} Pa"
+            )
+        elif fraction < 1.0 and pressure > cavitation_pressure:
+            sentences.append(
+                f"{fraction_name} = {fraction:g} (unit 1) at {pressure_name} = {pressure:g} Pa: an "
+                f"edge that is only partly filled must be at cavitation_pressure = "
+                f"{cavitation_pressure:g} Pa, or filled to 1"
+            )
+    return sentences
+
+
 def faults(parameters: Parameters) -> list[str]:
     """What is wrong between parameters that are each in range.
 
@@ -124,14 +179,8 @@ def faults(parameters: Parameters) -> list[str]:
         One sentence a fault.
     """
     p = parameters
-    sentences = []
-    for name in ("pressure_lower_edge", "pressure_upper_edge"):
-        pressure = getattr(p, name)
-        if pressure < p.cavitation_pressure:
-            sentences.append(
-                f"{name} = {pressure:g} Pa: must not be below cavitation_pressure = "
-                f"{p.cavitation_pressure:g} Pa"
-            )
+    conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
+    sentences = edge_faults(conditions, p.cavitation_pressure)
     oil = p.oil
     if oil.viscosity_law == "two_point" and oil.viscosity_40 <= oil.viscosity_100:
         sentences.append(

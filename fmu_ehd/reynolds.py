@@ -193,7 +193,7 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
 
     Parameters
     ----------
-    film : ndarray, shape (7, n_c, n_a)
+    film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`; conductivities and transported film > 0.
     entrainment : grid.Entrainment
     cells : grid.Cells
@@ -587,7 +587,7 @@ def linearise(
 
     Parameters
     ----------
-    film : ndarray, shape (7, n_c, n_a)
+    film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`.
     slopes : films.FilmSlopes
     entrainment : grid.Entrainment

@@ -36,7 +36,10 @@ What confirms the table: (R2) stands in several public sources. The two branches
 (tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman (github.com/rboman/progs,
 apps/EHD, read for comparison) has the same (R4) to (R6), and its line A2 = 1.0766 - 0.3776 ln
 gamma, fitted through all gamma, passes within 0.11 of every A2 here. For the rows of (R5) and (R6)
-with gamma other than 1 no second source is known.
+with gamma other than 1 no second source is known, but (R6) follows from (R1) and (R3): what a
+pressure gradient does to a sliding surface and what sliding carries through the film have one
+coefficient, phi_fp H = h_T/sigma - Phi_s for each gamma within 0.03 H
+(tests/ehd/test_values_surfaces.py).
 
 References
 ----------

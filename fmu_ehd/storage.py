@@ -3,19 +3,33 @@ backward Euler step.
 
 At the end of the step:
 
-Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta (c_n - c_{n-1}),   H_e = H - beta H_n
-Eq. (T2):  beta = w^2 / (1 + 2 w),   w = min(H / H_n, 2)
+Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta H_n r_n,   H_e = H - beta H_n
+Eq. (T2):  beta = m w^2 / (1 + 2 w),   w = min(H / H_n, 2)
 Eq. (T3):  beta = 0  where c_e < 0 in any cell
+Eq. (T4):  m = 4 r_n.r_{n-1} / max(r_n.r_n, r_{n-1}.r_{n-1}),   not below 0, not above 1
 
-c = f s content of a cell [m] (film fraction x stored film), c_n and c_{n-1} at the beginning of the
-step and one step before, H and H_n this step and the last one [s].
+c = f s content of a cell [m] (film fraction x stored film), c_n at the beginning of the step, r_n
+and r_{n-1} its growth in the last step and in the one before [m/s], H and H_n this step and the
+last one [s]. The dot is a sum over all cells, m the memory of the film [-].
 
 Eq. (T1) is exact for a content linear in time whatever beta is, and for a quadratic one with that
-of Eq. (T2), which makes it BDF2; beta = 0 is backward Euler. The balance of a cell is that of a
-backward Euler step of length H_e from the content c_e, so matrix, cavitation and tangent are what
-they are there. BDF2 is A-stable with constant steps, and zero-stable while steps grow by less than
-1 + sqrt(2) [Hairer1993]: from w = 2 on beta stays what it is there, and such a step is of first
-order. The first step is backward Euler (H_n = 0, c_{n-1} = c_n), which costs no order.
+of Eq. (T2) with m = 1, which makes it BDF2; beta = 0 is backward Euler. The balance of a cell is
+that of a backward Euler step of length H_e from the content c_e, so matrix, cavitation and tangent
+are what they are there. BDF2 is A-stable with constant steps, and zero-stable while steps grow by
+less than 1 + sqrt(2) [Hairer1993]: from w = 2 on beta stays what it is there, and such a step is of
+first order. The first steps are backward Euler (r = 0), which costs no order.
+
+Memory is for a film that goes on as it went. BDF2 presses half of what last flowed in out again
+where a motion stops, and gives 3/2 of the pressure where one sets in: a full film that is squeezed
+in one step and then held would end with a void, and plates that close on a cavity would carry half
+as much again as they should. Eq. (T4) drops the memory where the last growth is unlike the one
+before: after a jump, and when all oil that moved stands still. In smooth motion both are alike but
+for O(H), and m = 1: the factor 4 keeps it there until one growth is less than a quarter of the
+other. Only where the oil turns round a step or two are of first order, which costs no order. Where
+nothing moves but round-off, m = 0.
+
+What m cannot see is the step to come. A film squeezed evenly for two steps or more and then stopped
+within one still gives up a third of its last growth there.
 
 A cell that lost more than 3/4 of its oil in one of two equal steps would owe oil: such a step is
 backward Euler, Eq. (T3). With c_e >= 0 no film fraction becomes negative, since the matrix is an
@@ -24,12 +38,7 @@ its pressure passes the surplus on. The choice looks at the past alone, so the s
 function of its inputs.
 
 Full films, film fractions and the positions of moving fronts come out of second order. The pressure
-of a film on a grid jumps whenever a cell fills, and at such an instant no step is. After a whole
-cavity has closed between surfaces on a given path, the pressure of one step is too high, by up to a
-fifth of the highest: BDF2 presses half of what last flowed in out again. A piston free to move
-gives way: there the highest pressure errs no more than with backward Euler. Backward Euler for the
-step after a closing was tried: it mends half of the cases, spoils the squeeze pressure of others,
-and a free piston gains nothing.
+of a film on a grid jumps whenever a cell fills, and at such an instant no step is.
 
 beta is one number for the whole film. With one for each cell, what flows through a face would count
 differently on its two sides, and oil would get lost. As it is, oil is conserved to round-off
@@ -54,6 +63,28 @@ LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
 # [m] content that is round-off in an empty cell: a film of 10 um times the rounding of film
 # fractions
 NEGLIGIBLE = 1e-20
+# change of the content in a step, over the content, below which nothing moves: far above the
+# round-off of film fractions, and that of a plate that closes at 1 mm/s on 100 um in 1 us is 1e-5
+STANDSTILL = 1e-10
+WHOLE_MEMORY = 4.0  # the factor of Eq. (T4)
+
+
+class Past(NamedTuple):
+    """What a film remembers.
+
+    content : ndarray, shape (n_c, n_a)
+        c_n at the beginning of the step [m], >= 0.
+    growth, growth_before : ndarray, shape (n_c, n_a)
+        r_n and r_{n-1}, change of the content over the last step and the one before, a second
+        [m/s]; 0 where there was none.
+    step : float
+        H_n [s], >= 0; 0 where there was no step before.
+    """
+
+    content: Array
+    growth: Array
+    growth_before: Array
+    step: float
 
 
 class EulerStep(NamedTuple):
@@ -70,24 +101,43 @@ class EulerStep(NamedTuple):
 
 
 @compiled
-def euler_step(content: Array, content_before: Array, step: float, step_before: float):
+def memory(past: Past):
+    """Memory m of a film [-], 0 to 1, by how alike its last two growths are, Eq. (T4)."""
+    content, growth, growth_before, step = past
+    both = 0.0
+    last = 0.0
+    before = 0.0
+    whole = 0.0
+    for i in range(content.shape[0]):
+        for j in range(content.shape[1]):
+            both += growth[i, j] * growth_before[i, j]
+            last += growth[i, j] * growth[i, j]
+            before += growth_before[i, j] * growth_before[i, j]
+            whole += content[i, j] * content[i, j]
+    larger = max(last, before)
+    if larger * step * step <= STANDSTILL * STANDSTILL * whole:
+        return 0.0
+    return min(max(WHOLE_MEMORY * both / larger, 0.0), 1.0)  # Eq. (T4)
+
+
+@compiled
+def euler_step(past: Past, step: float):
     """Content and length of the backward Euler step that equals the step of second order, Eqs. (T1)
-    to (T3).
+    to (T4).
 
     Parameters
     ----------
-    content, content_before : ndarray, shape (n_c, n_a)
-        c_n at the beginning of the step, c_{n-1} one step before [m], >= 0.
-    step, step_before : float
-        H > 0, H_n >= 0 [s]; H_n = 0 where there was no step before, with c_{n-1} = c_n.
+    past : Past
+    step : float
+        H [s], > 0.
 
     Returns
     -------
     EulerStep
     """
-    ratio = min(step / step_before, LARGEST_RATIO)
-    share = ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
-    extrapolated = content + share * (content - content_before)
+    ratio = min(step / past.step, LARGEST_RATIO) if past.step > 0.0 else 0.0
+    share = memory(past) * ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
+    extrapolated = past.content + share * past.step * past.growth
     if extrapolated.min() < -NEGLIGIBLE:
-        return EulerStep(content, step)  # Eq. (T3)
-    return EulerStep(extrapolated, step - share * step_before)  # Eq. (T1)
+        return EulerStep(past.content, step)  # Eq. (T3)
+    return EulerStep(extrapolated, step - share * past.step)  # Eq. (T1)

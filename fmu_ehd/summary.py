@@ -33,7 +33,7 @@ class Summary(NamedTuple):
     thinnest : Sides, minimum film thickness [m]; highest : maximum pressure [Pa];
     radial : Sides, force across the thrust plane, >= 0 pushes apart [N];
     friction : Sides, axial force on the skirt [N];
-    hydrodynamic, asperity : axial force by its cause [N]; power : [W];
+    hydrodynamic, asperity : axial force by its cause [N]; power : that sliding costs [W];
     contact_area : mean of the contact area fraction [-].
     """
 
@@ -57,6 +57,7 @@ def halves(n_circumferential: int) -> Halves:
 @compiled
 def summarise(
     film_thickness: Array,
+    velocity: Array,
     pressure: Array,
     pressure_force: Array,
     forces: ShearForces,
@@ -67,8 +68,8 @@ def summarise(
 
     Parameters
     ----------
-    film_thickness, pressure, pressure_force, contact_area : ndarray, shape (n_c, n_a)
-        [m], [Pa], [N], [-].
+    film_thickness, velocity, pressure, pressure_force, contact_area : ndarray, shape (n_c, n_a)
+        h [m], inf in cells without a film, which do not count; V [m/s], [Pa], [N], [-].
     forces : friction.ShearForces
     halves : Halves
 
@@ -76,7 +77,7 @@ def summarise(
     -------
     Summary
     """
-    viscous, boundary, power = forces
+    viscous, boundary = forces
     share, sine = halves
     n_c, n_a = film_thickness.shape
     thinnest = np.full(2, np.inf)
@@ -85,20 +86,25 @@ def summarise(
     highest = -np.inf
     hydrodynamic = 0.0
     asperity = 0.0
-    total = 0.0
+    power = 0.0
     area = 0.0
+    cells = 0
     for i in range(n_c):
         low = np.inf
         normal = 0.0
         wet = 0.0
         dry = 0.0
         for j in range(n_a):
+            if film_thickness[i, j] == np.inf:
+                continue
+            cells += 1
             low = min(low, film_thickness[i, j])
             highest = max(highest, pressure[i, j])
             normal += pressure_force[i, j]
             wet += viscous[i, j]
             dry += boundary[i, j]
-            total += power[i, j]
+            # Eq. (F3)
+            power -= (viscous[i, j] + boundary[i, j]) * velocity[i, j]
             area += contact_area[i, j]
         hydrodynamic += wet
         asperity += dry
@@ -115,6 +121,6 @@ def summarise(
         Sides(friction[0], friction[1]),
         hydrodynamic,
         asperity,
-        total,
-        area / (n_c * n_a),
+        power,
+        area / max(cells, 1),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from .cavitation import NotConverged
 from .grid import Array, Edges
 from .oil import Piezoviscosity
-from .parameters import CONDITION_NAMES, Parameters
+from .parameters import CONDITION_NAMES, Parameters, edge_faults
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,15 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     Raises
     ------
     cavitation.NotConverged
-        If an edge is below cavitation pressure.
+        If the oil supply at an edge is impossible, `parameters.edge_faults`.
     """
     p = parameters
     given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
+    sentences = edge_faults(given, p.cavitation_pressure)
+    if sentences:
+        raise NotConverged("; ".join(sentences))
     lower = given["pressure_lower_edge"] - p.cavitation_pressure
     upper = given["pressure_upper_edge"] - p.cavitation_pressure
-    if min(lower, upper) < 0.0:
-        raise NotConverged(
-            f"edge pressure {min(lower, upper):g} Pa above cavitation pressure: must not be "
-            "below it"
-        )
     _, n_axial = p.shape
     along = (np.arange(n_axial) + 0.5) / n_axial
     profile = (

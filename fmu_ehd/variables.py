@@ -8,7 +8,7 @@ from .declaration import choices_of, variables_of
 from .oil import Oil
 from .parameters import Parameters
 
-CONTRACT_VERSION = 1
+CONTRACT_VERSION = 2
 
 # allowed values of the parameters that choose a law
 CHOICES = choices_of(Parameters) | choices_of(Oil)
@@ -95,17 +95,31 @@ def variables(
             1.0,
             shape,
         ),
-        output_variable("nodal_friction_force", "N", "Axial shear force on the skirt", 0.1, shape),
+        output_variable(
+            "nodal_friction_force",
+            "N",
+            "Axial force of film and asperities on the skirt; its opposite acts on the bore",
+            0.1,
+            shape,
+        ),
         *(diagnostic if fields else []),
         output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
         output_variable("maximum_pressure", "Pa", "Highest hydrodynamic pressure, gauge", 1e6),
         output_variable(
-            "friction_force_hydrodynamic", "N", "Viscous shear force on the skirt", 10.0
+            "friction_force_hydrodynamic",
+            "N",
+            "Axial force of the film on the skirt; its opposite acts on the bore",
+            10.0,
         ),
         output_variable(
-            "friction_force_asperity", "N", "Asperity friction force on the skirt", 10.0
+            "friction_force_asperity",
+            "N",
+            "Axial force of asperities on the skirt; its opposite acts on the bore",
+            10.0,
         ),
-        output_variable("friction_power", "W", "Power that sliding costs", 100.0),
+        output_variable(
+            "friction_power", "W", "Power that sliding costs, - axial force x velocity", 100.0
+        ),
         output_variable(
             "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
         ),

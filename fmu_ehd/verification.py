@@ -21,7 +21,7 @@ from .friction import ShearConstants, ShearInputs, shear_forces
 from .grid import LOWER, Array, Edges, Entrainment, Grid, flooded_edges
 from .motored import DEGREE, motored, motored_until, physics, tangent_error
 from .parameters import Parameters
-from .storage import EulerStep
+from .storage import EulerStep, Past
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
 SECOND_ORDER = "second order in the cell size"
@@ -173,7 +173,7 @@ def inclined_pad(cells: int, ratio: float = 1.0) -> Pad:
     peak = p.argmax()
     # parabola through the three highest cells
     square, slope, value = np.polyfit([-1.0, 0.0, 1.0], p[peak - 1 : peak + 2], 2)
-    return Pad(p.mean(), forces.power.sum(), value - slope**2 / (4.0 * square))
+    return Pad(p.mean(), forces.viscous.sum(), value - slope**2 / (4.0 * square))
 
 
 def inclined_pad_rows() -> Rows:
@@ -349,21 +349,18 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
     edges = flooded_edges(0.025)
     still = Entrainment(np.zeros(grid.shape), np.zeros(grid.shape))
     content = np.full(grid.shape, 0.5)
-    before = content
+    past = Past(content, np.zeros(grid.shape), np.zeros(grid.shape), 0.0)
     full = np.ones(grid.shape, dtype=bool)
-    last = 0.0
     times: Array = np.arange(1.0, round(end / step) + 1.0) * step
     width = np.empty(times.size)
     imbalance = 0.0
     pressure = 0.0
     for k, time in enumerate(times):
         h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
-        begin = storage.euler_step(content, before, step, last)
+        begin = storage.euler_step(past, step)
         film = film_step.solve(flow_film(h, 1.0 / 6.0), still, edges, begin, full)
-        before = content
-        content = film.content
+        past = Past(film.content, (film.content - past.content) / step, past.growth, step)
         full = film.full
-        last = step
         width[k] = _full_width(film)
         imbalance = max(imbalance, film.mass_imbalance)
         pressure = film.pressure.max()
@@ -796,7 +793,12 @@ def roughness_rows() -> Rows:
             rough[CONDUCTIVITY_A],
             roughness.pressure_flow_factor(2.0, 1.0) * 8.0 / 12.0,
         ),
-        ("shear", rough[COUETTE], roughness.shear_stress_factor(2.0) / 2.0),
+        (
+            "shear",
+            rough[COUETTE],
+            0.5 * roughness.shear_stress_factor(2.0)
+            + 0.5 * roughness.sliding_stress_factor(2.0, 1.0),
+        ),
     ):
         yield row(
             "Rough film at h = 2 sigma",

@@ -28,7 +28,7 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
         input_variable(
             "nodal_friction_force",
             "N",
-            "Axial shear force on the skirt in a grid cell; its opposite acts on the bore",
+            "Axial force of the film on the skirt in a grid cell; its opposite acts on the bore",
             0.0,
             0.1,
             grid,
@@ -149,5 +149,5 @@ def properties(options: BuildOptions) -> list[Variable]:
         constant("n_axial", along, "Film grid cells along the skirt"),
         constant("piston_modes", options.piston.modes, "Modes of the piston"),
         constant("block_modes", options.block.modes, "Modes of the cylinder block"),
-        constant("contract_version", 1, "Version of the interface contract"),
+        constant("contract_version", 2, "Version of the interface contract"),
     ]

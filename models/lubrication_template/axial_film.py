@@ -14,7 +14,9 @@ class State:
 
 
 class AxialFilm(FieldSlave):
-    """Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges"""
+    """Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
+    Eq. (U12):  tau = -(mu U/h - h/2 dp/dy), the opposite of the shear on the bore
+    """
 
     name, description, state_type = "axial_film", "Film with axial flow only", State
 
@@ -24,14 +26,14 @@ class AxialFilm(FieldSlave):
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
             constant("n_axial", grid[1], "Cells along it"),
-            constant("contract_version", 1, "Version of the lubrication contract"),
+            constant("contract_version", 2, "Version of the lubrication contract"),
             parameter("viscosity", "Pa.s", "Viscosity of the oil", 0.012, 1e-5, 1e3),
             parameter("bore_radius", "m", "Radius of the bore", 28.25e-3, 1e-3, 1.0),
             parameter("skirt_length", "m", "Length of the skirt", 27e-3, 1e-3, 2.0),
             input_variable("film_thickness", "m", "Bore minus skirt", 2e-5, 1e-5, grid),
             input_variable("sliding_velocity", "m/s", "Skirt minus bore", 0.0, 1.0, grid),
             output_variable("nodal_pressure_force", "N", "Pressure x cell area", 1.0, grid),
-            output_variable("nodal_friction_force", "N", "Axial shear on the skirt", 0.1, grid),
+            output_variable("nodal_friction_force", "N", "Axial force on the skirt", 0.1, grid),
             output_variable("pressure", "Pa", "Pressure, gauge", 1e6, grid),
             output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
             output_variable("maximum_pressure", "Pa", "Highest pressure, gauge", 1e6),
@@ -51,7 +53,9 @@ class AxialFilm(FieldSlave):
         inflow = np.average(wedge, axis=1, weights=resistance, keepdims=True)
         rise = resistance * (wedge - inflow) * dy  # over a cell, Eq. (U8)
         pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)  # cut off (Gumbel)
-        shear = -values["viscosity"] * speed / gap
+        shear = (
+            gap / 2 * rise / dy * (pressure > 0) - values["viscosity"] * speed / gap
+        )  # Eq. (U12)
         nodal = {"nodal_pressure_force": pressure * area, "nodal_friction_force": shear * area}
         extremes = {"maximum_pressure": pressure.max(), "minimum_film_thickness": film.min()}
         return State(film), nodal | extremes | {"pressure": pressure}

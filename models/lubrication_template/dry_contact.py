@@ -34,7 +34,7 @@ class DryContact(FieldSlave):
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
             constant("n_axial", grid[1], "Cells along it"),
-            constant("contract_version", 1, "Version of the lubrication contract"),
+            constant("contract_version", 2, "Version of the lubrication contract"),
             parameter("stiffness", "Pa/m", "Contact pressure per overlap", 1e12, 1e6, 1e16),
             parameter("damping_time", "s", "c / k", 1e-4, 0.0, 1.0),
             parameter("touching_gap", "m", "Gap at which the surfaces touch", 1e-6, 0.0, 1e-3),

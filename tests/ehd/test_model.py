@@ -82,6 +82,45 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
     assert outputs["pressure"][cut_out] == pytest.approx(1e5)
 
 
+@pytest.mark.parametrize("gap", [-5e-6, 3e-6, 4e-5])
+@pytest.mark.parametrize("coating", [0.0, 3e-5])
+def test_cells_without_a_film_count_in_no_scalar(gap, coating):
+    """The thinnest film, the highest pressure and contact are those of the 10 um beside them."""
+    model = LubricationModel(
+        Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=OPENING)
+    )
+    film = np.full(SHAPE, 1e-5)
+    film[OPENING] = gap
+    velocity = np.full(SHAPE, 5.0)
+    state, _ = model.start(film, velocity)
+    for _ in range(3):
+        state, o = model.advance(state, film, velocity, 1e-4)
+    assert o["minimum_film_thickness"] == pytest.approx(1e-5, rel=0.3 if coating else 1e-15)
+    assert o["maximum_pressure"] == o["pressure"][~OPENING].max()
+    assert np.all(o["asperity_pressure"] == 0.0)
+    assert o["contact_area_fraction"] == 0.0
+
+
+def test_contact_area_is_that_of_the_skirt_that_is_there():
+    """The same parallel film with a part cut out has the same share in contact."""
+    film, velocity = np.full(SHAPE, 1e-6), np.zeros(SHAPE)
+    whole, cut = (
+        LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask))
+        for mask in (None, OPENING)
+    )
+    share = whole.start(film, velocity)[1]["contact_area_fraction"]
+    assert share > 0.0
+    assert cut.start(film, velocity)[1]["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
+
+
+def test_a_film_in_cut_outs_alone_is_none():
+    model = LubricationModel(Parameters(SHAPE, open_cells=OPENING))
+    state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
+    film = np.where(OPENING, 1e-5, -1e-6)
+    with pytest.raises(NotConverged, match="there is no film"):
+        model.advance(state, film, np.zeros(SHAPE), 1e-4)
+
+
 def test_coating_yields_by_its_compliance():
     film, velocity = motored_film(SHAPE, 31 * DEGREE)
     for parameters in (
@@ -101,6 +140,22 @@ def test_coating_yields_by_its_compliance():
 def test_coating_lowers_the_peak_of_pressure():
     bare, coated = (motored(Parameters(SHAPE, coating_thickness=d), 60)[2] for d in (0.0, 1e-4))
     assert max(o["maximum_pressure"] for o in coated) < max(o["maximum_pressure"] for o in bare)
+
+
+@pytest.mark.parametrize("flow_factors", ["none", "patir_cheng_1978"])
+def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
+    """- sum F V, with a velocity, a film in contact and oil that differ from cell to cell."""
+    rng = np.random.default_rng(3)
+    film = rng.uniform(1e-6, 8e-6, SHAPE)
+    velocity = rng.uniform(-5.0, 5.0, SHAPE)
+    model = LubricationModel(
+        Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=OPENING)
+    )
+    state, _ = model.start(film, velocity)
+    _, o = model.advance(state, film, velocity, 1e-4)
+    work = -(o["nodal_friction_force"] * velocity).sum()
+    assert o["friction_power"] == pytest.approx(work, rel=1e-12)
+    assert o["friction_force_asperity"] != 0.0
 
 
 def test_halves_add_up():
@@ -211,3 +266,27 @@ def test_starting_outputs_are_a_full_film_between_the_edge_pressures():
 def test_edge_below_cavitation_pressure_is_a_fault():
     sentences = faults(Parameters(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4))
     assert len(sentences) == 2 and "pressure_lower_edge = -10000 Pa" in sentences[0]
+
+
+def test_a_partly_filled_edge_above_cavitation_pressure_is_a_fault():
+    sentences = faults(Parameters(film_fraction_upper_edge=0.3, cavitation_pressure=-1e5))
+    assert sentences == [
+        "film_fraction_upper_edge = 0.3 (unit 1) at pressure_upper_edge = 0 Pa: an edge that is "
+        "only partly filled must be at cavitation_pressure = -100000 Pa, or filled to 1"
+    ]
+    both = dict(film_fraction_lower_edge=0.0, film_fraction_upper_edge=0.9)
+    assert len(faults(Parameters(**both, pressure_lower_edge=1.0, pressure_upper_edge=1.0))) == 2
+    assert faults(Parameters(**both)) == []
+    assert faults(Parameters(cavitation_pressure=-1e5)) == []  # flooded
+
+
+def test_a_step_with_such_an_edge_is_refused():
+    model = LubricationModel(Parameters(SHAPE))
+    film, velocity = np.full(SHAPE, 1e-5), np.full(SHAPE, 2.0)
+    state, _ = model.start(film, velocity)
+    with pytest.raises(NotConverged, match="film_fraction_lower_edge = 0.5 .*pressure_lower_edge"):
+        model.advance(
+            state, film, velocity, 1e-4, film_fraction_lower_edge=0.5, pressure_lower_edge=1e5
+        )
+    state, o = model.advance(state, film, velocity, 1e-4, film_fraction_lower_edge=0.5)
+    assert o["mass_imbalance"] <= 1e-12  # round-off

@@ -6,15 +6,22 @@ import pytest
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film, motored_until
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.storage import euler_step
+from piston_cosim.fmu_ehd.storage import Past, euler_step, memory
 
 SHAPE = (12, 10)
+
+
+def going_on(now, before, step):
+    """Past of a film that grew in its last two steps alike."""
+    growth = (now - before) / step
+    return Past(now, growth, growth, step)
 
 
 def rate_of_change(course, ends):
     """dc/dt at the last of three times by Eq. (T1), for a content that is `course` of the time."""
     before, now, after = (np.full((1, 1), course(t)) for t in ends)
-    content, step = euler_step(now, before, ends[2] - ends[1], ends[1] - ends[0])
+    last = ends[1] - ends[0]
+    content, step = euler_step(going_on(now, before, last), ends[2] - ends[1])
     return ((after - content) / step).item()
 
 
@@ -33,14 +40,14 @@ def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
 
 def test_the_first_step_is_backward_euler():
     content = np.random.default_rng(0).random(SHAPE)
-    past, step = euler_step(content, content, 0.1, 0.0)
+    past, step = euler_step(Past(content, 0.0 * content, 0.0 * content, 0.0), 0.1)
     assert np.array_equal(past, content) and step == 0.1
 
 
 @pytest.mark.parametrize("ratio", [2.0, 3.0, 100.0])
 def test_an_error_of_the_last_step_is_not_enlarged_however_the_step_grows(ratio):
     before, error = np.ones(SHAPE), 1e-9 * np.random.default_rng(0).standard_normal(SHAPE)
-    past, _ = euler_step(before + error, before, 0.1 * ratio, 0.1)
+    past, _ = euler_step(going_on(before + error, before, 0.1), 0.1 * ratio)
     assert np.all(
         np.abs(past - before - error) < 0.81 * np.abs(error)
     )  # zero-stable: beta stays at 4/5
@@ -49,11 +56,70 @@ def test_an_error_of_the_last_step_is_not_enlarged_however_the_step_grows(ratio)
 def test_no_cell_ever_owes_oil():
     before, now = np.ones(SHAPE), np.full(SHAPE, 0.9)
     now[3, 4] = 0.2501
-    past, step = euler_step(now, before, 0.1, 0.1)
+    past, step = euler_step(going_on(now, before, 0.1), 0.1)
     assert 0.0 < past.min() < 0.2 and step == pytest.approx(0.2 / 3.0)
     now[3, 4] = 0.2499  # more than 3/4 is gone: backward Euler
-    past, step = euler_step(now, before, 0.1, 0.1)
+    past, step = euler_step(going_on(now, before, 0.1), 0.1)
     assert np.array_equal(past, now) and step == 0.1
+
+
+@pytest.mark.parametrize(
+    "growth, before, expected",
+    [
+        ([1.0, 2.0], [1.0, 2.0], 1.0),
+        ([1.0, 2.0], [0.0, 0.0], 0.0),  # the oil sets in
+        ([0.0, 0.0], [1.0, 2.0], 0.0),  # it stopped
+        ([1.0, 2.0], [-1.0, -2.0], 0.0),  # it turned round
+        ([0.3, 0.0], [1.0, 0.0], 1.0),  # 4 x 0.3 / 1
+        ([0.2, 0.0], [1.0, 0.0], 0.8),
+        ([1.0, 0.0], [0.2, 0.0], 0.8),
+        ([1.0, 3.0], [4.0, -1.0], 4.0 * 1.0 / 17.0),
+        ([1e-11, 0.0], [1e-11, 0.0], 0.0),  # round-off of a content of 1
+    ],
+)
+def test_memory_by_hand(growth, before, expected):
+    """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1."""
+    content = np.ones((1, 2))
+    past = Past(content, np.array([growth]), np.array([before]), 1.0)
+    assert memory(past) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize("thinner", [18e-6, 10e-6])
+def test_a_film_squeezed_in_one_step_and_held_stays_full(thinner):
+    """Oil does not shrink: nothing opens, and the next squeeze presses at once."""
+    model = LubricationModel(Parameters(SHAPE))
+    one, still = np.ones(SHAPE), np.zeros(SHAPE)
+    state, _ = model.start(20e-6 * one, still)
+    for film in [20e-6] * 2 + [thinner] * 6:
+        state, outputs = model.advance(state, film * one, still, 5e-5)
+    assert outputs["film_fraction"].min() == pytest.approx(1.0, abs=1e-12)
+    _, outputs = model.advance(state, 0.99 * thinner * one, still, 5e-5)
+    assert outputs["maximum_pressure"] > 1e3
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 0.99])
+@pytest.mark.parametrize("step", [5e-5, 5e-6])
+def test_load_of_plates_that_close_on_a_cavity(share, step):
+    """Parallel plates that approach at V and close a `share` of a step before its end: from then on
+    the mean pressure between both edges is mu V L^2/h^3 (as p'' = -12 mu V/h^3), and on n cells
+    along 1 + 2/n^2 of it: the edges are half a cell away. 1e-9: round-off.
+    """
+    full, speed = 10e-6, 2e-3
+    parameters = Parameters((4, 10))
+    model = LubricationModel(parameters)
+    one, still = np.ones(parameters.shape), np.zeros(parameters.shape)
+    opened = full + speed * step * (10.0 + share)
+    state, _ = model.start(full * one, still)
+    for _ in range(4):
+        state, outputs = model.advance(state, opened * one, still, step)
+    assert outputs["maximum_pressure"] == 0.0
+    for k in range(1, 20):
+        film = opened - speed * step * k
+        state, outputs = model.advance(state, film * one, still, step)
+        if k > 11:
+            exact = parameters.oil.viscosity * speed * parameters.skirt_length**2 / film**3
+            mean = outputs["nodal_pressure_force"].sum() / model.area.sum()
+            assert mean == pytest.approx(exact * (1.0 + 2.0 / 10**2), rel=1e-9)
 
 
 def random_ends(seed, last):
@@ -70,7 +136,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     start, _ = model.start(*motored_film(SHAPE, 0.0))
     state, last, inflows, lengths, shares = start, 0.0, [], [], []
     for end in random_ends(0, 720):
-        _, length = euler_step(state.content, state.content_before, end - last, state.step_before)
+        _, length = euler_step(state.past, end - last)
         lengths.append(length)
         shares.append((end - last - length) / state.step_before if state.step_before else 0.0)
         state, outputs = model.advance(state, *motored_film(SHAPE, end), end - last)

@@ -66,11 +66,11 @@ def test_inclined_pad(velocity):
 
     load      W mu U L^2 B / h_o^2,  W = (6/K^2) [ln(1+K) - 2 K/(2+K)]       = 0.158883
     runner    F mu U L B / h_o,      F = 4 ln(1+K)/K - 6/(2+K)               = 0.772589
-    pad       F - K W                                                        = 0.613706
     peak      P mu U L / h_o^2,      P = 3 K/[2 (1+K) (2+K)]                 = 0.25
     flow      U B h_m / 2,           h_m = 2 h_1 h_o/(h_1 + h_o)             = 4/3 h_o
 
-    The bore is the straight runner, the skirt the sloping pad; power is runner force times speed.
+    The bore is the straight runner, the skirt the sloping pad. Shear on the pad is F - K W, the
+    pressure on its slope K W: in all the opposite of the runner's force. Power is that times speed.
     A skirt that moves up meets its oil at the upper edge. 2e-4: second order on 96 cells.
     """
     outlet, speed = 6e-6, abs(velocity)
@@ -83,7 +83,7 @@ def test_inclined_pad(velocity):
         0.25 * VISCOSITY * speed * LENGTH / outlet**2, rel=5e-4
     )  # the peak lies between two centres
     sign = np.sign(velocity)
-    assert o["friction_force_hydrodynamic"] == near(-sign * 0.613706 * scale, order)
+    assert o["friction_force_hydrodynamic"] == near(-sign * 0.772589 * scale, order)
     assert o["friction_force_asperity"] == 0.0
     assert o["friction_power"] == near(0.772589 * scale * speed, order)
     flow = speed * WIDTH * (4.0 / 3.0 * outlet) / 2.0
@@ -119,14 +119,26 @@ def test_step_bearing_between_two_edge_pressures():
     assert o["flow_upper_edge"] == near(-flow, rel=1e-11)
     area = WIDTH / 4.0 * LENGTH / cells
     assert o["nodal_pressure_force"][1] == near(expected * area, rel=1e-11)
-    # shear on the skirt in the lower half, -mu V/h - h/2 dp/dy, and its power on the bore
+    # the opposite of the shear on the bore in the lower part, -mu V/h + h/2 dp/dy
     gradient = (step - lower) / a
-    shear = -VISCOSITY * velocity / 9e-6 - 9e-6 / 2.0 * gradient
+    shear = -VISCOSITY * velocity / 9e-6 + 9e-6 / 2.0 * gradient
     assert o["nodal_friction_force"][3, 4] == near(area * shear, rel=1e-9)
     # the first cell takes the pressure of the edge itself
     assert o["nodal_friction_force"][3, 0] == near(area * shear, rel=1e-9)
-    last = -VISCOSITY * velocity / 5e-6 - 5e-6 / 2.0 * (upper - step) / b
+    last = -VISCOSITY * velocity / 5e-6 + 5e-6 / 2.0 * (upper - step) / b
     assert o["nodal_friction_force"][3, -1] == near(area * last, rel=1e-9)
+    power = -velocity * o["nodal_friction_force"].sum()
+    assert o["friction_power"] == near(power)
+    # shear on the skirt, -mu V/h - h/2 dp/dy, and p on the face of its step: besides the force,
+    # what the edge pressures put on both ends of the film, p_l h_a - p_u h_b
+    sheared = -VISCOSITY * velocity * (a / 9e-6 + b / 5e-6)
+    sheared -= 9e-6 / 2.0 * (step - lower) + 5e-6 / 2.0 * (upper - step)
+    pressed = step * (9e-6 - 5e-6)
+    ends = lower * 9e-6 - upper * 5e-6
+    # the difference over two cells blurs the kink at the step: dy/8 (change of dp/dy) (h_a - h_b)
+    kink = LENGTH / cells / 8.0 * ((upper - step) / b - gradient) * (9e-6 - 5e-6)
+    total = (sheared + pressed - ends + kink) * WIDTH
+    assert o["nodal_friction_force"].sum() == near(total, rel=1e-9)
 
 
 def test_conditions_of_a_step_take_the_place_of_the_parameters():
@@ -143,9 +155,9 @@ def test_start_is_linear_between_the_edges_and_shears_at_once():
     film, velocity = np.full((4, 5), 7e-6), np.full((4, 5), 3.0)
     _, o = model.start(film, velocity)
     assert o["pressure"][1] == near(4e5 - 3e5 * along(5), rel=1e-12)
-    # -mu V/h - h/2 dp/dy with dp/dy = -3e5/L
+    # -mu V/h + h/2 dp/dy with dp/dy = -3e5/L
     area = WIDTH * LENGTH
-    expected = area * (-VISCOSITY * 3.0 / 7e-6 + 3.5e-6 * 3e5 / LENGTH)
+    expected = area * (-VISCOSITY * 3.0 / 7e-6 - 3.5e-6 * 3e5 / LENGTH)
     assert o["friction_force_hydrodynamic"] == near(expected, rel=1e-12)
 
 
@@ -155,7 +167,7 @@ def test_no_oil_sees_a_film_below_the_floor():
     o = stepped((4, 6), 1e-7, 2.0, minimum_flow_film=floor, pressure_upper_edge=1e6)
     flow = floor**3 / (12.0 * VISCOSITY) * 1e6 / LENGTH * WIDTH + 2.0 / 2.0 * floor * WIDTH
     assert o["flow_upper_edge"] == near(flow, rel=1e-9)
-    shear = VISCOSITY * 2.0 / floor + floor / 2.0 * 1e6 / LENGTH
+    shear = VISCOSITY * 2.0 / floor - floor / 2.0 * 1e6 / LENGTH
     assert o["friction_force_hydrodynamic"] == near(-shear * WIDTH * LENGTH, rel=1e-9)
     assert o["minimum_film_thickness"] == 1e-7
 

@@ -18,7 +18,7 @@ class StockFilm(Fmi2Slave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        constants = {"n_circumferential": CELLS[0], "n_axial": CELLS[1], "contract_version": 1}
+        constants = {"n_circumferential": CELLS[0], "n_axial": CELLS[1], "contract_version": 2}
         self.values = dict(constants)
         for name in constants:
             self._register(Integer, name, Fmi2Causality.parameter, Fmi2Variability.fixed)
