@@ -125,6 +125,11 @@ def end_of_step(
     """One step: accelerations at its end that fulfil the equations of motion with the forces there,
     and everything that follows from them.
 
+    Eq. (D8):  moment of the gas about A = gas (pin offset + x_A)
+
+    The rings seal against the bore and float in their grooves: the gas acts along the bore's axis,
+    wherever the piston stands and however it leans, and A stands at pin offset + x_A from it.
+
     Parameters
     ----------
     system : System
@@ -160,7 +165,8 @@ def end_of_step(
     load = Load(
         lateral=film_forces.lateral,
         axial=film_forces.axial - gas,
-        moment=film_forces.moment + skirt.pin_offset * gas,
+        moment=film_forces.moment + skirt.pin_offset * gas,  # Eq. (D8)
+        guided=gas,
         modal=push[: n - RIGID],
     )
     own = end_accelerations(

@@ -47,7 +47,10 @@ class Load(NamedTuple):
     lateral, axial : float
         Resultants along x and y, pin excepted [N].
     moment : float
-        About A, about +z [N m].
+        About A where x_A = 0, about +z [N m].
+    guided : float
+        Force along -y on the bore's axis, `axial` holds it too [N]: away from x_A = 0 its moment
+        about A is larger by guided x_A.
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
     """
@@ -55,6 +58,7 @@ class Load(NamedTuple):
     lateral: float
     axial: float
     moment: float
+    guided: float
     modal: np.ndarray
 
 
@@ -173,7 +177,7 @@ def imbalance(
     """Residual of the equations of motion.
 
     Eq. (D5):  x_A:    e . (R F + m_pin A'') + rod + M psi_x - (load_x + Y_x load_y) = 0
-               angle:  frame moment - M - moment = 0
+               angle:  frame moment - M - (moment + guided x_A) = 0
                modes:  frame modal force - modal = 0         e = (1, Y_x),  A'' = (x_A'', Y'')
     with F, the frame's rows (Eq. (D1) to (D3)) at a = R^T A'', R the rotation by the rocking angle;
     M, the moment of pin friction (Eq. (K7)); psi, the rod's angle.
@@ -206,7 +210,8 @@ def imbalance(
     residual = np.empty(len(now.position))
     # Eq. (D5)
     residual[LATERAL] = pull_x + link.slope * pull_y + link.rod_force + moment * at.rod.slope
-    residual[ROCKING] = force.moment - moment - load.moment
+    turning = load.moment + load.guided * now.position[LATERAL]
+    residual[ROCKING] = force.moment - moment - turning
     for k in range(len(load.modal)):
         residual[RIGID + k] = force.modal[k] - load.modal[k]
 
@@ -273,6 +278,7 @@ def tangent(
         top[LATERAL, i] = px + link.slope * py + rod.slope * change
         top[ROCKING, i] = rows[TURN, i] - change
 
+    top[ROCKING, LATERAL] -= c2 * load.guided
     pin = mechanism.pin_mass
     bend = c2 * link.curvature
     top[LATERAL, LATERAL] += (

@@ -170,7 +170,7 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
     out = imbalance(
-        body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), Motion(z, r, a), CrankMotion(phi, w, 5e3)
+        body, SKEW, Load(0.0, 0.0, 0.0, 0.0, np.zeros(0)), Motion(z, r, a), CrankMotion(phi, w, 5e3)
     )
 
     def energy(position, velocity):
@@ -228,7 +228,7 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     now = Motion(
         1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
-    load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
+    load = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2))
     c1, c2, crank = 3e-5, 8e-10, CrankMotion(0.8, 314.0, 2e3)
     arrow = tangent(body, mechanism, load, now, crank, c1, c2)
     coupling = mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2)
@@ -259,7 +259,7 @@ def test_pin_friction_works_between_piston_and_rod(lump):
     now = Motion(
         1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
-    load, phi, w = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2)), 0.8, 314.0
+    load, phi, w = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2)), 0.8, 314.0
 
     def rod_angle(x, turn):
         return -np.arcsin((SKEW.offset + x + SKEW.crank_radius * np.sin(turn)) / SKEW.rod_length)

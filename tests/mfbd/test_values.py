@@ -140,7 +140,8 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
     push, drag = o["nodal_pressure_force"], o["nodal_friction_force"]
     sine = np.sin(THETA)[:, None]
     film = np.array([-(push * sine).sum(), drag.sum()])
-    moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum() + gas * PIN_OFFSET
+    moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum()
+    moment += gas * (PIN_OFFSET + x)  # along the bore's axis, x = 0
     m, spin = PISTON["mass"], o["rocking_velocity"]
     slip = spin - rod_rate
 
