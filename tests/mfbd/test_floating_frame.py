@@ -10,9 +10,15 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     rigid_body,
     whole,
 )
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance, solve_coupled, tangent
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
+    Load,
+    end_accelerations,
+    imbalance,
+    solve_coupled,
+    tangent,
+)
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
@@ -306,3 +312,25 @@ def test_bar_and_frame_agree_on_rigid_inertia():
     body = beam_in_frame()
     assert body.mass == pytest.approx(0.5 * 0.02 * 0.01 * 7850, rel=1e-12)
     assert body.I0 == pytest.approx(body.mass * (0.5**2 / 3 + 0.02**2 / 12), rel=1e-12)
+
+
+def test_forces_that_cancel_exactly_give_a_piston_without_acceleration():
+    """Film forces that hold the piston to the last digit: what is left are round-off's
+    accelerations, 1e-9 m/s2 and rad/s2 of 1e5 that the single forces are worth.
+    """
+    rng = np.random.default_rng(0)
+    none = np.zeros(0)
+    for k in range(100):
+        body = rigid_body(0.315, (0.002 * (k % 2), 0.009 * (k % 3)), 3e-4)
+        crank = CrankMotion(rng.uniform(0.0, 2 * np.pi), 314.0 * (k % 4), 0.0)
+        position, velocity = rng.standard_normal((2, 2)) * [[3e-5, 1e-3], [0.1, 3.0]]
+        gas = 2e4 * (k % 2)
+        alone = Load(0.0, -gas, 0.0, gas, none)
+        now = Motion(position, velocity, np.zeros(2))
+        lack = imbalance(body, SKEW, alone, now, crank).residual
+        held = alone._replace(lateral=lack[0], moment=lack[1])
+        guess = rng.standard_normal(2) * [1e3, 1e4]
+        start = Prediction(position, velocity, np.zeros(2))
+        solution = end_accelerations(body, SKEW, held, start, guess, crank, 0.0, 0.0)
+        assert solution.evaluations > 0
+        assert np.abs(solution.acceleration).max() <= 1e-9
