@@ -146,6 +146,24 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             "Power of the interface forces on the grid minus that in the coordinates, relative",
         ),
         Variable(
+            "kinetic_energy",
+            "J",
+            "output",
+            "Kinetic energy of the motion across the bore, rocking and modes included",
+            nominal=1e-3,
+        ),
+        Variable("elastic_energy", "J", "output", "Elastic energy of all modes", nominal=1e-3),
+        Variable(
+            "film_work", "J", "output", "Work of the film on the bodies over the step", nominal=1e-3
+        ),
+        Variable(
+            "energy_error",
+            "J",
+            "output",
+            "Energy across the bore that time integration made (+) or lost (-) over the step",
+            nominal=1e-3,
+        ),
+        Variable(
             "residual_evaluations",
             "1",
             "output",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, damping, damping_bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
+from piston_cosim.fmu_mfbd.dynamics.model import EnergyCreated, Inputs, NotConverged
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import rod_turn
 
@@ -188,6 +188,14 @@ def test_non_finite_force_is_refused(model):
     F[0, 0] = np.nan
     with pytest.raises(NotConverged, match="piston motion at crank angle"):
         model.advance(state, Inputs(SPEED, 0.0, F, f), STEP)
+
+
+def test_a_film_that_drives_the_piston_is_refused_where_that_is_asked_for(reduced, model):
+    """Forces that push the piston away without resisting: refused with a limit, told without."""
+    _, out = run(model)
+    assert out["film_work"] > 0.0
+    with pytest.raises(EnergyCreated, match="energy from nowhere at crank angle"):
+        run(assembled(reduced, crank_offset=1e-3, film_work_limit=0.5))
 
 
 def test_rigid_bodies_run(reduced):
