@@ -11,7 +11,7 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
-from .dynamics.model import Inputs, NotConverged, State
+from .dynamics.model import EnergyCreated, Inputs, NotConverged, State
 from .dynamics.parameters import Parameters
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
@@ -44,6 +44,15 @@ class Mfbd(FieldSlave):
         if wrong:
             raise BadInput(wrong)
         self.model = assemble(piston, block, options, parameters)
+        try:
+            return self._begin(options, parameters, values)
+        except NotConverged as error:
+            raise BadInput([f"start: {error}"]) from None
+
+    def _begin(
+        self, options: BuildOptions, parameters: Parameters, values: dict[str, Any]
+    ) -> tuple[State, dict[str, Any]]:
+        """State and outputs at the start."""
         if not options.start:
             return self.model.start(
                 parameters.start_crank_angle,
@@ -66,7 +75,7 @@ class Mfbd(FieldSlave):
         """One step; returns (state, outputs)."""
         try:
             return self.model.advance(state, _inputs(values), step)
-        except NotConverged as error:
+        except (NotConverged, EnergyCreated) as error:
             raise Discard(str(error)) from None
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -104,6 +104,20 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             "Power of the interface forces on the grid minus that in the coordinates, relative",
         ),
         output_variable(
+            "kinetic_energy",
+            "J",
+            "Kinetic energy of the motion across the bore, rocking and modes included",
+            1e-3,
+        ),
+        output_variable("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
+        output_variable("film_work", "J", "Work of the film on the bodies over the step", 1e-3),
+        output_variable(
+            "energy_error",
+            "J",
+            "Energy across the bore that time integration made (+) or lost (-) over the step",
+            1e-3,
+        ),
+        output_variable(
             "residual_evaluations",
             "1",
             "Residuals of the equations of motion evaluated so far (NRES)",

@@ -126,7 +126,7 @@ def guided_piston(angle: float) -> tuple[float, ...]:
     body = rigid_body(0.315, (0.0, 0.0), 1e-4)
     crank = CrankMotion(angle, 100 * np.pi, 0.0)
     still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
-    out = imbalance(body, mechanism, Load(0.0, 0.0, 0.0, np.zeros(0)), still, crank)
+    out = imbalance(body, mechanism, Load(0.0, 0.0, 0.0, 0.0, np.zeros(0)), still, crank)
     link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), crank)
     return (
         height(mechanism, 0.0, angle).height,

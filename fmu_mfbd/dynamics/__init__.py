@@ -7,6 +7,8 @@ instant            all of it at one instant, compiled
 floating_frame     a flexible body in its frame
 pin_friction       between piston and pin
 generalised_alpha  time integration
+impact             what it may remember of a step that stopped the piston
+energy             what a step gave the bodies
 model              one step after the other
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)

@@ -77,7 +77,14 @@ def assemble(
         table=options.speed,
     )
     gas_area = np.pi * block.radius**2
-    return PistonInBore(system, crank, gas_area, parameters.spectral_radius, options.gas)
+    return PistonInBore(
+        system,
+        crank,
+        gas_area,
+        parameters.spectral_radius,
+        options.gas,
+        parameters.film_work_limit,
+    )
 
 
 def damping(

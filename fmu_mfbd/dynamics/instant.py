@@ -21,8 +21,17 @@ from ..geometry.film import (
     sliding,
     window_at,
 )
+from .energy import (
+    Ledger,
+    Moving,
+    elastic_energy,
+    energy_error,
+    film_work,
+    motion_product,
+)
 from .floating_frame import Arrow, FlexibleBody, mode_coupling
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
+from .impact import Inertia, limit_memory
 from .pin_friction import friction_moment
 from .piston_motion import (
     LATERAL,
@@ -73,8 +82,13 @@ class Instant(NamedTuple):
     position, velocity, acceleration : ndarray, shape (n,)
         Of all coordinates: [x_A [m], rocking angle [rad], piston then block modal coordinates
         [kg^1/2 m]], and derivatives in time.
-    auxiliary : ndarray, shape (n,)
-        The time integrator's auxiliary acceleration.
+    kept_velocity, kept_acceleration, auxiliary : ndarray, shape (n,)
+        What the next step starts from; those of the end but after an impact (Eq. (N7)), and the
+        time integrator's auxiliary acceleration.
+    impact : bool
+        Whether the step was an impact.
+    ledger : Ledger
+        Energy across the bore.
     window : Window
     load : Load
         On the piston, gas included.
@@ -94,7 +108,11 @@ class Instant(NamedTuple):
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+    kept_velocity: np.ndarray
+    kept_acceleration: np.ndarray
     auxiliary: np.ndarray
+    impact: bool
+    ledger: Ledger
     window: Window
     load: Load
     film_thickness: np.ndarray
@@ -124,6 +142,11 @@ def end_of_step(
 ) -> Instant:
     """One step: accelerations at its end that fulfil the equations of motion with the forces there,
     and everything that follows from them.
+
+    Eq. (D8):  moment of the gas about A = gas (pin offset + x_A)
+
+    The rings seal against the bore and float in their grooves: the gas acts along the bore's axis,
+    wherever the piston stands and however it leans, and A stands at pin offset + x_A from it.
 
     Parameters
     ----------
@@ -160,7 +183,8 @@ def end_of_step(
     load = Load(
         lateral=film_forces.lateral,
         axial=film_forces.axial - gas,
-        moment=film_forces.moment + skirt.pin_offset * gas,
+        moment=film_forces.moment + skirt.pin_offset * gas,  # Eq. (D8)
+        guided=gas,
         modal=push[: n - RIGID],
     )
     own = end_accelerations(
@@ -176,17 +200,34 @@ def end_of_step(
     end = _moving(system, c, predicted, own.acceleration, film_forces.block)
     _follow_statically(system, c, before.position, end, push, film_forces.block, crank)
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
+    piston = system.piston
+    inertia = Inertia(piston.mass + mechanism.pin_mass, piston.S[1], piston.I0)
+    first = RIGID + len(film_forces.piston)
+    moving = Moving(piston, inertia, first, system.block.stiffness)
+    kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+    impact = limit_memory(inertia, before, kept, predicted.auxiliary, c.step)
 
     now = height(mechanism, end.position[LATERAL], crank.angle)
     axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
     film = film_now(
         skirt, bore, window, forces, axial_velocity, guided_velocity, end.position, end.velocity
     )
+    axial_power = film_forces.axial * axial_velocity + film.axial_force * guided_velocity
+    ledger = Ledger(
+        kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
+        elastic=elastic_energy(moving, end.position),
+        film_work=film_work(film_forces, before.position, end.position, c.step * axial_power),
+        error=energy_error(moving, before, kept, end),
+    )
     return Instant(
         position=end.position,
         velocity=end.velocity,
         acceleration=end.acceleration,
+        kept_velocity=kept.velocity,
+        kept_acceleration=kept.acceleration,
         auxiliary=predicted.auxiliary,
+        impact=impact,
+        ledger=ledger,
         window=window,
         load=load,
         film_thickness=film.film_thickness,

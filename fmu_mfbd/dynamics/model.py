@@ -19,6 +19,10 @@ START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
 
 
+class EnergyCreated(RuntimeError):
+    """The film gave the bodies more energy than it can hold; the message says how much."""
+
+
 class NotConverged(RuntimeError):
     """The step's equations could not be solved; the message says where and how far it got."""
 
@@ -39,6 +43,8 @@ class State:
     position, velocity, acceleration, auxiliary : ndarray, shape (n,)
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
         in time, and the time integrator's auxiliary acceleration.
+    kinetic : float
+        Energy of the motion across the bore [J].
     """
 
     time: float
@@ -50,6 +56,7 @@ class State:
     velocity: np.ndarray
     acceleration: np.ndarray
     auxiliary: np.ndarray
+    kinetic: float
 
 
 @dataclass(frozen=True)
@@ -128,7 +135,7 @@ class LastStep(NamedTuple):
 
     coefficients: Coefficients
     load: Load
-    state: State
+    end: Motion
     crank: CrankMotion
     window: Window
 
@@ -147,6 +154,9 @@ class PistonInBore:
         Of the time integrator at infinite frequency [-], 0 to 1.
     gas_table : GasTable, optional
         Gas pressure over crank angle, added to the input.
+    film_work_limit : float
+        Energy that the film may add in a step, by the larger kinetic energy across the bore at its
+        ends [-]; 0: not judged.
     """
 
     def __init__(
@@ -156,12 +166,14 @@ class PistonInBore:
         gas_area: float,
         spectral_radius: float,
         gas_table: GasTable | None = None,
+        film_work_limit: float = 0.0,
     ):
         self.system = system
         self.crank = crank
         self.gas_area = gas_area
         self.spectral_radius = spectral_radius
         self.gas_table = gas_table
+        self.film_work_limit = film_work_limit
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
         self.coordinates = RIGID + system.skirt.radial.modes + system.bore.radial.modes
         self.residual_evaluations = 0
@@ -243,6 +255,7 @@ class PistonInBore:
         Raises
         ------
         NotConverged
+        EnergyCreated
         """
         end, outputs = self._solve(
             coefficients(step, self.spectral_radius),
@@ -252,10 +265,23 @@ class PistonInBore:
             self.crank.turn(state, step, inputs.crank_speed),
             inputs,
         )
+        if self.film_work_limit:
+            self._check_energy(state.kinetic, outputs)
         if self.crank.free:
             jerk = (end.crank_acceleration - state.crank_acceleration) / step
             end = replace(end, crank_jerk=jerk)
         return end, outputs
+
+    def _check_energy(self, before, outputs):
+        """Raise EnergyCreated where a step made energy; `before`: kinetic energy at its start."""
+        created = outputs["film_work"] + max(outputs["energy_error"], 0.0)
+        size = max(before, outputs["kinetic_energy"])
+        if created > self.film_work_limit * size:
+            raise EnergyCreated(
+                f"energy from nowhere at crank angle {outputs['crank_angle']:.6g} rad: film and "
+                f"time integration gave the piston {created:.3g} J in one step, its kinetic energy "
+                f"across the bore is {size:.3g} J: take a shorter step"
+            )
 
     def _solve(self, c, before, auxiliary, time, crank, inputs):
         """State and outputs that fulfil the equations of motion a step after the motion `before`
@@ -288,11 +314,13 @@ class PistonInBore:
             crank_acceleration=crank.acceleration,
             crank_jerk=0.0,
             position=now.position,
-            velocity=now.velocity,
-            acceleration=now.acceleration,
+            velocity=now.kept_velocity,
+            acceleration=now.kept_acceleration,
             auxiliary=now.auxiliary,
+            kinetic=now.ledger.kinetic,
         )
-        self._last = LastStep(c, now.load, state, crank, now.window)
+        end = Motion(now.position, now.velocity, now.acceleration)
+        self._last = LastStep(c, now.load, end, crank, now.window)
         self._linear = None
         outputs = self._outputs(now, crank)
         if self.crank.free:
@@ -301,10 +329,10 @@ class PistonInBore:
             state = replace(state, crank_acceleration=freed)
         return state, outputs
 
-    def _of_piston(self, state):
+    def _of_piston(self, end):
         """Motion of the piston's moving coordinates alone."""
         n = self.moving
-        return Motion(state.position[:n], state.velocity[:n], state.acceleration[:n])
+        return Motion(end.position[:n], end.velocity[:n], end.acceleration[:n])
 
     def _release(self, crank, torque):
         """Acceleration [rad/s2] at which the torques on a free crank fulfil its equation.
@@ -318,13 +346,13 @@ class PistonInBore:
     def _torque(self, crank):
         """Torque of the drive if the crank turned like this after the last step [N m]."""
         last = self._last
-        piston = self._of_piston(last.state)
+        piston = self._of_piston(last.end)
         return imbalance(self.system.piston, self.system.mechanism, last.load, piston, crank).torque
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Everything the outside sees (units in `variables.py`), by name."""
         position = now.position
-        velocity = now.velocity
+        velocity = now.kept_velocity
         outputs = {
             "film_thickness": now.film_thickness,
             "sliding_velocity": now.sliding_velocity,
@@ -342,6 +370,10 @@ class PistonInBore:
             "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
             "interface_work_error": now.work_error,
+            "kinetic_energy": now.ledger.kinetic,
+            "elastic_energy": now.ledger.elastic,
+            "film_work": now.ledger.film_work,
+            "energy_error": now.ledger.error,
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
@@ -368,7 +400,7 @@ class PistonInBore:
         """
         last = self._last
         if self._linear is None:
-            piston = self._of_piston(last.state)
+            piston = self._of_piston(last.end)
             self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
             self.jacobian_evaluations += 1
         return response(self.system, last.window, self._linear, pressure_force, friction_force)

@@ -36,7 +36,7 @@ ROCKING = 1
 RIGID = 2
 """Number of the rigid piston's coordinates."""
 
-ROUND_OFF = 4e-15  # of a coordinate: some last digits, of the sum of many modes
+ROUND_OFF = 4e-15  # of a coordinate or a force: some last digits, of the sum of many terms
 
 
 class Load(NamedTuple):
@@ -47,7 +47,10 @@ class Load(NamedTuple):
     lateral, axial : float
         Resultants along x and y, pin excepted [N].
     moment : float
-        About A, about +z [N m].
+        About A where x_A = 0, about +z [N m].
+    guided : float
+        Force along -y on the bore's axis, `axial` holds it too [N]: away from x_A = 0 its moment
+        about A is larger by guided x_A.
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
     """
@@ -55,6 +58,7 @@ class Load(NamedTuple):
     lateral: float
     axial: float
     moment: float
+    guided: float
     modal: np.ndarray
 
 
@@ -173,7 +177,7 @@ def imbalance(
     """Residual of the equations of motion.
 
     Eq. (D5):  x_A:    e . (R F + m_pin A'') + rod + M psi_x - (load_x + Y_x load_y) = 0
-               angle:  frame moment - M - moment = 0
+               angle:  frame moment - M - (moment + guided x_A) = 0
                modes:  frame modal force - modal = 0         e = (1, Y_x),  A'' = (x_A'', Y'')
     with F, the frame's rows (Eq. (D1) to (D3)) at a = R^T A'', R the rotation by the rocking angle;
     M, the moment of pin friction (Eq. (K7)); psi, the rod's angle.
@@ -206,7 +210,8 @@ def imbalance(
     residual = np.empty(len(now.position))
     # Eq. (D5)
     residual[LATERAL] = pull_x + link.slope * pull_y + link.rod_force + moment * at.rod.slope
-    residual[ROCKING] = force.moment - moment - load.moment
+    turning = load.moment + load.guided * now.position[LATERAL]
+    residual[ROCKING] = force.moment - moment - turning
     for k in range(len(load.modal)):
         residual[RIGID + k] = force.modal[k] - load.modal[k]
 
@@ -273,6 +278,7 @@ def tangent(
         top[LATERAL, i] = px + link.slope * py + rod.slope * change
         top[ROCKING, i] = rows[TURN, i] - change
 
+    top[ROCKING, LATERAL] -= c2 * load.guided
     pin = mechanism.pin_mass
     bend = c2 * link.curvature
     top[LATERAL, LATERAL] += (
@@ -416,7 +422,8 @@ def end_accelerations(
     Dry friction that nearly sticks asks for more: a change after which the next would not shrink is
     halved (natural monotonicity test, [Deuflhard2011] ch. 3), and where it shrinks slowly the
     tangent is made anew. In short steps of a calm motion the last digit of a position is worth more
-    acceleration than that: then it decides.
+    acceleration than that, and where forces balance so is the last digit of a force: then these
+    decide.
 
     Parameters
     ----------
@@ -446,8 +453,9 @@ def end_accelerations(
     share = 1.0
     for evaluation in range(1, 80):
         lack = imbalance(body, mechanism, load, now, crank)
-        noise = ROUND_OFF * np.sqrt(squared_size(arrow, now.position)) / c2 if c2 > 0.0 else 0.0
-        if evaluation > 1 and size <= 1e-11 * total + noise:
+        noise = np.sqrt(squared_size(arrow, now.position)) / c2 if c2 > 0.0 else 0.0
+        noise += _size_of_terms(body, mechanism, load, now, crank, arrow)
+        if evaluation > 1 and size <= 1e-11 * total + ROUND_OFF * noise:
             return _solution(a, lack, evaluation, tangents, size)
         fresh = solve(arrow, lack.residual)
         left = np.sqrt(squared_size(arrow, fresh))
@@ -468,6 +476,26 @@ def end_accelerations(
             total = np.sqrt(squared_size(arrow, a))
         _move(now, predicted, c1, c2)
     return _solution(a, lack, 0, tangents, size / total)
+
+
+@compiled
+def _size_of_terms(body, mechanism, load, now, crank, arrow):
+    """The accelerations that the forces would cause if none cancelled another, in the norm of
+    `squared_size`: what the residual's round-off is a share of.
+    """
+    link = motion(mechanism, lateral_motion(now), crank)
+    climb = abs(link.axial_acceleration)
+    pin = abs(load.axial) + (body.mass + mechanism.pin_mass) * climb
+    lateral = abs(load.lateral) + abs(link.rod_force) + mechanism.rod_mass * climb + pin
+    guided = abs(load.guided * now.position[LATERAL])
+    first_moment = abs(body.S[X]) + abs(body.S[Y])
+    turning = abs(load.moment) + guided + first_moment * climb + mechanism.friction.lever * pin
+    total = lateral**2 / abs(arrow.top[0, 0]) + turning**2 / abs(arrow.top[1, 1])
+    for k in range(len(load.modal)):
+        spring = body.stiffness[k] * abs(now.position[RIGID + k])
+        force = abs(load.modal[k]) + abs(body.T[Y, k]) * climb + spring
+        total += force**2 / arrow.diagonal[k]
+    return np.sqrt(total)
 
 
 @compiled

@@ -11,9 +11,15 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     rigid_body,
     whole,
 )
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance, solve_coupled, tangent
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
+    Load,
+    end_accelerations,
+    imbalance,
+    solve_coupled,
+    tangent,
+)
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
@@ -171,7 +177,7 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     z, r, a = np.array([3e-4, 0.02]), np.array([0.4, 11.0]), np.array([900.0, -3e4])
     phi, w = np.radians(degrees), 100 * np.pi
     out = imbalance(
-        body, SKEW, Load(0.0, 0.0, 0.0, np.zeros(0)), Motion(z, r, a), CrankMotion(phi, w, 5e3)
+        body, SKEW, Load(0.0, 0.0, 0.0, 0.0, np.zeros(0)), Motion(z, r, a), CrankMotion(phi, w, 5e3)
     )
 
     def energy(position, velocity):
@@ -229,7 +235,7 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     now = Motion(
         1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
-    load = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2))
+    load = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2))
     c1, c2, crank = 3e-5, 8e-10, CrankMotion(0.8, 314.0, 2e3)
     arrow = tangent(body, mechanism, load, now, crank, c1, c2)
     coupling = mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2)
@@ -260,7 +266,7 @@ def test_pin_friction_works_between_piston_and_rod(lump):
     now = Motion(
         1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
     )
-    load, phi, w = Load(300.0, -2000.0, 5.0, rng.standard_normal(n - 2)), 0.8, 314.0
+    load, phi, w = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2)), 0.8, 314.0
 
     def rod_angle(x, turn):
         return -np.arcsin((SKEW.offset + x + SKEW.crank_radius * np.sin(turn)) / SKEW.rod_length)
@@ -307,3 +313,25 @@ def test_bar_and_frame_agree_on_rigid_inertia():
     body = beam_in_frame()
     assert body.mass == pytest.approx(0.5 * 0.02 * 0.01 * 7850, rel=1e-12)
     assert body.I0 == pytest.approx(body.mass * (0.5**2 / 3 + 0.02**2 / 12), rel=1e-12)
+
+
+def test_forces_that_cancel_exactly_give_a_piston_without_acceleration():
+    """Film forces that hold the piston to the last digit: what is left are round-off's
+    accelerations, 1e-9 m/s2 and rad/s2 of 1e5 that the single forces are worth.
+    """
+    rng = np.random.default_rng(0)
+    none = np.zeros(0)
+    for k in range(100):
+        body = rigid_body(0.315, (0.002 * (k % 2), 0.009 * (k % 3)), 3e-4)
+        crank = CrankMotion(rng.uniform(0.0, 2 * np.pi), 314.0 * (k % 4), 0.0)
+        position, velocity = rng.standard_normal((2, 2)) * [[3e-5, 1e-3], [0.1, 3.0]]
+        gas = 2e4 * (k % 2)
+        alone = Load(0.0, -gas, 0.0, gas, none)
+        now = Motion(position, velocity, np.zeros(2))
+        lack = imbalance(body, SKEW, alone, now, crank).residual
+        held = alone._replace(lateral=lack[0], moment=lack[1])
+        guess = rng.standard_normal(2) * [1e3, 1e4]
+        start = Prediction(position, velocity, np.zeros(2))
+        solution = end_accelerations(body, SKEW, held, start, guess, crank, 0.0, 0.0)
+        assert solution.evaluations > 0
+        assert np.abs(solution.acceleration).max() <= 1e-9

@@ -141,7 +141,8 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
     push, drag = o["nodal_pressure_force"], o["nodal_friction_force"]
     sine = np.sin(THETA)[:, None]
     film = np.array([-(push * sine).sum(), drag.sum()])
-    moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum() + gas * PIN_OFFSET
+    moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum()
+    moment += gas * (PIN_OFFSET + x)  # along the bore's axis, x = 0
     m, spin = PISTON["mass"], o["rocking_velocity"]
     slip = spin - rod_rate
 
@@ -284,6 +285,30 @@ def test_gas_turns_the_piston_about_an_offset_pin(bodies):
     assert slave.views["rocking_velocity"].item() == near(rocking * 1e-9, rel=1e-4)
     lateral = PISTON["S"][1] * rocking / PISTON["mass"]
     assert slave.views["lateral_velocity"].item() == near(lateral * 1e-9, rel=1e-4)
+
+
+def test_gas_acts_on_the_axis_of_the_bore(bodies):
+    """As before, A 50 um towards thrust of where it stands concentric, the crank moved with it so
+    that the rod stays upright: the arm is d + 50 um. At 1 MPa on 37 mm the 50 um are worth
+    0.215 N m; without the offset they are all there is.
+    """
+    lateral = 50e-6
+    inertia = PISTON["I0"] - PISTON["S"][1] ** 2 / PISTON["mass"]
+    for offset, moment in ((PIN_OFFSET, 3.6557143), (0.0, 0.21504202)):
+        slave = bodies(
+            {"piston": {"pin_offset": f"{offset} m"}},
+            crank_speed=0.0,
+            crank_offset=offset + lateral,
+            start_lateral_displacement=lateral,
+            start_crank_angle=0.0,
+            rod_mass=0.0,
+            rod_inertia=0.0,
+            pin_mass=0.0,
+            gas_pressure=1e6,
+        )
+        assert slave.do_step(0.0, 1e-9)
+        turning = slave.views["rocking_velocity"].item() / 1e-9
+        assert turning * inertia == near(moment, rel=1e-4)
 
 
 @pytest.mark.parametrize("degrees, side", [(30, -181.47237), (60, -150.83006), (90, 25.33294)])

@@ -104,7 +104,7 @@ def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
     = 0 without offsets.
     """
     mechanism = Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1)
-    nothing = Load(0.0, 0.0, 0.0, np.zeros(0))
+    nothing = Load(0.0, 0.0, 0.0, 0.0, np.zeros(0))
     still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
     body = rigid_body(0.3, (0.0, 0.01), 2e-4)
     there, back = (
