@@ -164,12 +164,13 @@ class Interface:
         """Step the participants of a stage, those apart while the others step here; every one is
         waited for before a refusal or fault of the first of them is raised.
         """
+        participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
         apart = [name for name in stage if name in self.apart]
         here = [name for name in stage if name not in self.apart]
         calls = [
-            *((name, partial(self.participants[name].begin_step, time, step)) for name in apart),
-            *((name, partial(self.participants[name].step, time, step)) for name in here),
-            *((name, self.participants[name].end_step) for name in apart),
+            *((name, partial(participants[name].begin_step, time, step)) for name in apart),
+            *((name, partial(participants[name].step, time, step)) for name in here),
+            *((name, participants[name].end_step) for name in apart),
         ]
         failures: dict[str, Discard | ParticipantFault] = {}
         for name, call in calls:

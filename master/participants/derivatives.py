@@ -138,7 +138,8 @@ class Differenced:
     def begin_step(self, time: float, step: float) -> None:
         """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
         self._last_step = time, step
-        self.participant.begin_step(time, step)
+        apart: Any = self.participant
+        apart.begin_step(time, step)
 
     def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
         """Directional derivative of the last step, see `difference`."""

@@ -36,9 +36,10 @@ class Participant(Protocol):
     A saved state is whatever `save` returns; the master hands it back and looks at it never.
     """
 
-    name: str
-    has_derivatives: bool
-
+    @property
+    def name(self) -> str: ...
+    @property
+    def has_derivatives(self) -> bool: ...
     @property
     def fields(self) -> Mapping[str, DescribedVariable]: ...
 

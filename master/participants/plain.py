@@ -46,7 +46,7 @@ def unpack(data: bytes, classes: Iterable[type] = ()) -> Any:
 
 def attributes(thing: Any) -> dict[str, Any]:
     """Those of an object, or of a named tuple."""
-    return thing._asdict() if isinstance(thing, tuple) else vars(thing)
+    return dict(zip(thing._fields, thing)) if hasattr(thing, "_fields") else vars(thing)
 
 
 def _order(array):
@@ -120,10 +120,10 @@ class _Reader:
         return self._array(node)
 
     def _object(self, node):
-        kind = self.classes[node["class"]]
+        kind: Any = self.classes[node["class"]]
         content = {name: self.thing(value) for name, value in node["attributes"].items()}
-        if issubclass(kind, tuple):
-            return tuple.__new__(kind, [content[name] for name in kind._fields])
+        if (names := getattr(kind, "_fields", None)) is not None:
+            return kind(*(content[name] for name in names))
         if any(name.startswith("__") for name in content):
             raise NotPlain(f"{node['class']} with an attribute of Python's own")
         made = object.__new__(kind)

@@ -74,7 +74,7 @@ class LocalPool(Executor):
                 self._answer(future, work, process, pipe)
             except Exception as error:
                 future.set_exception(error)
-        if process is not None:
+        if process is not None and pipe is not None:
             pipe.close()
             process.join()
             self._processes.discard(process)

@@ -1,5 +1,7 @@
 """Summary entries: one number of an output over all macro steps, kept as the run goes on."""
 
+from typing import Any
+
 from ..case.schema import reduced
 from ..coupling.wiring import port_of
 
@@ -22,7 +24,7 @@ class Reduction:
         self.count = 0
         self.total = 0.0
         self.lost = 0.0
-        self.value = None
+        self.value: Any = None
 
     def add(self, values):
         """Take the outputs (participant -> variable -> number) at the end of a step."""

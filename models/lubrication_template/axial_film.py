@@ -14,9 +14,7 @@ class State:
 
 
 class AxialFilm(FieldSlave):
-    """Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
-    Eq. (U12):  tau = -(mu U/h - h/2 dp/dy), the opposite of the shear on the bore
-    """
+    """Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges"""
 
     name, description, state_type = "axial_film", "Film with axial flow only", State
 
@@ -53,9 +51,8 @@ class AxialFilm(FieldSlave):
         inflow = np.average(wedge, axis=1, weights=resistance, keepdims=True)
         rise = resistance * (wedge - inflow) * dy  # over a cell, Eq. (U8)
         pressure = np.maximum(np.cumsum(rise, axis=1) - rise / 2, 0.0)  # cut off (Gumbel)
-        shear = (
-            gap / 2 * rise / dy * (pressure > 0) - values["viscosity"] * speed / gap
-        )  # Eq. (U12)
+        shear = gap / 2 * rise / dy * (pressure > 0)
+        shear -= values["viscosity"] * speed / gap  # Eq. (F1)
         nodal = {"nodal_pressure_force": pressure * area, "nodal_friction_force": shear * area}
         extremes = {"maximum_pressure": pressure.max(), "minimum_film_thickness": film.min()}
         return State(film), nodal | extremes | {"pressure": pressure}

@@ -87,16 +87,16 @@ def test_cut_out_carries_no_force_and_holds_the_edge_condition():
 def test_cells_without_a_film_count_in_no_scalar(gap, coating):
     """The thinnest film, the highest pressure and contact are those of the 10 um beside them."""
     model = LubricationModel(
-        Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=OPENING)
+        Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=opening(SHAPE))
     )
     film = np.full(SHAPE, 1e-5)
-    film[OPENING] = gap
+    film[opening(SHAPE)] = gap
     velocity = np.full(SHAPE, 5.0)
     state, _ = model.start(film, velocity)
     for _ in range(3):
         state, o = model.advance(state, film, velocity, 1e-4)
     assert o["minimum_film_thickness"] == pytest.approx(1e-5, rel=0.3 if coating else 1e-15)
-    assert o["maximum_pressure"] == o["pressure"][~OPENING].max()
+    assert o["maximum_pressure"] == o["pressure"][~opening(SHAPE)].max()
     assert np.all(o["asperity_pressure"] == 0.0)
     assert o["contact_area_fraction"] == 0.0
 
@@ -106,7 +106,7 @@ def test_contact_area_is_that_of_the_skirt_that_is_there():
     film, velocity = np.full(SHAPE, 1e-6), np.zeros(SHAPE)
     whole, cut = (
         LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask))
-        for mask in (None, OPENING)
+        for mask in (None, opening(SHAPE))
     )
     share = whole.start(film, velocity)[1]["contact_area_fraction"]
     assert share > 0.0
@@ -114,9 +114,9 @@ def test_contact_area_is_that_of_the_skirt_that_is_there():
 
 
 def test_a_film_in_cut_outs_alone_is_none():
-    model = LubricationModel(Parameters(SHAPE, open_cells=OPENING))
+    model = LubricationModel(Parameters(SHAPE, open_cells=opening(SHAPE)))
     state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
-    film = np.where(OPENING, 1e-5, -1e-6)
+    film = np.where(opening(SHAPE), 1e-5, -1e-6)
     with pytest.raises(NotConverged, match="there is no film"):
         model.advance(state, film, np.zeros(SHAPE), 1e-4)
 
@@ -149,7 +149,7 @@ def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
     film = rng.uniform(1e-6, 8e-6, SHAPE)
     velocity = rng.uniform(-5.0, 5.0, SHAPE)
     model = LubricationModel(
-        Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=OPENING)
+        Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=opening(SHAPE))
     )
     state, _ = model.start(film, velocity)
     _, o = model.advance(state, film, velocity, 1e-4)
