@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Series
 from piston_cosim.master.runs.studies import study_points, study_table, write_table
 
 PATH = find_case("numerical_example")
@@ -20,7 +21,8 @@ class Curve:
 
     def series(self, port):
         x = np.linspace(0.0, 2 * np.pi, 200)
-        return (x if port.endswith("crank_angle") else self.factor * np.sin(x)), "1", ""
+        values = x if port.endswith("crank_angle") else self.factor * np.sin(x)
+        return Series(values, "1", "")
 
 
 def test_points_of_the_modes_study_reach_both_bodies():
