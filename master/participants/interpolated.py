@@ -172,7 +172,8 @@ class InterpolatedParticipant:
         """
         begin = self._begin
         try:
-            return difference(self, begin, self._last_step, seeds, products)
+            whole: Any = self  # what is not defined here is the inner participant's
+            return difference(whole, begin, self._last_step, seeds, products)
         finally:
             self._begin = begin
 
