@@ -223,12 +223,13 @@ def _files(name):
     """Path in the tree -> file: all of a package, or a module with all that it imports of the
     project; and the packages they lie in.
     """
-    home = Path(getfile(import_part(name)))
+    part = import_part(name)
+    home = Path(getfile(part))
     around = Path(getfile(sys.modules[ROOT])).parent.resolve()
     if home.name == "__init__.py":
         top = home.parents[name.count(".") + 1]
         files = {path.relative_to(top).as_posix(): path for path in home.parent.rglob("*.py")}
-    elif home.resolve().is_relative_to(around):
+    elif part.__name__.startswith(f"{ROOT}."):
         files = {path.relative_to(around).as_posix(): path for path in reached(home.resolve())}
     else:
         files = {home.name: home}
