@@ -6,7 +6,7 @@ import fcntl
 import json
 import os
 import platform
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
 
@@ -20,7 +20,8 @@ def lock_path(output):
 
 @contextmanager
 def sole_writer(output):
-    """Hold the lock of `output`; what a dead process has left there is taken over.
+    """Hold the lock of `output`; what a dead process has left there is taken over. Folders made for
+    it go again if nothing has been written into them.
 
     Raises
     ------
@@ -28,12 +29,16 @@ def sole_writer(output):
         If another process holds it: which one, and since when.
     """
     path = lock_path(output)
+    made = [folder for folder in path.parents if not folder.exists()]
     handle = _held(path, output)
     try:
         yield
     finally:
         path.unlink(missing_ok=True)
         os.close(handle)
+        with suppress(OSError):  # not empty
+            for folder in made:
+                folder.rmdir()
 
 
 def _held(path, output):
