@@ -26,8 +26,8 @@ class Curve:
 
 
 def test_points_of_the_modes_study_reach_both_bodies():
-    _, study, found = study_points(PATH, [("time.stop", "10 deg")], "modes")
-    trees = {point.values["run"]: point.tree for point in found}
+    _, study, points = study_points(PATH, [("time.stop", "10 deg")], "modes")
+    trees = {point.values["run"]: point.tree for point in points}
     build = trees["craig_bampton 20"]["participants"]["bodies"]["build"]
     assert (build["piston"]["modes"], build["block"]["modes"], build["block"]["basis"]) == (
         20,
@@ -43,8 +43,8 @@ def test_points_of_the_modes_study_reach_both_bodies():
 def test_every_study_of_the_case_has_valid_points():
     case, _, _ = study_points(PATH, [], "modes")
     for name in case.studies:
-        _, _, found = study_points(PATH, [], name)
-        assert len({point.name for point in found}) == len(found), (
+        _, _, points = study_points(PATH, [], name)
+        assert len({point.name for point in points}) == len(points), (
             "two points of a study are the same run"
         )
 
@@ -62,10 +62,10 @@ def test_unknown_study_names_those_there_are():
 
 
 def test_distance_from_the_reference(tmp_path):
-    case, study, found = study_points(PATH, [], "step")
+    case, study, points = study_points(PATH, [], "step")
     rows = [
         {"run": point.values["run"], "status": "done", "message": "", "wall_time_s": 1.0}
-        for point in found
+        for point in points
     ]
     rows[0] |= {"status": "failed", "message": "why"}
     runs = {row["run"]: Curve(1.0 if row["run"] == study.reference else 1.1) for row in rows[1:]}
