@@ -14,7 +14,7 @@ from ..fmi.errors import BadInput
 from ..results.compare import score
 from ..results.file import Results
 from ..results.pictures import PALETTE, labelled, name_of, scaled
-from .sweep import Point
+from .sweep import resolved
 
 
 class Cost(NamedTuple):
@@ -60,17 +60,13 @@ def study_points(path, changes, name):
     if name not in case.studies:
         raise BadInput(f"no study {name!r}: the case has {', '.join(case.studies) or 'none'}")
     study = case.studies[name]
-    points = []
-    faults = []
-    for label, made in study.points.items():
-        try:
-            tree = read_tree(path, [*study.set.items(), *made.items(), *changes])
-            check_case(tree, path)
-            points.append(Point({"run": label}, tree))
-        except BadInput as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise BadInput(faults)
+    points = resolved(
+        path,
+        [
+            ({"run": label}, [*study.set.items(), *made.items(), *changes])
+            for label, made in study.points.items()
+        ],
+    )
     return case, study, points
 
 

@@ -113,14 +113,29 @@ class Point:
 
 def all_points(path, changes, axes):
     """All combinations of the axes as points; raises BadInput with every fault of every tree."""
-    points = []
-    faults = []
+    runs = []
     for values in itertools.product(*(axis.values for axis in axes)):
         made = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
+        named = {axis.name: value for axis, value in zip(axes, values)}
+        runs.append((named, [*changes, *made]))
+    return resolved(path, runs)
+
+
+def resolved(path, runs):
+    """Points from pairs of what tells a run from the others and the changes that make it.
+
+    Raises
+    ------
+    BadInput
+        With every fault of every tree, each once.
+    """
+    points = []
+    faults = []
+    for values, changes in runs:
         try:
-            tree = read_tree(path, [*changes, *made])
+            tree = read_tree(path, changes)
             check_case(tree, path)
-            points.append(Point({axis.name: value for axis, value in zip(axes, values)}, tree))
+            points.append(Point(values, tree))
         except BadInput as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
