@@ -1,0 +1,278 @@
+"""How much more, or less, than the upstream cell a face of a cavitated film carries.
+
+Upstream film fraction alone, Eq. (E2), smears a front over ever more cells. What is missing is
+known at the beginning of a step: oil in a cavitated film moves as it lies, without pressure. It is
+carried on by explicit steps of third order, kept between its neighbours, and the difference to
+what the implicit step would carry enters as a known lift of the film fraction at each axial face:
+
+Eq. (T4):  q = K (p_a - p_b) + T (f_up + lift)
+Eq. (T5):  lift = (F - beta F_n) / (w X H_e/H t) - f*_up
+
+so that the volume F' = beta F_n + H_e q [m3] that passes a face in a step of `storage` is F where
+film and velocity go on as they did, and the film fraction lands on f*_up = c*_up / s. F, c* are
+those of the content after n explicit steps, each with the travel x = X/n, in which less oil moves
+than lies in a cell:
+
+Eq. (T6):  c_a <- c_a + x (m_before - m_behind),   m = min(c/s, 1) t
+Eq. (T7):  m_face = m_up + (1 - C)/2 phi(r) (m_down - m_up),   C = x t / (s dy)
+Eq. (T8):  phi = max(0, min(2 r/C, 2/(1 - C), 1 + (1 + C)/3 (r - 1)))
+
+c content, s stored, t transported film [m] at the beginning of the step, C Courant number [-], r
+difference of m before the upstream cell over that behind it [-]. Eq. (T7) with the last term of
+Eq. (T8) is of third order where the film fraction is smooth [Leonard1991], the two others keep it
+between its neighbours; with C = 1 oil moves on by exactly a cell. The flow remains a linear
+function of the unknown with the same coefficients, so matrix, elimination and cavitation are what
+they are without; the lift depends on the past alone, so in the tangent it is a constant beside the
+upstream film fraction. A flow through a face is the same for both its cells: oil is conserved.
+
+Travel of the last step:
+
+Eq. (T9):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
+
+There is no lift, and transport is of first order as in Eq. (E2): at a face with a full cell on
+either side, whose flow obeys the pressure; at edges; in the first step; where sliding reverses;
+and where oil travels farther than `FARTHEST` cells in a step, thus in a steady film.
+
+Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
+
+References
+----------
+[Leonard1991] B. P. Leonard, The ULTIMATE conservative difference scheme applied to unsteady
+one-dimensional advection, Comput. Methods Appl. Mech. Eng. 88 (1991) 17-74.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compiled
+from .films import CONDUCTIVITY_A, STORED, TRANSPORT
+from .grid import LOWER, UPPER, Array, Cells, Flags
+
+FARTHEST = 16.0  # cells of travel in a step
+
+
+class Past(NamedTuple):
+    """What the last step leaves behind for the transport of the next one.
+
+    film : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at its end.
+    content : ndarray, shape (n_c, n_a)
+        c_n at its end [m].
+    resting : ndarray of bool, shape (n_c, n_a)
+        Cells that are full, or have no film.
+    passed, travel : ndarray, shape (n_c, n_a + 1)
+        F_n [m3], X_n [m], both positive with ascending j.
+    """
+
+    film: Array
+    content: Array
+    resting: Flags
+    passed: Array
+    travel: Array
+
+
+class Pace(NamedTuple):
+    """Lengths of a step: ratio H / H_n, share beta of `storage`, and euler H_e / H [-]."""
+
+    ratio: float
+    share: float
+    euler: float
+
+
+class Lift(NamedTuple):
+    """Eq. (T5), each ndarray of shape (n_c, n_a + 1).
+
+    fraction : lift of the film fraction at a face [-]; travel : X it holds for [m].
+    """
+
+    fraction: Array
+    travel: Array
+
+
+def pace(step: float, step_before: float, length: float) -> Pace:
+    """`Pace` of a step.
+
+    Parameters
+    ----------
+    step, step_before, length : float
+        H > 0, H_n >= 0, H_e [s].
+    """
+    if step_before == 0.0:
+        return Pace(0.0, 0.0, length / step)
+    return Pace(step / step_before, (step - length) / step_before, length / step)
+
+
+@compiled(inline="always")
+def _face_value(before, up, down, courant):
+    """m_face, Eqs. (T7), (T8), from m before the upstream cell, in it, and behind it."""
+    step = down - up
+    slope = up - before
+    if slope * step <= 0.0:
+        return up
+    r = slope / step
+    smooth = 1.0 + (1.0 + courant) / 3.0 * (r - 1.0)
+    half = 0.5 * (1.0 - courant)
+    # Eq. (T8) times (1 - C)/2, which may be zero
+    phi = max(0.0, min(half * smooth, 1.0, half * 2.0 * r / courant))
+    return up + phi * step  # Eq. (T7)
+
+
+@compiled
+def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
+    """Lift of the film fraction at the axial faces for the step to come.
+
+    Parameters
+    ----------
+    past : Past
+    pace : Pace
+    supply : ndarray, shape (4,)
+        Film fraction at the edges [-].
+    cells : grid.Cells
+
+    Returns
+    -------
+    Lift
+    """
+    width = cells.dx
+    dy = cells.dy
+    stored = past.film[STORED]
+    mobile = past.film[TRANSPORT]
+    g = past.film[CONDUCTIVITY_A]
+    n_c, n_a = stored.shape
+    fraction = np.zeros((n_c, n_a + 1))
+    travel = past.travel * pace.ratio  # Eq. (T9)
+    face_film = np.empty(n_a + 1)
+    inflow = np.empty(n_a + 1)
+    through = np.empty(n_a + 1)
+    rested = np.empty(n_a + 1, np.bool_)
+    content = np.empty(n_a)
+    carried = np.empty(n_a)
+    flow = np.empty(n_a + 1)
+    for i in range(n_c):
+        farthest = 0.0
+        for j in range(n_a):
+            farthest = max(
+                farthest,
+                max(abs(travel[i, j]), abs(travel[i, j + 1])) * mobile[i, j] / stored[i, j],
+            )
+        courant = farthest / dy
+        if not 0.0 < courant <= FARTHEST:
+            continue
+        steps = int(np.ceil(courant * (1.0 - 1e-12)))
+        for j in range(n_a):
+            content[j] = past.content[i, j]
+        for j in range(n_a + 1):
+            a = max(j - 1, 0)
+            b = min(j, n_a - 1)
+            inverse = 1.0 / (g[i, a] + g[i, b])
+            face_film[j] = (mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]) * inverse
+            forward = travel[i, j] > 0.0
+            upstream = a if forward else b
+            rested[j] = past.resting[i, upstream]
+            share = 1.0
+            if j == 0 and forward:
+                rested[j] = True
+                share = supply[LOWER]
+            elif j == n_a and not forward:
+                rested[j] = True
+                share = supply[UPPER]
+            elif rested[j]:
+                share = min(content[upstream] / stored[i, upstream], 1.0)
+            # what the implicit step lets in, if it goes on as before
+            swept = width * travel[i, j] * face_film[j]
+            inflow[j] = pace.share * past.passed[i, j] + pace.euler * swept * share
+            through[j] = 0.0
+        for _ in range(steps):
+            for j in range(n_a):
+                carried[j] = min(content[j] / stored[i, j], 1.0) * mobile[i, j]  # Eq. (T6)
+            for j in range(n_a + 1):
+                x = travel[i, j] / steps
+                if x == 0.0 or rested[j]:
+                    flow[j] = inflow[j] / steps
+                    continue
+                up = j - 1 if x > 0.0 else j
+                down = j if x > 0.0 else j - 1
+                value = carried[up]
+                if 0 < j < n_a and not past.resting[i, down]:
+                    beyond = up - 1 if x > 0.0 else up + 1
+                    if beyond < 0:
+                        before = supply[LOWER] * mobile[i, 0]
+                    elif beyond == n_a:
+                        before = supply[UPPER] * mobile[i, n_a - 1]
+                    else:
+                        before = carried[beyond]
+                    local = abs(x) * mobile[i, up] / (stored[i, up] * dy)
+                    value = _face_value(before, carried[up], carried[down], local)
+                flow[j] = width * x * min(value, face_film[j])
+            for j in range(n_a):
+                if not past.resting[i, j]:
+                    content[j] += (flow[j] - flow[j + 1]) / (width * dy)  # Eq. (T6)
+            for j in range(n_a + 1):
+                through[j] += flow[j]
+        for j in range(1, n_a):
+            x = travel[i, j]
+            if x == 0.0 or past.resting[i, j - 1] or past.resting[i, j]:
+                continue
+            up = j - 1 if x > 0.0 else j
+            swept = width * x * face_film[j]
+            # a last flow that pressure drove is none of transport
+            last = min(max(past.passed[i, j] * pace.ratio / swept, 0.0), 1.0) * swept / pace.ratio
+            reached = min(content[up] / stored[i, up], 1.0)
+            # Eq. (T5)
+            fraction[i, j] = (through[j] - pace.share * last) / (pace.euler * swept) - reached
+    return Lift(fraction, travel)
+
+
+@compiled
+def along(lift: Lift, axial_velocity: Array):
+    """Lift at the faces where oil goes on in the direction that the lift holds for, else 0.
+
+    Parameters
+    ----------
+    lift : Lift
+    axial_velocity : ndarray, shape (n_c, n_a)
+        Entrainment velocity of the step [m/s].
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+    """
+    fraction = np.zeros_like(lift.fraction)
+    n_c, n_a = axial_velocity.shape
+    for i in range(n_c):
+        for j in range(1, n_a):
+            onward = axial_velocity[i, j - 1] + axial_velocity[i, j]
+            if onward * lift.travel[i, j] > 0.0:
+                fraction[i, j] = lift.fraction[i, j]
+    return fraction
+
+
+@compiled
+def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
+    """Travel of a step at the axial faces, Eq. (T9).
+
+    Parameters
+    ----------
+    travel : ndarray, shape (n_c, n_a + 1)
+        X_{n-1} of the step before [m].
+    pace : Pace
+    axial_velocity : ndarray, shape (n_c, n_a)
+        U at the end of the step [m/s].
+    length : float
+        H_e [s].
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+        X_n [m].
+    """
+    n_c, n_a = axial_velocity.shape
+    after = np.empty_like(travel)
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            below = axial_velocity[i, max(j - 1, 0)]
+            above = axial_velocity[i, min(j, n_a - 1)]
+            # Eq. (T9)
+            after[i, j] = pace.share * travel[i, j] + length * 0.5 * (below + above)
+    return after
