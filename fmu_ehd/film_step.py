@@ -140,9 +140,9 @@ class FilmStep:
         """
         model = self.model
         ring = self.grid.ring
-        faces = reynolds.faces(film, entrainment, self._cells)
-        if lift is not None and model.conserving:
-            faces = faces._replace(lift_a=transport.along(lift, entrainment.axial))
+        if not model.conserving:
+            lift = None
+        faces = self._faces(film, entrainment, lift)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
         held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
@@ -163,6 +163,17 @@ class FilmStep:
         unknown, full, iterations = cavitation.full_cells(
             model, assemble, self.solver, model.first_guess(full), self.open_cells
         )
+        while lift is not None:
+            owing = transport.owing(unknown, full)
+            if not (owing & lift.fraction.any(axis=1)).any():
+                break
+            # film or velocity jumped: those rows go on without
+            lift = transport.without(lift, owing)
+            faces = self._faces(film, entrainment, lift)
+            unknown, full, more = cavitation.full_cells(
+                model, assemble, self.solver, full, self.open_cells
+            )
+            iterations += more
         step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift)
         pressure, balance = self._balance(step, unknown)
         if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
@@ -182,6 +193,13 @@ class FilmStep:
         # the pressure that the balance was solved with
         self._solved_pressure = unknown if model.clipping else pressure
         return self._solution
+
+    def _faces(self, film: Array, entrainment: Entrainment, lift: Lift | None) -> Faces:
+        """Faces of a step, with the lift of their film fraction if there is one."""
+        faces = reynolds.faces(film, entrainment, self._cells)
+        if lift is None:
+            return faces
+        return faces._replace(lift_a=transport.along(lift, entrainment.axial))
 
     def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""

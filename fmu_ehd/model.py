@@ -39,8 +39,8 @@ class State:
         Of the coating [m].
     step_before : float
         Length of the last step [s]; 0 at the start.
-    film : ndarray, shape (7, n_c, n_a)
-        Quantities of `films` at the end of the last step.
+    film, film_before : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at the end of the last two steps.
     passed, travel : ndarray, shape (n_c, n_a + 1)
         Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
         last step, `transport`.
@@ -53,6 +53,7 @@ class State:
     deflection: Array
     step_before: float
     film: Array
+    film_before: Array
     passed: Array
     travel: Array
 
@@ -201,6 +202,7 @@ class LubricationModel:
             np.zeros(shape),
             0.0,
             flow.quantities,
+            flow.quantities,
             at_rest,
             at_rest,
         )
@@ -271,6 +273,7 @@ class LubricationModel:
             deflection,
             step,
             flow.quantities,
+            state.film,
             pace.share * state.passed + begin.length * solution.axial_flow,
             transport.travelled(
                 state.travel, pace, self._entrainment(inputs).axial, begin.length
@@ -371,8 +374,12 @@ class LubricationModel:
         """Lift of the film fraction at the axial faces, from the past alone."""
         past = Past(
             state.film,
+            state.film_before,
             state.content,
             (state.unknown > 0.0) | self.film_step.open_cells,
+            state.content
+            - state.content_before
+            + np.diff(state.passed, axis=1) / self.grid.cell_area,
             state.passed,
             state.travel,
         )

@@ -49,25 +49,33 @@ from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Flags
 
+FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 FARTHEST = 16.0  # cells of travel in a step
+LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
+LEAST = 2.0
+KAPPA = 1.0
 
 
 class Past(NamedTuple):
     """What the last step leaves behind for the transport of the next one.
 
-    film : ndarray, shape (7, n_c, n_a)
-        Quantities of `films` at its end.
+    film, film_before : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at its end and at its beginning.
     content : ndarray, shape (n_c, n_a)
         c_n at its end [m].
     resting : ndarray of bool, shape (n_c, n_a)
         Cells that are full, or have no film.
+    gained : ndarray, shape (n_c, n_a)
+        Content that came in circumferentially [m].
     passed, travel : ndarray, shape (n_c, n_a + 1)
         F_n [m3], X_n [m], both positive with ascending j.
     """
 
     film: Array
+    film_before: Array
     content: Array
     resting: Flags
+    gained: Array
     passed: Array
     travel: Array
 
@@ -104,18 +112,61 @@ def pace(step: float, step_before: float, length: float) -> Pace:
 
 
 @compiled(inline="always")
-def _face_value(before, up, down, courant):
-    """m_face, Eqs. (T7), (T8), from m before the upstream cell, in it, and behind it."""
+def _face_value(before, up, down):
+    """m_face, Eq. (T7), from m before the upstream cell, in it, and behind it."""
     step = down - up
     slope = up - before
     if slope * step <= 0.0:
         return up
-    r = slope / step
-    smooth = 1.0 + (1.0 + courant) / 3.0 * (r - 1.0)
-    half = 0.5 * (1.0 - courant)
-    # Eq. (T8) times (1 - C)/2, which may be zero
-    phi = max(0.0, min(half * smooth, 1.0, half * 2.0 * r / courant))
-    return up + phi * step  # Eq. (T7)
+    # Eq. (T7), phi (m_down - m_up) / 2
+    return up + min(step * step, LEAST * slope * step, (2.0 * step + slope) * step / 6.0) / step
+
+
+@compiled(inline="always")
+def _row_flow(
+    content, i, stored, mobile, resting, travel, steps, supply, face_film, given, width, flow
+):
+    """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T6),
+    (T7), into `flow` [m3].
+    """
+    n_a = content.size
+    for j in range(n_a + 1):
+        x = travel[i, j] / steps
+        up = j - 1 if x > 0.0 else j
+        down = j if x > 0.0 else j - 1
+        if x == 0.0 or not 0 <= up < n_a or resting[i, up]:
+            flow[j] = given[j] / steps
+            continue
+        here = min(content[up] / stored[i, up], 1.0)
+        if not 0 <= down < n_a or resting[i, down]:
+            flow[j] = width * x * here * face_film[j]
+            continue
+        beyond = 2 * up - down
+        if beyond < 0:
+            before = supply[LOWER] * mobile[i, 0]
+        elif beyond == n_a:
+            before = supply[UPPER] * mobile[i, n_a - 1]
+        else:
+            before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
+        there = min(content[down] / stored[i, down], 1.0)
+        value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
+        room = KAPPA * (1.0 - max(here, there))
+        lifted = min(max(value / face_film[j], here - room), here + room)
+        flow[j] = width * x * lifted * face_film[j]
+
+
+@compiled(inline="always")
+def _expected(past, quantity, ratio):
+    """A quantity of the film at the end of the step, if it goes on as before."""
+    last = past.film[quantity]
+    before = past.film_before[quantity]
+    expected = np.empty_like(last)
+    for i in range(last.shape[0]):
+        for j in range(last.shape[1]):
+            now = last[i, j]
+            onward = now + ratio * (now - before[i, j])
+            expected[i, j] = min(max(onward, 0.5 * now), 2.0 * now)
+    return expected
 
 
 @compiled
@@ -135,81 +186,86 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
     Lift
     """
     width = cells.dx
-    dy = cells.dy
-    stored = past.film[STORED]
-    mobile = past.film[TRANSPORT]
-    g = past.film[CONDUCTIVITY_A]
+    area = cells.dx * cells.dy
+    stored = _expected(past, STORED, pace.ratio)
+    mobile = _expected(past, TRANSPORT, pace.ratio)
+    g = _expected(past, CONDUCTIVITY_A, pace.ratio)
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T9)
     face_film = np.empty(n_a + 1)
-    inflow = np.empty(n_a + 1)
+    given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
-    rested = np.empty(n_a + 1, np.bool_)
     content = np.empty(n_a)
-    carried = np.empty(n_a)
+    ahead = np.empty(n_a)
+    source = np.empty(n_a)
     flow = np.empty(n_a + 1)
+    flow_ahead = np.empty(n_a + 1)
     for i in range(n_c):
         farthest = 0.0
         for j in range(n_a):
-            farthest = max(
-                farthest,
-                max(abs(travel[i, j]), abs(travel[i, j + 1])) * mobile[i, j] / stored[i, j],
-            )
-        courant = farthest / dy
+            swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
+            farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
+        courant = farthest / cells.dy
         if not 0.0 < courant <= FARTHEST:
             continue
-        steps = int(np.ceil(courant * (1.0 - 1e-12)))
-        for j in range(n_a):
-            content[j] = past.content[i, j]
+        steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
             a = max(j - 1, 0)
             b = min(j, n_a - 1)
             inverse = 1.0 / (g[i, a] + g[i, b])
             face_film[j] = (mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]) * inverse
-            forward = travel[i, j] > 0.0
-            upstream = a if forward else b
-            rested[j] = past.resting[i, upstream]
-            share = 1.0
-            if j == 0 and forward:
-                rested[j] = True
-                share = supply[LOWER]
-            elif j == n_a and not forward:
-                rested[j] = True
-                share = supply[UPPER]
-            elif rested[j]:
-                share = min(content[upstream] / stored[i, upstream], 1.0)
-            # what the implicit step lets in, if it goes on as before
-            swept = width * travel[i, j] * face_film[j]
-            inflow[j] = pace.share * past.passed[i, j] + pace.euler * swept * share
+            given[j] = pace.ratio * past.passed[i, j]
             through[j] = 0.0
+        # what the implicit step lets in over a starved edge
+        if supply[LOWER] < 1.0 and travel[i, 0] > 0.0:
+            swept = width * travel[i, 0] * face_film[0]
+            given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER]
+        if supply[UPPER] < 1.0 and travel[i, n_a] < 0.0:
+            swept = width * travel[i, n_a] * face_film[n_a]
+            given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER]
+        for j in range(n_a):
+            content[j] = past.content[i, j]
+            source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
         for _ in range(steps):
+            _row_flow(
+                content,
+                i,
+                stored,
+                mobile,
+                past.resting,
+                travel,
+                steps,
+                supply,
+                face_film,
+                given,
+                width,
+                flow,
+            )
             for j in range(n_a):
-                carried[j] = min(content[j] / stored[i, j], 1.0) * mobile[i, j]  # Eq. (T6)
+                ahead[j] = content[j]
+                if not past.resting[i, j]:
+                    ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T6)
+            _row_flow(
+                ahead,
+                i,
+                stored,
+                mobile,
+                past.resting,
+                travel,
+                steps,
+                supply,
+                face_film,
+                given,
+                width,
+                flow_ahead,
+            )
             for j in range(n_a + 1):
-                x = travel[i, j] / steps
-                if x == 0.0 or rested[j]:
-                    flow[j] = inflow[j] / steps
-                    continue
-                up = j - 1 if x > 0.0 else j
-                down = j if x > 0.0 else j - 1
-                value = carried[up]
-                if 0 < j < n_a and not past.resting[i, down]:
-                    beyond = up - 1 if x > 0.0 else up + 1
-                    if beyond < 0:
-                        before = supply[LOWER] * mobile[i, 0]
-                    elif beyond == n_a:
-                        before = supply[UPPER] * mobile[i, n_a - 1]
-                    else:
-                        before = carried[beyond]
-                    local = abs(x) * mobile[i, up] / (stored[i, up] * dy)
-                    value = _face_value(before, carried[up], carried[down], local)
-                flow[j] = width * x * min(value, face_film[j])
+                flow[j] = 0.5 * (flow[j] + flow_ahead[j])
+                through[j] += flow[j]
             for j in range(n_a):
                 if not past.resting[i, j]:
-                    content[j] += (flow[j] - flow[j + 1]) / (width * dy)  # Eq. (T6)
-            for j in range(n_a + 1):
-                through[j] += flow[j]
+                    content[j] += source[j] + (flow[j] - flow[j + 1]) / area
         for j in range(1, n_a):
             x = travel[i, j]
             if x == 0.0 or past.resting[i, j - 1] or past.resting[i, j]:
@@ -217,7 +273,7 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
             up = j - 1 if x > 0.0 else j
             swept = width * x * face_film[j]
             # a last flow that pressure drove is none of transport
-            last = min(max(past.passed[i, j] * pace.ratio / swept, 0.0), 1.0) * swept / pace.ratio
+            last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
             reached = min(content[up] / stored[i, up], 1.0)
             # Eq. (T5)
             fraction[i, j] = (through[j] - pace.share * last) / (pace.euler * swept) - reached
@@ -276,3 +332,36 @@ def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
             # Eq. (T9)
             after[i, j] = pace.share * travel[i, j] + length * 0.5 * (below + above)
     return after
+
+
+@compiled
+def owing(unknown: Array, full: Flags):
+    """Rows i in which a cell would owe oil.
+
+    Parameters
+    ----------
+    unknown : ndarray, shape (n_c, n_a)
+        Signed unknown of a step.
+    full : ndarray of bool, shape (n_c, n_a)
+
+    Returns
+    -------
+    ndarray of bool, shape (n_c,)
+    """
+    rows = np.zeros(unknown.shape[0], np.bool_)
+    for i in range(unknown.shape[0]):
+        for j in range(unknown.shape[1]):
+            if not full[i, j] and unknown[i, j] < -1.0 - FRACTION_ROUNDOFF:
+                rows[i] = True
+    return rows
+
+
+def without(lift: Lift, rows: Flags) -> Lift:
+    """A lift whose fraction is zero in the given rows.
+
+    Parameters
+    ----------
+    lift : Lift
+    rows : ndarray of bool, shape (n_c,)
+    """
+    return lift._replace(fraction=np.where(rows[:, None], 0.0, lift.fraction))
