@@ -53,7 +53,8 @@ FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 FARTHEST = 16.0  # cells of travel in a step
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 LEAST = 2.0
-KAPPA = 1.0
+KAPPA = 0.5
+FINAL = 3.0
 
 
 class Past(NamedTuple):
@@ -124,7 +125,7 @@ def _face_value(before, up, down):
 
 @compiled(inline="always")
 def _row_flow(
-    content, i, stored, mobile, resting, travel, steps, supply, face_film, given, width, flow
+    content, i, stored, mobile, resting, travel, steps, supply, between, given, width, flow
 ):
     """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T6),
     (T7), into `flow` [m3].
@@ -139,7 +140,7 @@ def _row_flow(
             continue
         here = min(content[up] / stored[i, up], 1.0)
         if not 0 <= down < n_a or resting[i, down]:
-            flow[j] = width * x * here * face_film[j]
+            flow[j] = width * x * here * between[i, j]
             continue
         beyond = 2 * up - down
         if beyond < 0:
@@ -151,13 +152,13 @@ def _row_flow(
         there = min(content[down] / stored[i, down], 1.0)
         value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
         room = KAPPA * (1.0 - max(here, there))
-        lifted = min(max(value / face_film[j], here - room), here + room)
-        flow[j] = width * x * lifted * face_film[j]
+        lifted = min(max(value / between[i, j], here - room), here + room)
+        flow[j] = width * x * lifted * between[i, j]
 
 
 @compiled(inline="always")
 def _expected(past, quantity, ratio):
-    """A quantity of the film at the end of the step, if it goes on as before."""
+    """A quantity of the film after the share `ratio` of a last step, if it goes on as before."""
     last = past.film[quantity]
     before = past.film_before[quantity]
     expected = np.empty_like(last)
@@ -167,6 +168,21 @@ def _expected(past, quantity, ratio):
             onward = now + ratio * (now - before[i, j])
             expected[i, j] = min(max(onward, 0.5 * now), 2.0 * now)
     return expected
+
+
+@compiled(inline="always")
+def _face_film(mobile, g):
+    """Transported film at the axial faces [m], Eq. (E3)."""
+    n_c, n_a = mobile.shape
+    between = np.empty((n_c, n_a + 1))
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            a = max(j - 1, 0)
+            b = min(j, n_a - 1)
+            # Eq. (E3)
+            weighted = mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]
+            between[i, j] = weighted / (g[i, a] + g[i, b])
+    return between
 
 
 @compiled
@@ -187,13 +203,17 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
     """
     width = cells.dx
     area = cells.dx * cells.dy
-    stored = _expected(past, STORED, pace.ratio)
-    mobile = _expected(past, TRANSPORT, pace.ratio)
-    g = _expected(past, CONDUCTIVITY_A, pace.ratio)
+    # in the middle of the step, and at its end
+    stored = _expected(past, STORED, 0.5 * pace.ratio)
+    mobile = _expected(past, TRANSPORT, 0.5 * pace.ratio)
+    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, 0.5 * pace.ratio))
+    stored_end = _expected(past, STORED, pace.ratio)
+    between_end = _face_film(
+        _expected(past, TRANSPORT, pace.ratio), _expected(past, CONDUCTIVITY_A, pace.ratio)
+    )
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T9)
-    face_film = np.empty(n_a + 1)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -211,18 +231,14 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
             continue
         steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
-            a = max(j - 1, 0)
-            b = min(j, n_a - 1)
-            inverse = 1.0 / (g[i, a] + g[i, b])
-            face_film[j] = (mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]) * inverse
             given[j] = pace.ratio * past.passed[i, j]
             through[j] = 0.0
         # what the implicit step lets in over a starved edge
         if supply[LOWER] < 1.0 and travel[i, 0] > 0.0:
-            swept = width * travel[i, 0] * face_film[0]
+            swept = width * travel[i, 0] * between_end[i, 0]
             given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER]
         if supply[UPPER] < 1.0 and travel[i, n_a] < 0.0:
-            swept = width * travel[i, n_a] * face_film[n_a]
+            swept = width * travel[i, n_a] * between_end[i, n_a]
             given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER]
         for j in range(n_a):
             content[j] = past.content[i, j]
@@ -237,7 +253,7 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
                 travel,
                 steps,
                 supply,
-                face_film,
+                between,
                 given,
                 width,
                 flow,
@@ -255,7 +271,7 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
                 travel,
                 steps,
                 supply,
-                face_film,
+                between,
                 given,
                 width,
                 flow_ahead,
@@ -271,12 +287,15 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
             if x == 0.0 or past.resting[i, j - 1] or past.resting[i, j]:
                 continue
             up = j - 1 if x > 0.0 else j
-            swept = width * x * face_film[j]
+            swept = width * x * between_end[i, j]
             # a last flow that pressure drove is none of transport
             last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
-            reached = min(content[up] / stored[i, up], 1.0)
+            reached = min(content[up] / stored_end[i, up], 1.0)
             # Eq. (T5)
-            fraction[i, j] = (through[j] - pace.share * last) / (pace.euler * swept) - reached
+            wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
+            fuller = max(content[j - 1] / stored_end[i, j - 1], content[j] / stored_end[i, j])
+            room = FINAL * max(1.0 - fuller, 0.0)
+            fraction[i, j] = min(max(wanted, -room), room)
     return Lift(fraction, travel)
 
 
