@@ -275,9 +275,7 @@ class LubricationModel:
             flow.quantities,
             state.film,
             pace.share * state.passed + begin.length * solution.axial_flow,
-            transport.travelled(
-                state.travel, pace, self._entrainment(inputs).axial, begin.length
-            ),
+            transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
         )
         return state, outputs
 

@@ -23,9 +23,10 @@ Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)
 
 A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
-centres [m], l lift of the film fraction at the face, known from the past, `transport` [-], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
+centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
 film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
-h^3 / (12 mu).
+h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
+without one, `transport`.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where

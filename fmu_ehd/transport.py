@@ -1,44 +1,52 @@
-"""How much more, or less, than the upstream cell a face of a cavitated film carries.
+"""How much more, or less, than its upstream cell the face of a cavitated film carries.
 
-Upstream film fraction alone, Eq. (E2), smears a front over ever more cells. What is missing is
-known at the beginning of a step: oil in a cavitated film moves as it lies, without pressure. It is
-carried on by explicit steps of third order, kept between its neighbours, and the difference to
-what the implicit step would carry enters as a known lift of the film fraction at each axial face:
+Upstream film fraction alone smears a front of oil over ever more cells. What is missing is known
+when a step begins: oil in a cavitated film moves as it lies, without pressure. It is carried on
+explicitly and sharply, and the difference to what the implicit step would carry by itself enters
+as a lift l of the film fraction at the axial faces, Eq. (E2):
 
-Eq. (T4):  q = K (p_a - p_b) + T (f_up + lift)
-Eq. (T5):  lift = (F - beta F_n) / (w X H_e/H t) - f*_up
+Eq. (T11):  l = (F - beta F_n) / (w X H_e/H t) - f*_up,   |l| <= 3 (1 - f*)
 
-so that the volume F' = beta F_n + H_e q [m3] that passes a face in a step of `storage` is F where
-film and velocity go on as they did, and the film fraction lands on f*_up = c*_up / s. F, c* are
-those of the content after n explicit steps, each with the travel x = X/n, in which less oil moves
-than lies in a cell:
+so that the volume beta F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
+film fraction f* upstream, where film and velocity go on as they did. F and f* are those after a
+number of explicit steps of Heun's method, in each of which oil travels x, at most a third of a
+cell:
 
-Eq. (T6):  c_a <- c_a + x (m_before - m_behind),   m = min(c/s, 1) t
-Eq. (T7):  m_face = m_up + (1 - C)/2 phi(r) (m_down - m_up),   C = x t / (s dy)
-Eq. (T8):  phi = max(0, min(2 r/C, 2/(1 - C), 1 + (1 + C)/3 (r - 1)))
+Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
+Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
+Eq. (T14):  |m / t - f_up| <= (1 - f) / 2
 
-c content, s stored, t transported film [m] at the beginning of the step, C Courant number [-], r
-difference of m before the upstream cell over that behind it [-]. Eq. (T7) with the last term of
-Eq. (T8) is of third order where the film fraction is smooth [Leonard1991], the two others keep it
-between its neighbours; with C = 1 oil moves on by exactly a cell. The flow remains a linear
-function of the unknown with the same coefficients, so matrix, elimination and cavitation are what
-they are without; the lift depends on the past alone, so in the tangent it is a constant beside the
-upstream film fraction. A flow through a face is the same for both its cells: oil is conserved.
+c content, t transported film [m], f the larger film fraction of the two cells of the face, m = f t
+of a cell or at a face [m], d and D differences of m before and behind the upstream cell. The last
+term of Eq. (T13) is of third order where m is smooth [Koren1993]; the two others keep m at the face
+between its neighbours, and the oil of an explicit step positive and without new extremes. Eq. (T14)
+lets the lift fade where the film gets full, as it has to: a full cell passes on what pressure
+tells it, there is no lift beside one, and a cell that fills or empties must not see a lift appear.
+Film quantities are those expected in the middle of the step, for f* those at its end. `gain` is
+the content that came in circumferentially in the last step; over a face whose upstream cell is
+full goes what went in the last step.
 
-Travel of the last step:
+Travel of the last step and of this one:
 
-Eq. (T9):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
+Eq. (T15):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
 
-There is no lift, and transport is of first order as in Eq. (E2): at a face with a full cell on
-either side, whose flow obeys the pressure; at edges; in the first step; where sliding reverses;
-and where oil travels farther than `FARTHEST` cells in a step, thus in a steady film.
+The lift is made of the past alone. So the flow stays a linear function of the unknown with the
+same coefficients: matrix, elimination and cavitation are what they are without it, a step repeats
+bit for bit, and in the tangent l is a constant beside the upstream film fraction. It is a flow
+through a face, the same for both cells, so oil is conserved to round-off. A film that is steady
+stays so whatever the step, since F is then X times a flow that knows no step.
+
+Without lift, transport is of first order. That is so at faces beside a full cell, at edges, in the
+first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in a step (thus
+in a film asked for at once as steady), and around the circumference. Film and velocity that jump
+within a step can make a cell owe oil: its row is solved again without lift.
 
 Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
 
 References
 ----------
-[Leonard1991] B. P. Leonard, The ULTIMATE conservative difference scheme applied to unsteady
-one-dimensional advection, Comput. Methods Appl. Mech. Eng. 88 (1991) 17-74.
+[Koren1993] B. Koren, A robust upwind discretization method for advection, diffusion and source
+terms, in Numerical Methods for Advection-Diffusion Problems, Vieweg 1993, 117-138 (the limiter).
 """
 
 from typing import NamedTuple
@@ -49,12 +57,14 @@ from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Flags
 
-FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 FARTHEST = 16.0  # cells of travel in a step
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
-LEAST = 2.0
-KAPPA = 0.5
-FINAL = 3.0
+STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
+# shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
+# in an explicit step and with the memory of the last step; from order tests: 1 chatters more
+NEAR_FULL = 0.5
+NEAR_FULL_WITH_MEMORY = 3.0
+FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
 class Past(NamedTuple):
@@ -90,7 +100,7 @@ class Pace(NamedTuple):
 
 
 class Lift(NamedTuple):
-    """Eq. (T5), each ndarray of shape (n_c, n_a + 1).
+    """Eq. (T11), each ndarray of shape (n_c, n_a + 1).
 
     fraction : lift of the film fraction at a face [-]; travel : X it holds for [m].
     """
@@ -114,21 +124,21 @@ def pace(step: float, step_before: float, length: float) -> Pace:
 
 @compiled(inline="always")
 def _face_value(before, up, down):
-    """m_face, Eq. (T7), from m before the upstream cell, in it, and behind it."""
+    """m at a face, Eq. (T13), from m before the upstream cell, in it, and behind it."""
     step = down - up
     slope = up - before
     if slope * step <= 0.0:
         return up
-    # Eq. (T7), phi (m_down - m_up) / 2
-    return up + min(step * step, LEAST * slope * step, (2.0 * step + slope) * step / 6.0) / step
+    # Eq. (T13)
+    return up + min(step * step, STEEPEST * slope * step, (2.0 * step + slope) * step / 6.0) / step
 
 
 @compiled(inline="always")
 def _row_flow(
     content, i, stored, mobile, resting, travel, steps, supply, between, given, width, flow
 ):
-    """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T6),
-    (T7), into `flow` [m3].
+    """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T12) to
+    (T14), into `flow` [m3].
     """
     n_a = content.size
     for j in range(n_a + 1):
@@ -151,7 +161,8 @@ def _row_flow(
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
         there = min(content[down] / stored[i, down], 1.0)
         value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
-        room = KAPPA * (1.0 - max(here, there))
+        room = NEAR_FULL * (1.0 - max(here, there))
+        # Eq. (T14)
         lifted = min(max(value / between[i, j], here - room), here + room)
         flow[j] = width * x * lifted * between[i, j]
 
@@ -213,7 +224,7 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
     )
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
-    travel = past.travel * pace.ratio  # Eq. (T9)
+    travel = past.travel * pace.ratio  # Eq. (T15)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -261,7 +272,7 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
             for j in range(n_a):
                 ahead[j] = content[j]
                 if not past.resting[i, j]:
-                    ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T6)
+                    ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
             _row_flow(
                 ahead,
                 i,
@@ -291,10 +302,10 @@ def lift(past: Past, pace: Pace, supply: Array, cells: Cells):
             # a last flow that pressure drove is none of transport
             last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
             reached = min(content[up] / stored_end[i, up], 1.0)
-            # Eq. (T5)
+            # Eq. (T11)
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
             fuller = max(content[j - 1] / stored_end[i, j - 1], content[j] / stored_end[i, j])
-            room = FINAL * max(1.0 - fuller, 0.0)
+            room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
     return Lift(fraction, travel)
 
@@ -325,7 +336,7 @@ def along(lift: Lift, axial_velocity: Array):
 
 @compiled
 def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
-    """Travel of a step at the axial faces, Eq. (T9).
+    """Travel of a step at the axial faces, Eq. (T15).
 
     Parameters
     ----------
@@ -348,7 +359,7 @@ def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
         for j in range(n_a + 1):
             below = axial_velocity[i, max(j - 1, 0)]
             above = axial_velocity[i, min(j, n_a - 1)]
-            # Eq. (T9)
+            # Eq. (T15)
             after[i, j] = pace.share * travel[i, j] + length * 0.5 * (below + above)
     return after
 
