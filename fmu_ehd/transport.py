@@ -61,7 +61,7 @@ FARTHEST = 16.0  # cells of travel in a step
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
-# in an explicit step and with the memory of the last step; from order tests: 1 chatters more
+# in an explicit step and with the memory of the last step; from order tests in the step
 NEAR_FULL = 0.5
 NEAR_FULL_WITH_MEMORY = 3.0
 FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding

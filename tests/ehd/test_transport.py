@@ -92,8 +92,8 @@ def test_a_smooth_film_fraction_is_carried_with_second_order():
         return np.abs(run.fraction - wave(run.distance - y)).mean()
 
     errors = [error(cells) for cells in (20, 40, 80)]
-    assert np.log2(errors[1] / errors[2]) >= 1.8  # measured 2.2; first order is 1
-    assert errors[2] <= 2.5e-3  # upwind: 0.05
+    assert np.log2(errors[1] / errors[2]) >= 1.8  # first order is 1
+    assert errors[2] <= 2.5e-3
 
 
 def test_a_step_repeats_bit_for_bit():
