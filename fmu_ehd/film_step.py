@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import cavitation, reynolds
+from . import cavitation, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
 from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
+from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -28,6 +29,8 @@ class FilmSolution:
         [m].
     full : ndarray of bool, shape (n_c, n_a)
         True where the film is full.
+    axial_flow : ndarray, shape (n_c, n_a + 1)
+        Flow through the axial faces, positive with ascending j [m3/s].
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
@@ -42,6 +45,7 @@ class FilmSolution:
     film_fraction: Array
     content: Array
     full: Flags
+    axial_flow: Array
     edge_flow: Array
     mass_imbalance: float
     iterations: int
@@ -57,6 +61,7 @@ class _Step:
     storage: Storage
     edges: Edges
     full: Flags
+    lift: Lift | None
 
 
 class FilmStep:
@@ -88,6 +93,8 @@ class FilmStep:
         self._cells = grid.cells
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
+        n_c, n_a = grid.shape
+        self._no_lift = np.zeros((n_c, n_a + 1))
         self._right = np.empty(0)
         self._step: _Step | None = None
         self._solution: FilmSolution | None = None
@@ -102,6 +109,7 @@ class FilmStep:
         start: EulerStep,
         full: Flags,
         softness: Softness | None = None,
+        lift: Lift | None = None,
     ) -> FilmSolution:
         """Solve Eqs. (E1)-(E5) for one step.
 
@@ -119,6 +127,8 @@ class FilmStep:
         full : ndarray of bool, shape (n_c, n_a)
             Guess of the full cells.
         softness : coating.Softness, optional
+        lift : transport.Lift, optional
+            Of the film fraction at the axial faces; none by default.
 
         Returns
         -------
@@ -130,7 +140,9 @@ class FilmStep:
         """
         model = self.model
         ring = self.grid.ring
-        faces = reynolds.faces(film, entrainment, self._cells)
+        if not model.conserving:
+            lift = None
+        faces = self._faces(film, entrainment, lift)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
         held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
@@ -151,7 +163,18 @@ class FilmStep:
         unknown, full, iterations = cavitation.full_cells(
             model, assemble, self.solver, model.first_guess(full), self.open_cells
         )
-        step = self._step = _Step(film, entrainment, faces, storage, edges, full)
+        while lift is not None:
+            owing = transport.owing(unknown, full)
+            if not (owing & lift.fraction.any(axis=1)).any():
+                break
+            # film or velocity jumped: those rows go on without
+            lift = transport.without(lift, owing)
+            faces = self._faces(film, entrainment, lift)
+            unknown, full, more = cavitation.full_cells(
+                model, assemble, self.solver, full, self.open_cells
+            )
+            iterations += more
+        step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift)
         pressure, balance = self._balance(step, unknown)
         if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
             unknown = unknown + self.solver.solve(balance.residual[None])[0]
@@ -162,6 +185,7 @@ class FilmStep:
             balance.film_fraction,
             balance.content,
             full,
+            reynolds.axial_flow(Filling(pressure, balance.film_fraction), faces, edges),
             balance.edge_flow,
             balance.imbalance,
             iterations,
@@ -169,6 +193,13 @@ class FilmStep:
         # the pressure that the balance was solved with
         self._solved_pressure = unknown if model.clipping else pressure
         return self._solution
+
+    def _faces(self, film: Array, entrainment: Entrainment, lift: Lift | None) -> Faces:
+        """Faces of a step, with the lift of their film fraction if there is one."""
+        faces = reynolds.faces(film, entrainment, self._cells)
+        if lift is None:
+            return faces
+        return faces._replace(lift_a=transport.along(lift, entrainment.axial))
 
     def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""
@@ -192,6 +223,7 @@ class FilmStep:
         filling: Filling,
         edges: Edges,
         length: float,
+        lift: Lift | None = None,
     ) -> Array:
         """Derivative of the film balance to film thickness and sliding velocity, as from
         `reynolds.linearise`.
@@ -207,11 +239,17 @@ class FilmStep:
         edges : grid.Edges
         length : float
             H_e [s].
+        lift : transport.Lift, optional
+            As in `solve`.
 
         Returns
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
+        if lift is not None and self.model.conserving:
+            lift_a = transport.along(lift, entrainment.axial)
+        else:
+            lift_a = self._no_lift
         stencil = reynolds.linearise(
             film,
             film_slopes,
@@ -221,6 +259,7 @@ class FilmStep:
             edges,
             self._cells,
             self.grid.cell_area / length,
+            lift_a,
         )
         if self._has_openings:
             stencil[:, :, self.open_cells] = 0.0
@@ -251,6 +290,7 @@ class FilmStep:
             Filling(self._solved_pressure, solution.film_fraction),
             step.edges,
             self.grid.cell_area / step.storage.area_per_step,
+            step.lift,
         )
         return self.model.shares(solution.unknown, step.full)
 

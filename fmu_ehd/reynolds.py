@@ -6,7 +6,7 @@ Eq. (E1):  A (f s - c_e) / H_e + sum of outward face flows = 0
 
 Flow from cell a to its neighbour b [m3/s]:
 
-Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b
+Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b + T l
 Eq. (E3):  K = (w/d) 2 g_a g_b / (g_a + g_b),   T = w U (t_a g_b + t_b g_a) / (g_a + g_b)
 
 One signed unknown u a cell:
@@ -15,7 +15,7 @@ Eq. (E4):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u
 
 which makes the flow linear, c = K or T by whether a (or b) is full or cavitated:
 
-Eq. (E5):  q = c_a u_a + c_b u_b + T,   c_a = K or max(T, 0),   c_b = -K or min(T, 0)
+Eq. (E5):  q = c_a u_a + c_b u_b + T (1 + l),   c_a = K or max(T, 0),   c_b = -K or min(T, 0)
 
 Tangent with the matrix M of the step:
 
@@ -25,7 +25,8 @@ A cell area [m2], H_e length of the backward Euler step [s] that starts from the
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
 centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
 film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
-h^3 / (12 mu).
+h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
+without one, `transport`.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where
@@ -83,12 +84,14 @@ class Faces(NamedTuple):
 
     conductance_c, transport_c : ndarray, shape (n_c + 1, n_a), across i.
     conductance_a, transport_a : ndarray, shape (n_c, n_a + 1), across j.
+    lift_a : ndarray, shape (n_c, n_a + 1), lift of the film fraction across j [-].
     """
 
     conductance_c: Array
     transport_c: Array
     conductance_a: Array
     transport_a: Array
+    lift_a: Array
 
 
 class Storage(NamedTuple):
@@ -241,7 +244,7 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
                 aspect,
                 dx,
             )
-    return Faces(k_c, t_c, k_a, t_a)
+    return Faces(k_c, t_c, k_a, t_a, np.zeros_like(t_a))
 
 
 @compiled(inline="always")
@@ -277,7 +280,7 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
     right : ndarray, shape (n_c, n_a)
         [m3/s].
     """
-    k_c, t_c, k_a, t_a = faces
+    k_c, t_c, k_a, t_a, lift = faces
     stored, content, area_per_step = storage
     edge_pressure, edge_fraction = edges
     n_c, n_a = full.shape
@@ -321,10 +324,10 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
             c_b = -k if full[i, j] else min(t, 0.0)
             stencil[CENTRE, i, j - 1] += c_a
             stencil[NORTH, i, j - 1] += c_b
-            right[i, j - 1] -= t
+            right[i, j - 1] -= t * (1.0 + lift[i, j])
             stencil[CENTRE, i, j] -= c_b
             stencil[SOUTH, i, j] -= c_a
-            right[i, j] += t
+            right[i, j] += t * (1.0 + lift[i, j])
         k = k_a[i, n_a]
         t = t_a[i, n_a]
         stencil[CENTRE, i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
@@ -374,7 +377,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     Outflow
     """
     p, f = filling
-    k_c, t_c, k_a, t_a = faces
+    k_c, t_c, k_a, t_a, lift = faces
     edge_p, edge_f = edges
     n_c, n_a = p.shape
     out = np.zeros((n_c, n_a))
@@ -387,6 +390,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
         out[i, 0] -= q
         for j in range(1, n_a):
             q = _flow(k_a[i, j], t_a[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
+            q += t_a[i, j] * lift[i, j]
             out[i, j - 1] += q
             out[i, j] -= q
         q = _flow(k_a[i, n_a], t_a[i, n_a], p[i, last], edge_p[UPPER], f[i, last], edge_f[UPPER])
@@ -414,6 +418,44 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
             gross += k_c[0, j] * (p[0, j] + edge_p[FIRST]) + abs(t_c[0, j])
             gross += k_c[n_c, j] * (p[last, j] + edge_p[LAST]) + abs(t_c[n_c, j])
     return Outflow(out, inflow, gross)
+
+
+@compiled
+def axial_flow(filling: Filling, faces: Faces, edges: Edges):
+    """Flow through all axial faces, Eq. (E2), positive with ascending j.
+
+    Parameters
+    ----------
+    filling : Filling
+    faces : Faces
+    edges : grid.Edges
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+        [m3/s].
+    """
+    p, f = filling
+    k, t = faces.conductance_a, faces.transport_a
+    n_c, n_a = p.shape
+    flow = np.empty((n_c, n_a + 1))
+    last = n_a - 1
+    for i in range(n_c):
+        flow[i, 0] = _flow(
+            k[i, 0], t[i, 0], edges.pressure[LOWER], p[i, 0], edges.film_fraction[LOWER], f[i, 0]
+        )
+        for j in range(1, n_a):
+            flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
+            flow[i, j] += t[i, j] * faces.lift_a[i, j]
+        flow[i, n_a] = _flow(
+            k[i, n_a],
+            t[i, n_a],
+            p[i, last],
+            edges.pressure[UPPER],
+            f[i, last],
+            edges.film_fraction[UPPER],
+        )
+    return flow
 
 
 @compiled
@@ -486,10 +528,10 @@ def _side(conductivity, transport, velocity, pressure, fraction, i, j):
 
 
 @compiled(inline="always")
-def _flow_slopes(a, b, aspect, width):
+def _flow_slopes(a, b, aspect, width, lift=0.0):
     """Derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
     velocity = 0.5 * (a.velocity + b.velocity)
-    upstream = a.film_fraction if velocity > 0.0 else b.film_fraction
+    upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
     inverse = 1.0 / (a.conductivity + b.conductivity)
     share_a = a.conductivity * inverse
     share_b = b.conductivity * inverse
@@ -578,6 +620,7 @@ def linearise(
     edges: Edges,
     cells: Cells,
     area_per_step: float,
+    lift: Array,
 ):
     """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two
     five-point stencils.
@@ -599,6 +642,8 @@ def linearise(
     cells : grid.Cells
     area_per_step : float
         As in `Storage`.
+    lift : ndarray, shape (n_c, n_a + 1)
+        As in `Faces`.
 
     Returns
     -------
@@ -629,6 +674,7 @@ def linearise(
                 _side(g, t, u, pressure, fraction, i, k),
                 dx / dy,
                 dx,
+                lift[i, k],
             )
             stencil[BY_FILM, SOUTH, i, k] = (
                 -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]
