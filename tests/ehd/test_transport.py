@@ -5,7 +5,15 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film, motored_until, tangent_error
+from piston_cosim.fmu_ehd.motored import (
+    DEGREE,
+    UNEVEN,
+    SkirtMotion,
+    central_difference,
+    motored_film,
+    motored_until,
+    tangent_error,
+)
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 FILM = 1e-5  # [m]
@@ -120,6 +128,27 @@ def test_the_tangent_of_a_starved_film_holds_the_lift():
     # while nothing switches; third derivative times the difference squared
     starved = Parameters((12, 10), film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8)
     assert tangent_error(starved) <= 1e-8
+
+
+def test_the_tangent_holds_with_a_front_in_the_film():
+    p = Parameters((4, 20), film_fraction_lower_edge=FULLER, film_fraction_upper_edge=EMPTY)
+    model = LubricationModel(p)
+    wedge = np.broadcast_to(np.linspace(2.0, 1.0, 20) * FILM, p.shape).copy()
+    inputs = SkirtMotion(wedge, np.full(p.shape, -2.0 * ENTRAINMENT))
+    state, _ = model.start(*inputs)
+    for k in range(120):
+        supply = FULLER if k > 90 else EMPTY
+        state, _ = model.advance(state, *inputs, UNEVEN, film_fraction_lower_edge=supply)
+    rng = np.random.default_rng(1)
+    change = SkirtMotion(1e-6 * rng.standard_normal(p.shape), rng.standard_normal(p.shape))
+    difference = central_difference(model, state, inputs, change)
+    assert difference is not None
+    model.advance(state, *inputs, UNEVEN)
+    fraction = (state.content / wedge)[0]
+    assert fraction.max() - fraction.min() > 0.5  # front and full film, both there
+    for tangent, reference in zip(model.tangent(*change), difference):
+        # third derivative times the difference squared
+        assert np.abs(tangent - reference).max() <= 1e-7 * np.abs(reference).max()
 
 
 def test_a_velocity_that_jumps_leaves_no_debt_of_oil():

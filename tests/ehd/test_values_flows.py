@@ -29,6 +29,7 @@ DX, DY = 3e-3, 2e-3  # [m]
 CELLS = Cells(DX, DY, False)
 FLOODED = np.ones(4)
 NO_PRESSURE = np.zeros(4)
+NO_LIFT = np.zeros((1, 3))
 
 
 def near(value, rel=1e-12):
@@ -103,7 +104,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     follow = Entrainment(np.zeros(shape), np.ones(shape))
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]))
     edges = Edges(NO_PRESSURE, FLOODED)
-    stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
+    stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0, NO_LIFT)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
     assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)
 
