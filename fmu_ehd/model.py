@@ -388,8 +388,7 @@ class LubricationModel:
             state.film_before,
             state.content,
             (state.unknown > 0.0) | self.film_step.open_cells,
-            state.growth * state.step_before
-            + np.diff(state.passed, axis=1) / self.grid.cell_area,
+            state.growth * state.step_before + np.diff(state.passed, axis=1) / self.grid.cell_area,
             state.passed,
             state.travel,
         )
