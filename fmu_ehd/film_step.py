@@ -61,7 +61,7 @@ class _Step:
     storage: Storage
     edges: Edges
     full: Flags
-    lift: Lift | None
+    lift: Array
 
 
 class FilmStep:
@@ -93,8 +93,6 @@ class FilmStep:
         self._cells = grid.cells
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
-        n_c, n_a = grid.shape
-        self._no_lift = np.zeros((n_c, n_a + 1))
         self._right = np.empty(0)
         self._step: _Step | None = None
         self._solution: FilmSolution | None = None
@@ -140,9 +138,8 @@ class FilmStep:
         """
         model = self.model
         ring = self.grid.ring
-        if not model.conserving:
-            lift = None
-        faces = self._faces(film, entrainment, lift)
+        faces = reynolds.faces(film, entrainment, self._cells)
+        lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
         held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
@@ -151,7 +148,7 @@ class FilmStep:
 
         def assemble(pattern):
             full_of_oil = pattern if model.conserving else self._everywhere
-            stencil, right = reynolds.assemble(full_of_oil, faces, storage, edges, ring)
+            stencil, right = reynolds.assemble(full_of_oil, faces, lift_a, storage, edges, ring)
             if model.switching and not model.conserving:
                 cavitation.without_pressure(pattern, stencil)
             if softness is not None:
@@ -163,18 +160,16 @@ class FilmStep:
         unknown, full, iterations = cavitation.full_cells(
             model, assemble, self.solver, model.first_guess(full), self.open_cells
         )
-        while lift is not None:
-            owing = transport.owing(unknown, full)
-            if not (owing & lift.fraction.any(axis=1)).any():
+        while lift_a.any():
+            owing = transport.owing(unknown, full) & lift_a.any(axis=1)
+            if not owing.any():
                 break
-            # film or velocity jumped: those rows go on without
-            lift = transport.without(lift, owing)
-            faces = self._faces(film, entrainment, lift)
+            lift_a[owing] = 0.0  # film or velocity jumped: those rows go on without
             unknown, full, more = cavitation.full_cells(
                 model, assemble, self.solver, full, self.open_cells
             )
             iterations += more
-        step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift)
+        step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift_a)
         pressure, balance = self._balance(step, unknown)
         if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
             unknown = unknown + self.solver.solve(balance.residual[None])[0]
@@ -185,7 +180,7 @@ class FilmStep:
             balance.film_fraction,
             balance.content,
             full,
-            reynolds.axial_flow(Filling(pressure, balance.film_fraction), faces, edges),
+            reynolds.axial_flow(Filling(pressure, balance.film_fraction, lift_a), faces, edges),
             balance.edge_flow,
             balance.imbalance,
             iterations,
@@ -194,12 +189,14 @@ class FilmStep:
         self._solved_pressure = unknown if model.clipping else pressure
         return self._solution
 
-    def _faces(self, film: Array, entrainment: Entrainment, lift: Lift | None) -> Faces:
-        """Faces of a step, with the lift of their film fraction if there is one."""
-        faces = reynolds.faces(film, entrainment, self._cells)
-        if lift is None:
-            return faces
-        return faces._replace(lift_a=transport.along(lift, entrainment.axial))
+    def lift_along(self, lift: Lift | None, entrainment: Entrainment) -> Array:
+        """Lift of the film fraction at the axial faces for the velocity at the end of a step, shape
+        (n_c, n_a + 1); none without cavities that hold oil.
+        """
+        if lift is None or not self.model.conserving:
+            n_c, n_a = self.grid.shape
+            return np.zeros((n_c, n_a + 1))
+        return transport.along(lift, entrainment.axial)
 
     def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""
@@ -208,10 +205,11 @@ class FilmStep:
             pressure,
             deficit,
             step.faces,
+            step.lift,
             step.storage,
             step.edges,
-            self.grid.ring,
             self.open_cells,
+            self.grid.ring,
         )
 
     def slopes(
@@ -223,7 +221,6 @@ class FilmStep:
         filling: Filling,
         edges: Edges,
         length: float,
-        lift: Lift | None = None,
     ) -> Array:
         """Derivative of the film balance to film thickness and sliding velocity, as from
         `reynolds.linearise`.
@@ -239,17 +236,11 @@ class FilmStep:
         edges : grid.Edges
         length : float
             H_e [s].
-        lift : transport.Lift, optional
-            As in `solve`.
 
         Returns
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
-        if lift is not None and self.model.conserving:
-            lift_a = transport.along(lift, entrainment.axial)
-        else:
-            lift_a = self._no_lift
         stencil = reynolds.linearise(
             film,
             film_slopes,
@@ -259,7 +250,6 @@ class FilmStep:
             edges,
             self._cells,
             self.grid.cell_area / length,
-            lift_a,
         )
         if self._has_openings:
             stencil[:, :, self.open_cells] = 0.0
@@ -287,10 +277,9 @@ class FilmStep:
             film_slopes,
             step.entrainment,
             dentrainment,
-            Filling(self._solved_pressure, solution.film_fraction),
+            Filling(self._solved_pressure, solution.film_fraction, step.lift),
             step.edges,
             self.grid.cell_area / step.storage.area_per_step,
-            step.lift,
         )
         return self.model.shares(solution.unknown, step.full)
 

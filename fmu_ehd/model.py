@@ -425,7 +425,8 @@ class LubricationModel:
             inputs = inputs._replace(film_thickness=hard_film + deflection)  # Eq. (L2)
             flow = self._flow_film(inputs)
             reduced, deficit = self.film_step.model.interpret(unknown, full)
-            filling = Filling(reduced, 1.0 + deficit)
+            lift_a = self.film_step.lift_along(lift, entrainment)
+            filling = Filling(reduced, 1.0 + deficit, lift_a)
             slopes = self.film_step.slopes(
                 flow.quantities,
                 flow.slopes,
@@ -434,7 +435,6 @@ class LubricationModel:
                 filling,
                 edges,
                 begin.length,
-                lift,
             )
             weight, offset = coating.linear_deflection(
                 self._compliance,

@@ -84,14 +84,12 @@ class Faces(NamedTuple):
 
     conductance_c, transport_c : ndarray, shape (n_c + 1, n_a), across i.
     conductance_a, transport_a : ndarray, shape (n_c, n_a + 1), across j.
-    lift_a : ndarray, shape (n_c, n_a + 1), lift of the film fraction across j [-].
     """
 
     conductance_c: Array
     transport_c: Array
     conductance_a: Array
     transport_a: Array
-    lift_a: Array
 
 
 class Storage(NamedTuple):
@@ -110,13 +108,17 @@ class Storage(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """What a film is filled with, Eq. (E4), each ndarray of shape (n_c, n_a).
+    """What a film is filled with, Eq. (E4).
 
-    pressure : p above cavitation pressure [Pa]; film_fraction : f [-].
+    pressure, film_fraction : ndarray, shape (n_c, n_a)
+        p above cavitation pressure [Pa], f [-].
+    lift : ndarray, shape (n_c, n_a + 1)
+        l at the axial faces [-].
     """
 
     pressure: Array
     film_fraction: Array
+    lift: Array
 
 
 class Outflow(NamedTuple):
@@ -244,7 +246,7 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
                 aspect,
                 dx,
             )
-    return Faces(k_c, t_c, k_a, t_a, np.zeros_like(t_a))
+    return Faces(k_c, t_c, k_a, t_a)
 
 
 @compiled(inline="always")
@@ -260,7 +262,7 @@ def _outflow_part(k, t, pressure, fraction):
 
 
 @compiled
-def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bool):
+def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, ring: bool):
     """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq.
     (E5).
 
@@ -269,6 +271,8 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
     full : ndarray of bool, shape (n_c, n_a)
         Pattern: True where u is pressure.
     faces : Faces
+    lift : ndarray, shape (n_c, n_a + 1)
+        As in `Filling`.
     storage : Storage
     edges : grid.Edges
     ring : bool
@@ -280,7 +284,7 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
     right : ndarray, shape (n_c, n_a)
         [m3/s].
     """
-    k_c, t_c, k_a, t_a, lift = faces
+    k_c, t_c, k_a, t_a = faces
     stored, content, area_per_step = storage
     edge_pressure, edge_fraction = edges
     n_c, n_a = full.shape
@@ -376,8 +380,8 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     -------
     Outflow
     """
-    p, f = filling
-    k_c, t_c, k_a, t_a, lift = faces
+    p, f, lift = filling
+    k_c, t_c, k_a, t_a = faces
     edge_p, edge_f = edges
     n_c, n_a = p.shape
     out = np.zeros((n_c, n_a))
@@ -435,7 +439,7 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
     ndarray, shape (n_c, n_a + 1)
         [m3/s].
     """
-    p, f = filling
+    p, f, lift = filling
     k, t = faces.conductance_a, faces.transport_a
     n_c, n_a = p.shape
     flow = np.empty((n_c, n_a + 1))
@@ -446,7 +450,7 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
         )
         for j in range(1, n_a):
             flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
-            flow[i, j] += t[i, j] * faces.lift_a[i, j]
+            flow[i, j] += t[i, j] * lift[i, j]
         flow[i, n_a] = _flow(
             k[i, n_a],
             t[i, n_a],
@@ -463,10 +467,11 @@ def balance(
     pressure: Array,
     deficit: Array,
     faces: Faces,
+    lift: Array,
     storage: Storage,
     edges: Edges,
-    ring: bool,
     open_cells: Flags,
+    ring: bool,
 ):
     """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of
     the whole film.
@@ -476,11 +481,13 @@ def balance(
     pressure, deficit : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction - 1 [-].
     faces : Faces
+    lift : ndarray, shape (n_c, n_a + 1)
+        As in `Filling`.
     storage : Storage
     edges : grid.Edges
-    ring : bool
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film; what flows out of them counts as inflow over an edge.
+    ring : bool
 
     Returns
     -------
@@ -488,7 +495,7 @@ def balance(
     """
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
-    out, edge_flow, gross = outflow(Filling(pressure, fraction), faces, edges, ring)
+    out, edge_flow, gross = outflow(Filling(pressure, fraction, lift), faces, edges, ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -573,7 +580,7 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
     g = film[CONDUCTIVITY_A]
     t = film[TRANSPORT]
     u = entrainment.axial
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     aspect = 2.0 * cells.dx / cells.dy
     for i in range(n_c):
@@ -595,7 +602,7 @@ def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cel
     t = film[TRANSPORT]
     u = entrainment.circumferential
     du = dentrainment.circumferential
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     aspect = 2.0 * cells.dy / cells.dx
     for j in range(n_a):
@@ -620,7 +627,6 @@ def linearise(
     edges: Edges,
     cells: Cells,
     area_per_step: float,
-    lift: Array,
 ):
     """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two
     five-point stencils.
@@ -642,8 +648,6 @@ def linearise(
     cells : grid.Cells
     area_per_step : float
         As in `Storage`.
-    lift : ndarray, shape (n_c, n_a + 1)
-        As in `Faces`.
 
     Returns
     -------
@@ -652,7 +656,7 @@ def linearise(
     """
     by_film, by_velocity = slopes
     dx, dy, ring = cells
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     stencil = np.empty((2, 5, n_c, n_a))
     stencil[:, SOUTH, :, 0] = 0.0  # no neighbour beyond an edge

@@ -133,13 +133,32 @@ def _face_value(before, up, down):
     return up + min(step * step, STEEPEST * slope * step, (2.0 * step + slope) * step / 6.0) / step
 
 
+class Way(NamedTuple):
+    """Film that oil is carried through in a step.
+
+    stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
+    between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
+    travel : ndarray, shape (n_c, n_a + 1), X [m];
+    resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
+    supply : ndarray, shape (4,), film fraction at the edges [-];
+    width : of a face [m].
+    """
+
+    stored: Array
+    mobile: Array
+    between: Array
+    travel: Array
+    resting: Flags
+    supply: Array
+    width: float
+
+
 @compiled(inline="always")
-def _row_flow(
-    content, i, stored, mobile, resting, travel, steps, supply, between, given, width, flow
-):
+def _row_flow(content, i, way, steps, given, flow):
     """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T12) to
     (T14), into `flow` [m3].
     """
+    stored, mobile, between, travel, resting, supply, width = way
     n_a = content.size
     for j in range(n_a + 1):
         x = travel[i, j] / steps
@@ -225,6 +244,7 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
+    way = Way(stored, mobile, between, travel, past.resting, supply, width)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -255,38 +275,12 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
             content[j] = past.content[i, j]
             source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
         for _ in range(steps):
-            _row_flow(
-                content,
-                i,
-                stored,
-                mobile,
-                past.resting,
-                travel,
-                steps,
-                supply,
-                between,
-                given,
-                width,
-                flow,
-            )
+            _row_flow(content, i, way, steps, given, flow)
             for j in range(n_a):
                 ahead[j] = content[j]
                 if not past.resting[i, j]:
                     ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
-            _row_flow(
-                ahead,
-                i,
-                stored,
-                mobile,
-                past.resting,
-                travel,
-                steps,
-                supply,
-                between,
-                given,
-                width,
-                flow_ahead,
-            )
+            _row_flow(ahead, i, way, steps, given, flow_ahead)
             for j in range(n_a + 1):
                 flow[j] = 0.5 * (flow[j] + flow_ahead[j])
                 through[j] += flow[j]
@@ -384,14 +378,3 @@ def owing(unknown: Array, full: Flags):
             if not full[i, j] and unknown[i, j] < -1.0 - FRACTION_ROUNDOFF:
                 rows[i] = True
     return rows
-
-
-def without(lift: Lift, rows: Flags) -> Lift:
-    """A lift whose fraction is zero in the given rows.
-
-    Parameters
-    ----------
-    lift : Lift
-    rows : ndarray of bool, shape (n_c,)
-    """
-    return lift._replace(fraction=np.where(rows[:, None], 0.0, lift.fraction))
