@@ -676,7 +676,7 @@ def linearise(
                 _side(g, t, u, pressure, fraction, i, j + 1),
                 dx / dy,
                 dx,
-                lift[i, k],
+                lift[i, j + 1],
             )
             _set_face(q, slopes, CONDUCTIVITY_A, du, (i, j), (i, j + 1), along)
 
