@@ -74,7 +74,7 @@ class Inputs(NamedTuple):
     @property
     def film_thickness(self) -> Array:
         """Of the film, Eq. (L2) [m]."""
-        return self.hard_film + self.deflection
+        return self.hard_film + self.deflection  # Eq. (L2)
 
 
 class FlowFilm(NamedTuple):

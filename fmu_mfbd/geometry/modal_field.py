@@ -86,7 +86,8 @@ def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalFiel
     else:
         classes = 4
         image = mirrors(angles)
-        share = np.where((image[0] == image[1]) | (image[0] == image[2]), 0.5, 1.0)
+        on_thrust_line, on_pin_axis = image[0] == image[1:3]
+        share = np.where(on_thrust_line | on_pin_axis, 0.5, 1.0)
         part = (values[image] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
     order, groups = _fours(kind, classes)
     lines = part.transpose(2, 1, 0).reshape(k, rows * len(part))

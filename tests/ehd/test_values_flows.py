@@ -158,7 +158,8 @@ def test_contact_at_no_distance_follows_the_film():
 
 def test_layer_and_asperities_are_springs_in_series():
     """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
-    asperities keep k = 4/(4 + 8), wherever in the cell they are, and pressure of the oil moves the layer by k c of it.
+    asperities keep k = 4/(4 + 8), wherever in the cell they are, and pressure of the oil moves the
+    layer by k c of it.
 
     offset = k (c p_a - w_0) with the oil at p = 0, here 1e-7 (1/3)(5 - 2) m.
     """

@@ -245,9 +245,9 @@ def test_squeeze_flows_by_both_factors(around):
 @pytest.mark.parametrize("share", [0.7, 0.2])
 @pytest.mark.parametrize("skirt, bore", [(6.0, 1 / 3), (1 / 9, 3.0)])
 def test_skirt_and_bore_have_grooves_of_their_own(skirt, bore, share):
-    """Flow of a gradient and of sliding, and the force of both, with the deviations of skirt and bore
-    weighed by their variances; what sliding carries, h_T - sigma (Y Phi_s - (1 - Y) Phi_b), is
-    [Patir1979], eq. of Phi_s for different gammas. 2e-5: the tables between their points.
+    """Flow of a gradient and of sliding, and the force of both, with the deviations of skirt and
+    bore weighed by their variances; what sliding carries, h_T - sigma (Y Phi_s - (1 - Y) Phi_b),
+    is [Patir1979] for different gammas. 2e-5: the tables between their points.
     """
     h, velocity, rest = 2.0, 3.0, 1.0 - share
     given = dict(peklenik_number_bore=bore, pressure_lower_edge=4e7, pressure_upper_edge=1e7)
