@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd import coating, reynolds
-from piston_cosim.fmu_ehd.asperity import Contact, ContactConstants, contact, contact_table
+from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table, point_contact
+from piston_cosim.fmu_ehd.contact import Contact
 from piston_cosim.fmu_ehd.films import (
     CONDUCTIVITY_A,
     COUETTE,
@@ -147,24 +148,26 @@ def test_contact_at_no_distance_follows_the_film():
     """
     # 0.0 is a point of the table, where values and slopes are those of the integrals
     force = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.0, 1.5, 2.5)}
-    at = contact(np.zeros((1, 1)), ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
+    at = point_contact(0.0, ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
     slope = -3.0 * 2.5 * force[1.5] / 2.0
-    assert at.pressure[0, 0] == near(3.0 * force[2.5])
-    assert at.pressure_slope[0, 0] == near(slope)
-    assert at.area_fraction[0, 0] == near(0.05)
-    assert at.shear_stress[0, 0] == near(0.6 * force[2.5] + 0.35)
-    assert at.shear_stress_slope[0, 0] == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
+    assert at.pressure == near(3.0 * force[2.5])
+    assert at.pressure_slope == near(slope)
+    assert at.area_fraction == near(0.05)
+    assert at.shear_stress == near(0.6 * force[2.5] + 0.35)
+    assert at.shear_stress_slope == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
 
 
 def test_layer_and_asperities_are_springs_in_series():
     """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
-    asperities keep k = 4/(4 + 8), and pressure of the oil moves the layer by k c of it.
+    asperities keep k = 4/(4 + 8), wherever in the cell they are, and pressure of the oil moves the
+    layer by k c of it.
 
     offset = k (c p_a - w_0) with the oil at p = 0, here 1e-7 (1/3)(5 - 2) m.
     """
     c = 2.5e-14
     one = np.ones((1, 1))
-    touching = Contact(2e7 * one, -8e13 * one, 0.0 * one, 0.0 * one, 0.0 * one)
+    shares = np.array([0.5, 0.2, 0.1, 0.15, 0.05])[:, None, None]
+    touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares)
     assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
     tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
     weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)
