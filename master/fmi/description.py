@@ -3,6 +3,7 @@ leaves out.
 """
 
 import hashlib
+from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
@@ -14,6 +15,12 @@ VENDOR = "piston-cosim"
 """Name of the VendorAnnotations tool entry that lists the reserved directional-derivative
 references.
 """
+
+AUTHOR = "the piston-cosim developers"
+COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
+LICENCE = "BSD-3-Clause"
+DATE = "2026-11-22T00:00:00Z"
+"""Of the version: what is built of the same content is the same file whenever it is built."""
 
 BASE_UNITS = {
     "m": {"m": 1},
@@ -66,14 +73,7 @@ def model_description(slave, any_host):
     """
     root = Element(
         "fmiModelDescription",
-        {
-            "fmiVersion": "2.0",
-            "modelName": slave.name,
-            "guid": "",
-            "description": slave.description,
-            "generationTool": "piston-cosim",
-            "variableNamingConvention": "structured",
-        },
+        {"fmiVersion": "2.0", "guid": "", **head(slave)},
     )
     SubElement(
         root,
@@ -99,6 +99,21 @@ def model_description(slave, any_host):
     return root
 
 
+def head(slave):
+    """Attributes of the root, equal in FMI 2 and 3."""
+    return {
+        "modelName": slave.name,
+        "description": slave.description,
+        "author": AUTHOR,
+        "version": version("piston-cosim"),
+        "copyright": COPYRIGHT,
+        "license": LICENCE,
+        "generationTool": f"piston-cosim {version('piston-cosim')}",
+        "generationDateAndTime": DATE,
+        "variableNamingConvention": "structured",
+    }
+
+
 def content_guid(root):
     """The same description has the same identifier in every build."""
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
@@ -110,15 +125,12 @@ def common_parts(root, slave):
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
-    SubElement(
-        root,
-        "DefaultExperiment",
-        {
-            "startTime": "0.0",
-            "stopTime": repr(100 * slave.usual_step),
-            "stepSize": repr(slave.usual_step),
-        },
-    )
+    usual = slave.experiment
+    attributes = {"startTime": 0.0, "stopTime": usual.stop, "stepSize": usual.step}
+    if usual.tolerance is not None:
+        attributes["tolerance"] = usual.tolerance
+    given = {name: repr(float(value)) for name, value in attributes.items()}
+    SubElement(root, "DefaultExperiment", given)
 
 
 def _units(parent, table):
@@ -181,6 +193,7 @@ def causality_attributes(v):
             "causality": "input",
             "variability": "continuous" if v.type == "Real" else "discrete",
         },
+        "constant": {"causality": "local", "variability": "constant", "initial": "exact"},
         "output": {
             "causality": "output",
             "variability": "continuous" if v.type == "Real" else "discrete",
@@ -200,7 +213,7 @@ def type_attributes(v):
     if v.type == "Real" and v.nominal is not None:
         attributes["nominal"] = repr(float(v.nominal))
     for key, limit in (("min", v.minimum), ("max", v.maximum)):
-        if limit is not None and np.isfinite(limit):
+        if v.causality != "constant" and limit is not None and np.isfinite(limit):
             attributes[key] = repr(float(limit)) if v.type == "Real" else str(limit)
     return attributes
 

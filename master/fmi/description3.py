@@ -4,7 +4,14 @@ reference, terminals.
 
 from xml.etree.ElementTree import Element, SubElement
 
-from .description import VENDOR, causality_attributes, common_parts, content_guid, type_attributes
+from .description import (
+    VENDOR,
+    causality_attributes,
+    common_parts,
+    content_guid,
+    head,
+    type_attributes,
+)
 from .requirements import PACKAGES
 
 TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String"}
@@ -16,14 +23,7 @@ def model_description_3(slave):
     """
     root = Element(
         "fmiModelDescription",
-        {
-            "fmiVersion": "3.0",
-            "modelName": slave.name,
-            "instantiationToken": "",
-            "description": slave.description,
-            "generationTool": "piston-cosim",
-            "variableNamingConvention": "structured",
-        },
+        {"fmiVersion": "3.0", "instantiationToken": "", **head(slave)},
     )
     SubElement(
         root,

@@ -21,7 +21,7 @@ discard (a bug: to error).
 
 import json
 import traceback
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,17 @@ and product.
 def reserved(kind: str, name: str) -> str:
     """Key of the reserved storage of a variable."""
     return f"{kind}:{name}"
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What an importer does unless told otherwise: stop and communication step [s], and where
+    results are iterated the error of what is exchanged over its nominal value [-].
+    """
+
+    stop: float
+    step: float
+    tolerance: float | None = None
 
 
 class FieldSlave(Fmi2Slave):
@@ -63,7 +74,7 @@ class FieldSlave(Fmi2Slave):
     name = "slave"
     description = ""
     state_type: Any = None
-    usual_step = 5e-5
+    experiment = Experiment(stop=5e-3, step=5e-5)
     interpolates_inputs = False
     derivative_inputs = ()
     derivative_outputs = ()

@@ -21,9 +21,9 @@ class Variable:
     unit : str
         SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1"
         for none.
-    causality : {"parameter", "input", "output"}
-        Parameters are read once, when initialisation ends; a property of the built FMU (grid sizes)
-        is one with minimum = maximum = start.
+    causality : {"parameter", "input", "output", "constant"}
+        Parameters are read once, when initialisation ends; a constant is a property of the built
+        FMU (grid sizes).
     description : str
         One sentence.
     start : float, int or str
@@ -73,10 +73,8 @@ class Variable:
 
 
 def constant(name: str, value: int | float, description: str) -> Variable:
-    """A property of the built FMU (grid size, contract version): a parameter that allows one
-    value.
-    """
-    return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)
+    """A property of the built FMU (grid size, contract version)."""
+    return Variable(name, "1", "constant", description, value, minimum=value, maximum=value)
 
 
 def parameter(
