@@ -129,7 +129,8 @@ def _exposed(tables, system):
     shared = Counter(v.name for _, v in chosen)
     exposed = []
     for owner, v in chosen:
-        start = type(v.start)(system.parameters[owner].get(v.name, v.start))
+        given = system.parameters[owner].get(v.name, v.number(v.start))
+        start = v.choices[given - 1] if v.choices else type(v.start)(given)
         name = v.name if shared[v.name] == 1 else f"{owner}.{v.name}"
         exposed.append((replace(v, name=name, start=start), (owner, v.name)))
     return exposed

@@ -87,7 +87,8 @@ class Options:
             tuple(_read_wire(entry) for entry in tree["wires"]),
             Coupling(**{f.name: tree["coupling"][f.name] for f in fields(Coupling)}),
             tuple(
-                Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in tree["variables"]
+                Variable(**entry | {key: tuple(entry[key]) for key in ("shape", "choices")})
+                for entry in tree["variables"]
             ),
             *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
         )

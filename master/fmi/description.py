@@ -122,6 +122,7 @@ def content_guid(root):
 def common_parts(root, slave):
     """Units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
+    _types(root, slave.table)
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
@@ -137,6 +138,27 @@ def _units(parent, table):
     for unit in sorted({v.unit for v in table if v.type == "Real" and v.unit != "1"}):
         node = SubElement(parent, "Unit", {"name": unit})
         SubElement(node, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[unit].items()})
+
+
+def _types(root, table):
+    """A type of its own for every choice."""
+    chosen = [v for v in table if v.choices]
+    if not chosen:
+        return
+    parent = SubElement(root, "TypeDefinitions")
+    third = root.get("fmiVersion") == "3.0"
+    for v in chosen:
+        if third:
+            node = SubElement(parent, "EnumerationType", {"name": _type_name(v)})
+        else:
+            simple = SubElement(parent, "SimpleType", {"name": _type_name(v)})
+            node = SubElement(simple, "Enumeration")
+        for number, name in enumerate(v.choices, 1):
+            SubElement(node, "Item", {"name": name, "value": str(number)})
+
+
+def _type_name(v):
+    return f"{v.name}_choice"
 
 
 def _vendor_annotations(parent, slave, any_host):
@@ -207,7 +229,9 @@ def type_attributes(v):
     """Start, unit, nominal and range."""
     attributes = {}
     if v.causality != "output":
-        attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.start)
+        attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.number(v.start))
+    if v.choices:
+        attributes["declaredType"] = _type_name(v)
     if v.type == "Real" and v.unit != "1":
         attributes["unit"] = v.unit
     if v.type == "Real" and v.nominal is not None:

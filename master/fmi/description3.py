@@ -14,7 +14,7 @@ from .description import (
 )
 from .requirements import PACKAGES
 
-TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String"}
+TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration": "Enumeration"}
 
 
 def model_description_3(slave):

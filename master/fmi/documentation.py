@@ -93,10 +93,12 @@ def _table(table, causality):
 
 
 def _row(v):
-    start = "" if v.causality == "output" else f"{v.start:g}" if v.type != "String" else v.start
+    start = f"{v.start:g}" if isinstance(v.start, int | float) else v.start
     bounds = ["" if limit is None else f"{limit:g}" for limit in (v.minimum, v.maximum)]
     limits = " to ".join(bounds) if any(bounds) and v.causality != "constant" else ""
     shape = " x ".join(map(str, v.shape))
     unit = "" if v.unit == "1" else v.unit
+    start = "" if v.causality == "output" else start
+    limits = ", ".join(f"{k} {name}" for k, name in enumerate(v.choices, 1)) or limits
     cells = (v.name, shape, unit, start, limits, v.description)
     return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"

@@ -69,6 +69,106 @@ def test_constants_are_no_parameters(fmu, film_3):
         assert (cells.causality, cells.variability, cells.start) == ("local", "constant", "10")
 
 
+PRELUDE = """
+import json, sys
+import fmpy
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+path = sys.argv[1]
+model = fmpy.read_model_description(path)
+references = {v.name: v.valueReference for v in model.modelVariables}
+make = FMU3Slave if model.fmiVersion.startswith("3") else FMU2Slave
+one = make(
+    guid=model.guid,
+    unzipDirectory=fmpy.extract(path),
+    modelIdentifier=model.coSimulation.modelIdentifier,
+    instanceName="one",
+)
+one.instantiate()
+third = make is FMU3Slave
+"""
+
+
+def test_a_choice_is_an_enumeration(fmu, film_3, outside):
+    """Item 3 of the cavitation models is gumbel; item 9 is refused with the list."""
+    for path in (fmu, film_3):
+        model = fmpy.read_model_description(str(path))
+        (law,) = [v for v in model.modelVariables if v.name == "cavitation_model"]
+        assert (law.type, law.start) == ("Enumeration", "1")
+        items = {item.name: int(item.value) for item in law.declaredType.items}
+        assert items == {"jfo": 1, "reynolds": 2, "gumbel": 3, "full_film": 4}
+        code = """
+            put, get = (one.setInt64, one.getInt64) if third else (one.setInteger, one.getInteger)
+            law = [references["cavitation_model"]]
+            put(law, [3])
+            one.enterInitializationMode() if third else one.setupExperiment()
+            third or one.enterInitializationMode()
+            one.exitInitializationMode()
+            print(json.dumps(list(get(law))))
+            """
+        assert outside(PRELUDE, path, code) == [3]
+        refusing = """
+            put = one.setInt64 if third else one.setInteger
+            put([references["cavitation_model"]], [9])
+            one.enterInitializationMode() if third else one.setupExperiment()
+            third or one.enterInitializationMode()
+            try:
+                one.exitInitializationMode()
+                print(json.dumps("taken"))
+            except Exception as refusal:
+                print(json.dumps("refused"))
+            """
+        assert outside(PRELUDE, path, refusing) == "refused"
+
+
+def test_every_declared_pair_of_derivatives_answers(fmu, film_3, outside):
+    """Products of all outputs for a seed of an input: 0 where a step does not carry it over, and
+    where it does what the two fields alone answer; no real variable is an error.
+    """
+    code = """
+        if third:
+            one.enterInitializationMode()
+        else:
+            one.setupExperiment()
+            one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.enterStepMode() if third else None
+        put = one.setFloat64 if third else one.setReal
+        film = [v for v in model.modelVariables if v.name.startswith("film_thickness")]
+        size = 120
+        put([v.valueReference for v in film], [9e-6] * size)
+        one.doStep(0.0, 1e-4)
+        put([v.valueReference for v in film], [8e-6] * size)
+        one.doStep(1e-4, 1e-4)
+        real = ("Real", "Float64")
+        outs = [v for v in model.modelVariables if v.causality == "output" and v.type in real]
+        counts = [size if third and v.dimensions else 1 for v in outs]
+        ask = one.getDirectionalDerivative
+        unknowns = [v.valueReference for v in outs]
+        seeds = [1.0] * size
+        knowns = [v.valueReference for v in film]
+        if third:
+            import ctypes
+            def ask(unknown, known, seed):
+                n = sum(counts) if len(unknown) > 1 else size
+                product = (ctypes.c_double * n)()
+                vr = lambda v: (ctypes.c_uint32 * len(v))(*v)
+                one.fmi3GetDirectionalDerivative(
+                    one.component, vr(unknown), len(unknown), vr(known), len(known),
+                    (ctypes.c_double * len(seed))(*seed), len(seed), product, n)
+                return list(product)
+        products = list(ask(unknowns, knowns, seeds))
+        forces = [v for v in outs if v.name.startswith("nodal_pressure_force")]
+        alone = list(ask([v.valueReference for v in forces], knowns, seeds))
+        begin = sum(counts[: outs.index(forces[0])])
+        print(json.dumps([
+            products[begin : begin + size] == alone, max(map(abs, alone)) > 0.0,
+            sum(p != 0.0 for p in products) <= 2 * size]))
+        """
+    for path in (fmu, film_3):
+        assert outside(PRELUDE, path, code) == [True, True, True]
+
+
 class Cells(HTMLParser):
     """Texts of all table cells; an error where tags do not close."""
 
