@@ -114,6 +114,9 @@ def head(slave):
     }
 
 
+NO_DEPENDENCIES = {"dependencies": ""}
+
+
 def content_guid(root):
     """The same description has the same identifier in every build."""
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
@@ -243,8 +246,9 @@ def type_attributes(v):
 
 
 def _structure(parent, table):
-    """Outputs and initial unknowns, both with empty dependencies: no output follows an input
-    without a step.
+    """Outputs depend on nothing: none follows an input without a step. Initial unknowns depend on
+    all that is set, which leaving dependencies out says; importers that draw every pair of two
+    fields would take minutes, so with fields in the table they are not told.
     """
     index = 1
     outputs = []
@@ -254,5 +258,6 @@ def _structure(parent, table):
         index += v.size
     for section in ("Outputs", "InitialUnknowns"):
         node = SubElement(parent, section)
+        untold = section == "InitialUnknowns" and not any(v.shape for v in table)
         for k in outputs:
-            SubElement(node, "Unknown", {"index": str(k), "dependencies": ""})
+            SubElement(node, "Unknown", {"index": str(k)} | ({} if untold else NO_DEPENDENCIES))

@@ -121,6 +121,36 @@ def test_a_choice_is_an_enumeration(fmu, film_3, outside):
         assert outside(PRELUDE, path, refusing) == "refused"
 
 
+def test_outputs_follow_inputs_in_initialization_mode(engine, film_3, outside):
+    """The row before the first step is that of the inputs set by then, in a loop of set and get:
+    rotation speed is the crank's; the thinnest film is the film. Initial unknowns say so.
+    """
+    code = """
+        if third:
+            one.enterInitializationMode()
+            size = 120
+            pairs = ((references["film_thickness"], "minimum_film_thickness", (2e-5, 1e-5, 2e-5)),)
+        else:
+            one.setupExperiment()
+            one.enterInitializationMode()
+            size = 1
+            pairs = ((references["crank_speed"], "rotation_speed", (100.0, 200.0, 100.0)),)
+        seen = []
+        for reference, output, values in pairs:
+            for value in values:
+                put = one.setFloat64 if third else one.setReal
+                put([reference], [value] * size)
+                get = one.getFloat64 if third else one.getReal
+                seen.append(get([references[output]])[0] / value)
+        print(json.dumps(seen))
+        """
+    for path in (engine, film_3):
+        assert outside(PRELUDE, path, code) == pytest.approx([1.0] * 3, rel=1e-12)
+        model = fmpy.read_model_description(str(path))
+        assert {unknown.dependencies for unknown in model.initialUnknowns} == {None}
+        assert all(unknown.dependencies == [] for unknown in model.outputs)
+
+
 def test_every_declared_pair_of_derivatives_answers(fmu, film_3, outside):
     """Products of all outputs for a seed of an input: 0 where a step does not carry it over, and
     where it does what the two fields alone answer; no real variable is an error.
