@@ -3,6 +3,7 @@
 slave         the slave every FMU is made of
 variables     one declaration a variable
 description   modelDescription.xml, 2.0 (and 3: 3.0)
+documentation the page and the licences that an FMU carries
 builder       FMUs from parts, cached by content
 compiler      the C front in front/
 tree          the project, or its copy in an FMU
