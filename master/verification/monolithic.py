@@ -1,0 +1,539 @@
+"""The coupled problem once more, as a textbook would write it: bodies and film in one system of
+equations, all of it solved at once in each step. It shares no line and no method with the FMUs.
+
+| | FMUs | here |
+|---|---|---|
+| bodies | minimal coordinates, derived by hand | Newton-Euler with the force at the pin as unknown |
+| elasticity | modes with inertia in a floating frame | the whole compliance matrix, standing |
+| time | generalised-alpha for the bodies | BDF2 for everything |
+| coupling | exchange until the wires agree | one Newton iteration over all unknowns |
+| film | kernels, elimination downstream | sparse operators of scipy |
+
+Smooth surfaces, a Newtonian oil, flooded edges at cavitation pressure, a crank at constant speed.
+Axes: x to the thrust side, y to the head, z along the pin; the crank turns about +z and leaves top
+dead centre towards -x. Angles of the film from +z towards +x.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse.linalg import splu
+
+PRESSURE_SCALE = 1e6
+"""Pa: what a signed unknown of 1 is worth as a pressure."""
+ITERATIONS = 60
+CONVERGED = 1e-7
+"""Newton's step, by the scales of the unknowns."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """All that the problem is made of, in SI units.
+
+    Parameters
+    ----------
+    grid : (int, int)
+        Cells around and along the skirt.
+    bore_radius, skirt_lower, skirt_upper : float
+        Edges above pin point A [m].
+    clearance, barrel, ovality : float
+        Radial at the thrust faces; drop at the edges; difference of diameters [m].
+    viscosity : float
+        [Pa s]
+    crank_radius, rod_length, crank_offset, pin_offset : float
+        x of the crank from the bore's axis, of A from the skirt's [m].
+    rod_mass, rod_inertia, rod_centre, pin_mass : float
+        [kg]; about the rod's centre of mass [kg m2]; its distance from the big end [m]; [kg].
+    piston_mass, piston_inertia : float
+        [kg], about A [kg m2].
+    piston_centre : ndarray, shape (2,)
+        x, y of the centre of mass from A [m].
+    speed, start_angle : float
+        Of the crank [rad/s], [rad].
+    """
+
+    grid: tuple[int, int]
+    bore_radius: float
+    skirt_lower: float
+    skirt_upper: float
+    clearance: float
+    barrel: float
+    ovality: float
+    viscosity: float
+    crank_radius: float
+    rod_length: float
+    crank_offset: float
+    pin_offset: float
+    rod_mass: float
+    rod_inertia: float
+    rod_centre: float
+    pin_mass: float
+    piston_mass: float
+    piston_inertia: float
+    piston_centre: np.ndarray
+    speed: float
+    start_angle: float
+
+
+class Elasticity(NamedTuple):
+    """What loads do to the film thickness, by compliance alone; n grid cells.
+
+    Parameters
+    ----------
+    pressure : callable
+        Height of A [m] to the matrix (n, n) from nodal pressure forces [N] to film thickness [m].
+    inertia : ndarray, shape (n,)
+        Film thickness per acceleration of the piston along y [s2].
+    """
+
+    pressure: Callable[[float], np.ndarray]
+    inertia: np.ndarray
+
+
+class Curves(NamedTuple):
+    """A run: each of shape (steps + 1,).
+
+    Parameters
+    ----------
+    crank_angle, lateral_displacement, rocking_angle : ndarray
+        [rad], x_A [m], about +z [rad].
+    side_force : ndarray
+        Of the film on the bore along x: what the piston leans on it with [N].
+    minimum_film_thickness, maximum_pressure : ndarray
+        [m], [Pa]
+    friction_power : ndarray
+        [W]
+    """
+
+    crank_angle: np.ndarray
+    lateral_displacement: np.ndarray
+    rocking_angle: np.ndarray
+    side_force: np.ndarray
+    minimum_film_thickness: np.ndarray
+    maximum_pressure: np.ndarray
+    friction_power: np.ndarray
+
+
+class FilmForce(NamedTuple):
+    """Of the film on the piston: along x and y [N], about A and +z [N m]."""
+
+    lateral: float
+    axial: float
+    moment: float
+
+
+class Faces(NamedTuple):
+    """Sparse operators between cells and the faces across one direction: what stands before and
+    behind each face (at an edge both are the edge's cell), the gradient there (pressure 0 at an
+    edge, half a cell away) and what flows out of each cell.
+    """
+
+    before: sp.csr_matrix
+    behind: sp.csr_matrix
+    gradient: sp.csr_matrix
+    outflow: sp.csr_matrix
+
+
+class Conductance(NamedTuple):
+    """Of faces, K [m3/(Pa s)] a width and a gradient, and its slopes against the film before and
+    behind.
+    """
+
+    value: np.ndarray
+    by_before: np.ndarray
+    by_behind: np.ndarray
+
+
+class Stencils(NamedTuple):
+    """Cells k = i n_axial + j; axial faces i (n_axial + 1) + j from the lower edge up,
+    circumferential faces behind their cells.
+    """
+
+    axial: Faces
+    around: Faces
+
+
+def stencils(around: int, along: int, dx: float, dy: float) -> Stencils:
+    """Operators of a ring of columns."""
+    cells = np.arange(along)
+    before = np.concatenate([[0], cells])
+    behind = np.concatenate([cells, [along - 1]])
+    one_before = _taking(before, along)
+    one_behind = _taking(behind, along)
+    one_gradient = (one_behind - one_before).tolil()
+    one_gradient[0, 0] = 2.0
+    one_gradient[along, along - 1] = -2.0
+    one_outflow = _taking(cells + 1, along + 1) - _taking(cells, along + 1)
+    every_column = sp.identity(around)
+    every_row = sp.identity(along)
+    following = _taking(np.roll(np.arange(around), -1), around)
+    return Stencils(
+        axial=Faces(
+            before=sp.kron(every_column, one_before, format="csr"),
+            behind=sp.kron(every_column, one_behind, format="csr"),
+            gradient=sp.kron(every_column, one_gradient / dy, format="csr"),
+            outflow=sp.kron(every_column, one_outflow, format="csr"),
+        ),
+        around=Faces(
+            before=sp.kron(every_column, every_row, format="csr"),
+            behind=sp.kron(following, every_row, format="csr"),
+            gradient=sp.kron((following - every_column) / dx, every_row, format="csr"),
+            outflow=sp.kron(every_column - following.T, every_row, format="csr"),
+        ),
+    )
+
+
+def _taking(number, of):
+    """Matrix that takes entry number[k] of a vector of length `of`."""
+    ones = np.ones(len(number))
+    return sp.csr_matrix((ones, (np.arange(len(number)), number)), shape=(len(number), of))
+
+
+def conductance(faces: Faces, h: np.ndarray, viscosity: float) -> Conductance:
+    """Eq. (Z6):  K = 2 g g'/(g + g'),  g = h^3/(12 mu)         two half cells in series"""
+    before = faces.before @ h
+    behind = faces.behind @ h
+    g = before**3 / (12 * viscosity)
+    g_behind = behind**3 / (12 * viscosity)
+    both = g + g_behind
+    return Conductance(
+        2 * g * g_behind / both,
+        2 * (g_behind / both) ** 2 * 3 * before**2 / (12 * viscosity),
+        2 * (g / both) ** 2 * 3 * behind**2 / (12 * viscosity),
+    )
+
+
+class Bodies:
+    """Piston, pin and rod on a crank that turns at constant speed.
+
+    Eq. (Z3):  m (a_A + b' x s - b^2 s) + m_p a_A = F + P             piston and pin, s from A to
+                                                                     the centre of mass
+               I_A b' + m s x a_A = M
+               J psi' + k l x m_r a_R = -l x P                       rod, about the crank pin
+               l . (a_A - a_C) = -|l'|^2                             l from crank pin to A, |l| = L
+    """
+
+    def __init__(self, engine: Engine):
+        self.engine = engine
+
+    def crank_pin(self, angle: float) -> np.ndarray:
+        """Position, velocity and acceleration of the crank pin from the bore's axis, (3, 2)."""
+        e = self.engine
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
+        r = e.crank_radius
+        w = e.speed
+        return np.array(
+            [
+                [e.crank_offset - r * sine, r * cosine],
+                [-r * w * cosine, -r * w * sine],
+                [r * w**2 * sine, -r * w**2 * cosine],
+            ]
+        )
+
+    def height(self, angle: float, lateral: float, lateral_velocity: float) -> tuple[float, float]:
+        """Of A above the crank axis [m], and its rate [m/s]."""
+        place, velocity, _ = self.crank_pin(angle)
+        across = self.engine.pin_offset + lateral - place[0]
+        upright = np.sqrt(self.engine.rod_length**2 - across**2)
+        rate = velocity[1] - across / upright * (lateral_velocity - velocity[0])
+        return place[1] + upright, rate
+
+    def accelerations(self, angle, motion, force: FilmForce) -> np.ndarray:
+        """x_A'' and b' under a force of the film, and Y''; (3,) [m/s2], [rad/s2], [m/s2].
+
+        motion : lateral displacement and rocking angle and their velocities.
+        """
+        e = self.engine
+        lateral, rocking, lateral_velocity, rocking_velocity = motion
+        place, velocity, acceleration = self.crank_pin(angle)
+        height, rate = self.height(angle, lateral, lateral_velocity)
+        rod = np.array([e.pin_offset + lateral, height]) - place
+        rod_rate = np.array([lateral_velocity, rate]) - velocity
+        # psi' = (l x l')/L^2; as |l| is constant, psi'' = l x (a_A - a_C)/L^2
+        sx, sy = _turned(e.piston_centre, rocking)
+        k = e.rod_centre / e.rod_length
+        m = e.piston_mass
+        all_mass = m + e.pin_mass
+        lx, ly = rod
+        # unknowns: a_A x, a_A y, b', P x, P y
+        matrix = np.zeros((5, 5))
+        right = np.zeros(5)
+        matrix[0] = all_mass, 0, -m * sy, -1, 0
+        right[0] = force.lateral + m * rocking_velocity**2 * sx
+        matrix[1] = 0, all_mass, m * sx, 0, -1
+        right[1] = force.axial + m * rocking_velocity**2 * sy
+        matrix[2] = -m * sy, m * sx, e.piston_inertia, 0, 0
+        right[2] = force.moment
+        # rod: a_R = a_C + k (a_A - a_C)
+        spin = e.rod_inertia / e.rod_length**2 + e.rod_mass * k**2
+        matrix[3] = -ly * spin, lx * spin, 0, -ly, lx
+        ax, ay = acceleration
+        right[3] = (spin - e.rod_mass * k) * (lx * ay - ly * ax)
+        matrix[4] = lx, ly, 0, 0, 0
+        right[4] = lx * ax + ly * ay - rod_rate @ rod_rate
+        ax, ay, turning, _, _ = np.linalg.solve(matrix, right)
+        return np.array([ax, turning, ay])
+
+
+def _turned(vector, angle):
+    x, y = vector
+    return x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+
+
+class Monolithic:
+    """The problem in one system; `run` integrates it.
+
+    Unknowns: one signed number a cell (pressure above 0, film fraction less 1 below), x_A and the
+    rocking angle; velocities and accelerations follow from BDF2.
+
+    Parameters
+    ----------
+    engine : Engine
+    elasticity : Elasticity, optional
+        Rigid without.
+    """
+
+    def __init__(self, engine: Engine, elasticity: Elasticity | None = None):
+        self.engine = engine
+        self.elasticity = elasticity
+        self.bodies = Bodies(engine)
+        around, along = engine.grid
+        self.dx = 2 * np.pi * engine.bore_radius / around
+        self.dy = (engine.skirt_upper - engine.skirt_lower) / along
+        self.area = self.dx * self.dy
+        self.stencils = stencils(around, along, self.dx, self.dy)
+        angle = (np.arange(around) + 0.5) * 2 * np.pi / around
+        height = engine.skirt_lower + (np.arange(along) + 0.5) * self.dy
+        self.sine = np.repeat(np.sin(angle), along)
+        self.height = np.tile(height, around)
+        middle = (engine.skirt_lower + engine.skirt_upper) / 2
+        half = (engine.skirt_upper - engine.skirt_lower) / 2
+        self.gap = (
+            engine.clearance
+            + engine.barrel * ((self.height - middle) / half) ** 2
+            + engine.ovality / 4 * (1 + np.repeat(np.cos(2 * angle), along))
+        )
+        # how x_A and the rocking angle change the film
+        self.by_motion = np.column_stack([-self.sine, self.height * self.sine])
+        self.orbits, self.chosen = _mirrored(around, along)
+
+    def thickness(self, pressure, position, axial_acceleration, compliance):
+        """h [m] at the cells."""
+        h = self.gap + self.by_motion @ position
+        if self.elasticity is not None:
+            h = h + compliance @ (pressure * self.area)
+            h = h + self.elasticity.inertia * axial_acceleration
+        return h
+
+    def carried(self, fraction, sliding):
+        """Film fraction that Couette's flow carries through the axial faces, and the operator
+        that takes it from the cells upstream; an edge supplies a full film.
+        """
+        faces = self.stencils.axial
+        around, along = self.engine.grid
+        upstream = faces.before if sliding < 0 else faces.behind
+        inlet = np.zeros((around, along + 1))
+        inlet[:, 0 if sliding < 0 else along] = 1.0
+        inlet = inlet.ravel()
+        upstream = sp.diags(1 - inlet) @ upstream
+        return upstream @ fraction + inlet, upstream
+
+    def force(self, pressure, fraction, h, sliding) -> FilmForce:
+        """On the piston: the pressure pushes inwards; along y minus what the bore feels.
+
+        Eq. (Z5):  f_y = -(mu f V/h - h/2 dp/dy)
+        """
+        push = pressure * self.area
+        gradient = self._cell_gradient(pressure)
+        drag = self.area * (
+            -self.engine.viscosity * fraction * sliding / h + h / 2 * gradient
+        )
+        lateral = -np.sum(push * self.sine)
+        arm = self.engine.bore_radius * self.sine - self.engine.pin_offset
+        moment = np.sum(self.height * push * self.sine) + np.sum(arm * drag)
+        return FilmForce(lateral, float(np.sum(drag)), moment)
+
+    def _cell_gradient(self, pressure):
+        around, along = self.engine.grid
+        p = pressure.reshape(around, along)
+        at_face = np.zeros((around, along + 1))
+        at_face[:, 1:-1] = (p[:, 1:] + p[:, :-1]) / 2
+        return (np.diff(at_face, axis=1) / self.dy).ravel()
+
+    def run(self, angles: np.ndarray, each: Callable[[float], None] = lambda angle: None) -> Curves:
+        """From rest and a full film at the first crank angle, equal steps.
+
+        Parameters
+        ----------
+        angles : ndarray, shape (steps + 1,)
+            Crank angles [rad], equally spaced.
+        each : callable
+            Told the crank angle of every finished step.
+
+        Raises
+        ------
+        ArithmeticError
+            Newton's iteration does not converge.
+        """
+        step = (angles[1] - angles[0]) / self.engine.speed
+        n = len(self.gap)
+        position = np.zeros(2)
+        velocity = np.zeros(2)
+        unknown = np.zeros(n)
+        _, _, up = self.bodies.accelerations(angles[0], (0, 0, 0, 0), FilmForce(0, 0, 0))
+        compliance = self._compliance(angles[0], position, velocity)
+        h = self.thickness(np.zeros(n), position, up, compliance)
+        rows = [self._row(angles[0], unknown, h, position, velocity)]
+        # values of the last step and of the one before
+        past = [(position, velocity, h.copy())] * 2
+        rates = (1.0, -1.0, 0.0)  # backward Euler, then BDF2
+        for angle in angles[1:]:
+            unknown, h, position, velocity = self._step(angle, step, unknown, past, rates)
+            content = (1 + np.minimum(unknown, 0)) * h
+            past = [(position, velocity, content), past[0]]
+            rates = (1.5, -2.0, 0.5)
+            rows.append(self._row(angle, unknown, h, position, velocity))
+            each(angle)
+        return Curves(angles, *np.array(rows).T)
+
+    def _compliance(self, angle, position, velocity):
+        if self.elasticity is None:
+            return np.zeros((0, 0))
+        height, _ = self.bodies.height(angle, position[0], velocity[0])
+        return self.elasticity.pressure(height)
+
+    def _row(self, angle, unknown, h, position, velocity):
+        pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
+        fraction = 1 + np.minimum(unknown, 0)
+        _, sliding = self.bodies.height(angle, position[0], velocity[0])
+        force = self.force(pressure, fraction, h, sliding)
+        power = -force.axial * sliding
+        return *position, -force.lateral, h.min(), pressure.max(), power
+
+    def _step(self, angle, step, unknown, past, rates):
+        """Unknowns, film thickness, position and velocity at the end of a step."""
+        e = self.engine
+        s = self.stencils
+        now, last, before = (rate / step for rate in rates)
+        (position_1, velocity_1, content_1), (position_2, velocity_2, content_2) = past
+        position_past = last * position_1 + before * position_2
+        velocity_past = last * velocity_1 + before * velocity_2
+        content_past = last * content_1 + before * content_2
+        position = position_1 + step * velocity_1
+        compliance = self._compliance(angle, position, velocity_1)
+        up = None
+        for _ in range(ITERATIONS):
+            velocity = now * position + position_past
+            acceleration = now * velocity + velocity_past
+            height, sliding = self.bodies.height(angle, position[0], velocity[0])
+            pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
+            fraction = 1 + np.minimum(unknown, 0)
+            if up is None:
+                force = self.force(pressure, fraction, self.gap, sliding)
+                motion = *position, *velocity
+                *_, up = self.bodies.accelerations(angle, motion, force)
+            h = self.thickness(pressure, position, up, compliance)
+            force = self.force(pressure, fraction, h, sliding)
+            motion = *position, *velocity
+            *wanted, up = self.bodies.accelerations(angle, motion, force)
+            by_force = self._by_force(angle, motion, force)
+            balance = acceleration - wanted
+
+            # Eq. (Z4) and its slopes against pressure, fraction and film
+            axial = s.axial
+            ring = s.around
+            along_axis = conductance(axial, h, e.viscosity)
+            along_ring = conductance(ring, h, e.viscosity)
+            gradient = axial.gradient @ pressure
+            ring_gradient = ring.gradient @ pressure
+            face = (axial.before @ h + axial.behind @ h) / 2
+            carried, upstream = self.carried(fraction, sliding)
+            flow = -along_axis.value * gradient - sliding / 2 * carried * face
+            oil = self.area * (now * fraction * h + content_past)
+            oil += self.dx * (axial.outflow @ flow)
+            oil -= self.dy * (ring.outflow @ (along_ring.value * ring_gradient))
+            by_p = -self.dx * axial.outflow @ sp.diags(along_axis.value) @ axial.gradient
+            by_p = by_p - self.dy * ring.outflow @ sp.diags(along_ring.value) @ ring.gradient
+            by_f = sp.diags(self.area * now * h)
+            by_f = by_f - self.dx * sliding / 2 * axial.outflow @ sp.diags(face) @ upstream
+            by_before = along_axis.by_before * gradient + sliding / 4 * carried
+            by_behind = along_axis.by_behind * gradient + sliding / 4 * carried
+            by_h = sp.diags(self.area * now * fraction)
+            by_h = by_h - self.dx * axial.outflow @ (
+                sp.diags(by_before) @ axial.before + sp.diags(by_behind) @ axial.behind
+            )
+            by_h = by_h - self.dy * ring.outflow @ (
+                sp.diags(along_ring.by_before * ring_gradient) @ ring.before
+                + sp.diags(along_ring.by_behind * ring_gradient) @ ring.behind
+            )
+
+            full = unknown > 0
+            of_p = sp.diags(PRESSURE_SCALE * full)
+            of_f = sp.diags(1.0 * ~full)
+            film = (by_p @ of_p + by_f @ of_f).tocsr()
+            by_position = by_h @ self.by_motion
+            # forces: lateral and moment by pressure; what the drag changes is left to iteration
+            pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area
+            by_cells = -by_force @ pushing * (PRESSURE_SCALE * full)
+            by_itself = now**2 * np.eye(2)
+            change, moved = self._solve(
+                film, by_h, compliance, full, by_position, by_cells, by_itself, oil, balance
+            )
+            change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
+            unknown = np.maximum(unknown + change, -1 + 1e-6)
+            position = position + moved
+            size = max(np.abs(change).max(), np.abs(moved / (1e-6, 1e-5)).max())
+            if size < CONVERGED:
+                velocity = now * position + position_past
+                pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
+                h = self.thickness(pressure, position, up, compliance)
+                return unknown, h, position, velocity
+        raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
+
+    def _by_force(self, angle, motion, force):
+        """x_A'' and b' per lateral force and moment, (2, 2)."""
+        base = self.bodies.accelerations(angle, motion, force)
+        columns = []
+        for changed in (
+            force._replace(lateral=force.lateral + 1.0),
+            force._replace(moment=force.moment + 1e-3),
+        ):
+            columns.append(self.bodies.accelerations(angle, motion, changed)[:2] - base[:2])
+        return np.column_stack([columns[0], columns[1] / 1e-3])
+
+    def _solve(self, film, by_h, compliance, full, by_position, by_cells, by_itself, oil, balance):
+        """Newton's step: cells, then position."""
+        if self.elasticity is None:
+            lu = splu(film.tocsc())
+            of_cells = lu.solve(np.column_stack([oil, by_position]))
+        else:
+            E, rows = self.orbits, self.chosen
+            elastic = by_h[rows] @ compliance
+            elastic = (elastic * (self.area * PRESSURE_SCALE * full)) @ E
+            dense = np.asarray((film[rows] @ E).todense()) + elastic
+            right = np.column_stack([oil, by_position])[rows]
+            of_cells = E @ lu_solve(lu_factor(dense), right)
+        from_oil = of_cells[:, 0]
+        from_position = of_cells[:, 1:]
+        moved = np.linalg.solve(
+            by_itself - by_cells @ from_position, -balance + by_cells @ from_oil
+        )
+        return -from_oil - from_position @ moved, moved
+
+
+def _mirrored(around, along):
+    """The problem is symmetric about the plane of motion: matrix (n, m) that spreads m cells of
+    their own over all n, and the numbers of these m cells.
+    """
+    i = np.arange(around)
+    partner = np.remainder(around // 2 - 1 - i, around)
+    own = np.minimum(i, partner)
+    cell = (own[:, None] * along + np.arange(along)).ravel()
+    chosen, number = np.unique(cell, return_inverse=True)
+    spread = sp.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), number)))
+    return spread, chosen
