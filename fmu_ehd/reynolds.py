@@ -605,7 +605,6 @@ def linearise(
     ndarray, shape (2, 5, n_c, n_a)
         First axis BY_FILM, BY_VELOCITY; second axis as in `assemble`.
     """
-    by_film, by_velocity = slopes
     dx, dy, ring = cells
     pressure, fraction = filling
     n_c, n_a = pressure.shape
@@ -617,39 +616,24 @@ def linearise(
         stencil[:, EAST, n_c - 1] = 0.0
     t = film[TRANSPORT]
 
-    row = CONDUCTIVITY_A
-    g = film[row]
+    g = film[CONDUCTIVITY_A]
     u = entrainment.axial
     du = dentrainment.axial
+    along = stencil[:, SOUTH:]
     for i in range(n_c):
         for j in range(n_a - 1):
-            k = j + 1
             q = _flow_slopes(
                 _side(g, t, u, pressure, fraction, i, j),
-                _side(g, t, u, pressure, fraction, i, k),
+                _side(g, t, u, pressure, fraction, i, j + 1),
                 dx / dy,
                 dx,
             )
-            stencil[BY_FILM, SOUTH, i, k] = (
-                -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]
-            )
-            stencil[BY_FILM, NORTH, i, j] = (
-                q.g_b * by_film[row, i, k] + q.t_b * by_film[TRANSPORT, i, k]
-            )
-            stencil[BY_VELOCITY, SOUTH, i, k] = -q.velocity * du[i, j]
-            stencil[BY_VELOCITY, NORTH, i, j] = q.velocity * du[i, k]
-            if by_velocity.shape[0] > 0:
-                stencil[BY_VELOCITY, SOUTH, i, k] -= (
-                    q.g_a * by_velocity[row, i, j] + q.t_a * by_velocity[TRANSPORT, i, j]
-                )
-                stencil[BY_VELOCITY, NORTH, i, j] += (
-                    q.g_b * by_velocity[row, i, k] + q.t_b * by_velocity[TRANSPORT, i, k]
-                )
+            _set_face(q, slopes, CONDUCTIVITY_A, du, (i, j), (i, j + 1), along)
 
-    row = CONDUCTIVITY_C
-    g = film[row]
+    g = film[CONDUCTIVITY_C]
     u = entrainment.circumferential
     du = dentrainment.circumferential
+    around = stencil[:, WEST:]
     for i in range(n_c if ring else n_c - 1):
         k = (i + 1) % n_c
         for j in range(n_a):
@@ -659,27 +643,45 @@ def linearise(
                 dy / dx,
                 dy,
             )
-            stencil[BY_FILM, WEST, k, j] = (
-                -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]
-            )
-            stencil[BY_FILM, EAST, i, j] = (
-                q.g_b * by_film[row, k, j] + q.t_b * by_film[TRANSPORT, k, j]
-            )
-            stencil[BY_VELOCITY, WEST, k, j] = -q.velocity * du[i, j]
-            stencil[BY_VELOCITY, EAST, i, j] = q.velocity * du[k, j]
-            if by_velocity.shape[0] > 0:
-                stencil[BY_VELOCITY, WEST, k, j] -= (
-                    q.g_a * by_velocity[row, i, j] + q.t_a * by_velocity[TRANSPORT, i, j]
-                )
-                stencil[BY_VELOCITY, EAST, i, j] += (
-                    q.g_b * by_velocity[row, k, j] + q.t_b * by_velocity[TRANSPORT, k, j]
-                )
+            _set_face(q, slopes, CONDUCTIVITY_C, du, (i, j), (k, j), around)
 
-    for m in range(2):
+    _set_centres(stencil)
+    centre = stencil[:, CENTRE]
+    _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+    if not ring:
+        _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+    _add_stored(slopes, fraction, area_per_step, centre)
+    return stencil
+
+
+@compiled(inline="always")
+def _set_face(q, slopes, row, du, a, b, stencil):
+    """What a face's flow `q` from cell a to b takes from both: into b by what changes in a (first
+    of the stencil's second axis), out of a by what changes in b (the entry after it).
+    """
+    by_film, by_velocity = slopes
+    stencil[BY_FILM, 0][b] = -q.g_a * by_film[row][a] - q.t_a * by_film[TRANSPORT][a]
+    stencil[BY_FILM, 1][a] = q.g_b * by_film[row][b] + q.t_b * by_film[TRANSPORT][b]
+    stencil[BY_VELOCITY, 0][b] = -q.velocity * du[a]
+    stencil[BY_VELOCITY, 1][a] = q.velocity * du[b]
+    if by_velocity.shape[0] > 0:
+        stencil[BY_VELOCITY, 0][b] -= (
+            q.g_a * by_velocity[row][a] + q.t_a * by_velocity[TRANSPORT][a]
+        )
+        stencil[BY_VELOCITY, 1][a] += (
+            q.g_b * by_velocity[row][b] + q.t_b * by_velocity[TRANSPORT][b]
+        )
+
+
+@compiled
+def _set_centres(stencil):
+    """What a cell loses its neighbours win: the centre is minus what the cell gives them."""
+    kinds, _, n_c, n_a = stencil.shape
+    for m in range(kinds):
         for i in range(n_c):
             before = (i - 1) % n_c
             after = (i + 1) % n_c
-            for j in range(n_a):  # what a cell loses its neighbours win
+            for j in range(n_a):
                 stencil[m, CENTRE, i, j] = -(
                     stencil[m, WEST, after, j] + stencil[m, EAST, before, j]
                 )
@@ -687,17 +689,19 @@ def linearise(
                 stencil[m, CENTRE, i, j] -= stencil[m, SOUTH, i, j + 1]
             for j in range(1, n_a):
                 stencil[m, CENTRE, i, j] -= stencil[m, NORTH, i, j - 1]
-    centre = stencil[:, CENTRE]
-    _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
-    if not ring:
-        _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+
+
+@compiled
+def _add_stored(slopes, fraction, area_per_step, centre):
+    """Add what a cell keeps, first term of Eq. (E1)."""
+    by_film, by_velocity = slopes
+    n_c, n_a = fraction.shape
     for i in range(n_c):
         for j in range(n_a):
             held = area_per_step * fraction[i, j]
-            stencil[BY_FILM, CENTRE, i, j] += held * by_film[STORED, i, j]
+            centre[BY_FILM, i, j] += held * by_film[STORED, i, j]
             if by_velocity.shape[0] > 0:
-                stencil[BY_VELOCITY, CENTRE, i, j] += held * by_velocity[STORED, i, j]
-    return stencil
+                centre[BY_VELOCITY, i, j] += held * by_velocity[STORED, i, j]
 
 
 @compiled

@@ -397,7 +397,7 @@ def _slope_output(participant, name):
 
 
 def _slopes(case, participants, wires, step):
-    """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the
+    """Wires that carry the slopes of cubic inputs; they may be off by a tolerance of the
     value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}

@@ -117,8 +117,8 @@ class Coupled(FieldSlave):
         for exposed, (owner, name) in (options.parameter | options.input).items():
             parameters[owner][name] = values[exposed]
         participants = {
-            name: LocalParticipant(name, self._slave(name, place))
-            for name, place in options.participants.items()
+            name: LocalParticipant(name, self._slave(name, path))
+            for name, path in options.participants.items()
         }
         coupling = options.coupling
         self.system = System(
@@ -137,8 +137,8 @@ class Coupled(FieldSlave):
         self.standing = self._state()
         return self.standing, self._outputs()
 
-    def _slave(self, name, place):
-        return slave_class(place)(instance_name=name, resources=str(self.resources / name))
+    def _slave(self, name, path):
+        return slave_class(path)(instance_name=name, resources=str(self.resources / name))
 
     def advance(self, state, values, time, step):
         """Macro steps up to time + step; discarded, everything as before, if one of them fails."""

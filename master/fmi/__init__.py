@@ -10,6 +10,7 @@ requirements  what an FMU needs of Python
 fields        scalars of an FMU gathered to arrays
 quantities    units, at the edge alone
 errors        bad input, discard, fault
+checks        computed figures beside what they should be
 compiled      how kernels are compiled
 cache         where the user's cache lies
 """
