@@ -8,11 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..finite_elements.solver import factorise
 from ..geometry.grid import cell_centres
 from ..options import Build, read_options
 from .bases import Elastic
-from .reduce import _ends, _film_surface, full_model
+from .reduce import ends, film_surface, full_model
 
 AT_ONCE = 64
 """Loads solved together: bounds the memory."""
@@ -53,7 +52,7 @@ class Compliance(NamedTuple):
     stations: np.ndarray
 
 
-def compliance(options: dict[str, Any], folder: Path, progress=print) -> Compliance:
+def compliance(options: dict[str, Any], folder: Path) -> Compliance:
     """Both bodies of a build table, unreduced.
 
     Parameters
@@ -62,45 +61,60 @@ def compliance(options: dict[str, Any], folder: Path, progress=print) -> Complia
         As for `build.prepare`; pin bores and bolts are held rigidly (tie "rbe2").
     """
     build = read_options(options, folder)
-    skirt, inertia, rigid = _skirt(build, progress)
-    bore, stations = _bore(build, progress)
-    return Compliance(rigid, skirt, inertia, bore, stations)
-
-
-def _skirt(build: Build, progress):
+    model, position = _piston(build)
+    piston = _rigid(build, model, position)
     around, along = build.grid
-    mesh, K, M = full_model(build.piston, ("skirt", "crown", "pin_bore"), progress)
-    lower, upper = _ends(mesh, "skirt", build.piston.skirt_lower, build.piston.skirt_upper)
-    position = mesh.points - np.array([build.piston.pin_offset, 0.0, 0.0])
-    angle, height = cell_centres(around, along, lower, upper)
-    radial = _film_surface(mesh, "skirt", angle, height).reading.radial
-    elastic = Elastic(K, M, mesh.nodes("pin_bore"), factorise)
+    angle, height = cell_centres(around, along, piston.skirt_lower, piston.skirt_upper)
+    radial = film_surface(model.mesh, "skirt", angle, height).reading.radial
+    elastic = Elastic(model.K, model.M, model.mesh.nodes("pin_bore"))
     upward = np.tile([0.0, 1.0, 0.0], len(position))
-    across = np.tile([1.0, 0.0, 0.0], len(position))
-    arm = (position * [1.0, 1.0, 0.0]).ravel()
-    weight = M @ upward
-    mass = float(upward @ weight)
-    rigid = RigidPiston(
-        mass,
-        np.array([across @ (M @ position.ravel()), upward @ (M @ position.ravel())]) / mass,
-        float(arm @ (M @ arm)),
-        lower,
-        upper,
+    weight = (model.M @ upward)[elastic.free]
+    reading = radial[:, elastic.free]
+    bore, stations = _bore(build)
+    return Compliance(
+        piston, _answers(elastic, reading), reading @ elastic.solve(weight), bore, stations
     )
-    free = radial[:, elastic.free]
-    # pressure pushes inwards, and what counts is how far the skirt gives way inwards
-    push = _answers(elastic, free)
-    return push, free @ elastic._lu.solve(weight[elastic.free]), rigid
 
 
-def _bore(build: Build, progress):
+def rigid_piston(options: dict[str, Any], folder: Path) -> RigidPiston:
+    """Mass properties of a build table's piston; `options`, `folder` as for `compliance`."""
+    build = read_options(options, folder)
+    return _rigid(build, *_piston(build))
+
+
+def _piston(build):
+    """Full model of the piston, and its nodes from A."""
+    model = full_model(build.piston, ("skirt", "crown", "pin_bore"), _say_nothing)
+    return model, model.mesh.points - np.array([build.piston.pin_offset, 0.0, 0.0])
+
+
+def _rigid(build, model, position):
+    lower, upper = ends(model.mesh, "skirt", build.piston.skirt_lower, build.piston.skirt_upper)
+    weight = model.M @ np.tile([1.0, 1.0, 1.0], len(position))
+    weight = weight.reshape(-1, 3)
+    mass = float(weight[:, 1].sum())
+    centre = (weight * position).sum(axis=0)[:2] / mass
+    arm = (position * [1.0, 1.0, 0.0]).ravel()
+    return RigidPiston(mass, centre, float(arm @ (model.M @ arm)), lower, upper)
+
+
+def film_rows(piston: RigidPiston, along: int) -> np.ndarray:
+    """Heights of the film grid's rows above A, (along,) [m]."""
+    return cell_centres(1, along, piston.skirt_lower, piston.skirt_upper)[1]
+
+
+def _say_nothing(text):
+    pass
+
+
+def _bore(build: Build):
     around, _ = build.grid
-    mesh, K, M = full_model(build.block, ("bore", "bolts"), progress)
-    lower, upper = _ends(mesh, "bore", build.block.bore_lower, build.block.bore_upper)
+    mesh, K, M = full_model(build.block, ("bore", "bolts"), _say_nothing)
+    lower, upper = ends(mesh, "bore", build.block.bore_lower, build.block.bore_upper)
     stations = np.linspace(lower, upper, build.block.stations)
     angle, _ = cell_centres(around, 1, 0.0, 1.0)
-    radial = _film_surface(mesh, "bore", angle, stations).reading.radial
-    elastic = Elastic(K, M, mesh.nodes("bolts"), factorise)
+    radial = film_surface(mesh, "bore", angle, stations).reading.radial
+    elastic = Elastic(K, M, mesh.nodes("bolts"))
     table = (around, len(stations))
     return _answers(elastic, radial[:, elastic.free]).reshape(*table, *table), stations
 
@@ -110,7 +124,7 @@ def _answers(elastic, reading):
     out = np.empty((reading.shape[0],) * 2)
     for first in range(0, reading.shape[0], AT_ONCE):
         some = slice(first, first + AT_ONCE)
-        out[:, some] = reading @ elastic._lu.solve(reading[some].T.toarray())
+        out[:, some] = reading @ elastic.solve(reading[some].T.toarray())
     return out
 
 

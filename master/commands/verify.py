@@ -23,7 +23,7 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
     Parameters
     ----------
     parts
-        ehd, mfbd, master; all of them by default. Or importers: what each independent importer that
+        ehd, mfbd, master, coupled; all of them by default. Or importers: what each independent importer that
         is installed sees of the FMUs, here and in the Pythons that PISTON_COSIM_PYTHONS names,
         separated by colons.
     all_
