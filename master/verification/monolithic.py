@@ -366,7 +366,8 @@ class Monolithic:
         return (np.diff(at_face, axis=1) / self.dy).ravel()
 
     def run(self, angles: np.ndarray, each: Callable[[float], None] = lambda angle: None) -> Curves:
-        """From rest and a full film at the first crank angle, equal steps.
+        """From rest at the first crank angle, the gap of the undeformed bodies full of oil; equal
+        steps.
 
         Parameters
         ----------
@@ -385,9 +386,7 @@ class Monolithic:
         position = np.zeros(2)
         velocity = np.zeros(2)
         unknown = np.zeros(n)
-        _, _, up = self.bodies.accelerations(angles[0], (0, 0, 0, 0), FilmForce(0, 0, 0))
-        compliance = self._compliance(angles[0], position, velocity)
-        h = self.thickness(np.zeros(n), position, up, compliance)
+        h = self.gap + self.by_motion @ position
         rows = [self._row(angles[0], unknown, h, position, velocity)]
         # values of the last step and of the one before
         past = [(position, velocity, h.copy())] * 2
