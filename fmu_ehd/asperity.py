@@ -68,18 +68,18 @@ class ContactConstants(NamedTuple):
     table: Array
 
 
-class Contact(NamedTuple):
-    """Contact of each cell, each ndarray of shape (n_c, n_a).
+class PointContact(NamedTuple):
+    """Contact at a point.
 
     pressure : p [Pa]; pressure_slope : dp/dh [Pa/m]; area_fraction : A_c/A [-], up to 1;
     shear_stress : tau_b [Pa]; shear_stress_slope : dtau_b/dh [Pa/m].
     """
 
-    pressure: Array
-    pressure_slope: Array
-    area_fraction: Array
-    shear_stress: Array
-    shear_stress_slope: Array
+    pressure: float
+    pressure_slope: float
+    area_fraction: float
+    shear_stress: float
+    shear_stress_slope: float
 
 
 def gaussian_integral(order: float, separation: Any) -> Any:
@@ -172,40 +172,27 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
     return factor * roughness_product**2 * np.sqrt(slope_ratio) * contact_modulus  # Eq. (A3)
 
 
-@compiled
-def contact(film_thickness: Array, constants: ContactConstants):
-    """Asperity pressure, contact area fraction and boundary shear stress with their slopes, Eqs.
-    (A3), (A4), (A6).
+@compiled(inline="always")
+def point_contact(film_thickness, constants):
+    """Contact at a point, Eqs. (A3), (A4), (A6); `constants`: ContactConstants.
 
     Parameters
     ----------
-    film_thickness : ndarray, shape (n_c, n_a)
+    film_thickness : float
         h [m], any sign.
-    constants : ContactConstants
 
     Returns
     -------
-    Contact
+    PointContact
     """
     rms, scale, area_scale, friction_coefficient, shear_strength, table = constants
-    pressure = np.zeros_like(film_thickness)
-    slope = np.zeros_like(film_thickness)
-    area = np.zeros_like(film_thickness)
-    stress = np.zeros_like(film_thickness)
-    stress_slope = np.zeros_like(film_thickness)
-    if rms <= 0.0:
-        return Contact(pressure, slope, area, stress, stress_slope)
-    for i in range(film_thickness.shape[0]):
-        for j in range(film_thickness.shape[1]):
-            separation = film_thickness[i, j] / rms
-            if separation < TABLE_END:
-                value, dvalue = _integral(table, PRESSURE_COLUMN, separation)
-                covered, dcovered = _integral(table, AREA_COLUMN, separation)
-                pressure[i, j] = scale * value  # Eq. (A3)
-                slope[i, j] = scale * dvalue / rms
-                area[i, j] = min(1.0, area_scale * covered)  # Eq. (A4)
-                darea = area_scale * dcovered / rms if area[i, j] < 1.0 else 0.0
-                coulomb = friction_coefficient * pressure[i, j]
-                stress[i, j] = coulomb + shear_strength * area[i, j]  # Eq. (A6)
-                stress_slope[i, j] = friction_coefficient * slope[i, j] + shear_strength * darea
-    return Contact(pressure, slope, area, stress, stress_slope)
+    separation = film_thickness / rms
+    value, dvalue = _integral(table, PRESSURE_COLUMN, separation)
+    covered, dcovered = _integral(table, AREA_COLUMN, separation)
+    pressure = scale * value  # Eq. (A3)
+    slope = scale * dvalue / rms
+    area = min(1.0, area_scale * covered)  # Eq. (A4)
+    darea = area_scale * dcovered / rms if area < 1.0 else 0.0
+    stress = friction_coefficient * pressure + shear_strength * area  # Eq. (A6)
+    dstress = friction_coefficient * slope + shear_strength * darea
+    return PointContact(pressure, slope, area, stress, dstress)

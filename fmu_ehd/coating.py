@@ -3,13 +3,13 @@
 Thin bonded layer without lateral strain:
 
 Eq. (L1):  w = c (p + p_a),   c = d (1 + nu) (1 - 2 nu) / [E (1 - nu)]
-Eq. (L2):  film = h + w,   p_a = p_a(h + w)
+Eq. (L2):  film = h + w,   p_a = p_a(h, w)
 
 Each point yields by itself: valid where the layer is thin against the width of the pressure, d << 1
 mm here, and nu is not near 1/2. Newton's method on Eqs. (E1), (L1), (L2) together: with k = 1 / (1
-- c dp_a/dh), the change of the deflection from its last value w_0 is
+- c dp_a/dw), the change of the deflection from its last value w_0 is
 
-Eq. (L3):  w - w_0 = k [c p + c p_a(h + w_0) - w_0]
+Eq. (L3):  w - w_0 = k [c p + c p_a(h, w_0) - w_0]
 
 which enters the film balance through its derivative to the film, on the same five points.
 
@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .asperity import Contact
+from .contact import Contact
 from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 
 LIMIT = 40  # Newton iterations
@@ -74,7 +74,8 @@ def compliance(thickness: float, modulus: float, poisson: float) -> float:
 
 def yielding(c: float, contact: Contact) -> Array:
     """k of Eq. (L3) [-], by which the asperities relieve the layer."""
-    return 1.0 / (1.0 - c * contact.pressure_slope)
+    stiffness = -contact.pressure_slope.sum(axis=0)  # all of a cell moves with its layer
+    return 1.0 / (1.0 + c * stiffness)
 
 
 def linear_deflection(
@@ -89,8 +90,8 @@ def linear_deflection(
         [m/Pa].
     deflection : ndarray, shape (n_c, n_a)
         w_0 [m].
-    contact : asperity.Contact
-        At h + w_0.
+    contact : contact.Contact
+        At h and w_0.
     tangent : PressureTangent
 
     Returns

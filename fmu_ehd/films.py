@@ -6,13 +6,13 @@ Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   b = s / 2
 
 Rough surfaces, h >= h_min:
 
-Eq. (E8):  s = h_T,   t = h_T - (2 Y - 1) sigma Phi_s,   g = phi h^3 / (12 mu)
-Eq. (E9):  c = (phi_f + Phi_fs) mu / h,   b = [1 - (2 Y - 1) (1 - phi_fp)] h / 2
+Eq. (E8):  s = h_T,   t = h_T - sigma Phi_s,   g = phi h^3 / (12 mu)
+Eq. (E9):  c = (phi_f + Phi_fs) mu / h,   b = phi_fp h / 2
 
 s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c and b give the
-axial stress of `friction`. The factors phi are those of `roughness`; Y is the skirt's share of the
-roughness variance. In the frame of the grid the skirt rests and the bore moves with twice the
-entrainment velocity, so a rough skirt holds oil back (t < h_T).
+axial stress of `friction`. The factors phi are those of `roughness`, of both surfaces; Y is
+the skirt's share of the roughness variance. In the frame of the grid the skirt rests and the bore
+moves with twice the entrainment velocity, so a rough skirt holds oil back (t < h_T).
 
 c and b hold all of what acts on the bore along the axis: shear, and the pressure on the slopes of
 its roughness. A smooth bore under a rough skirt (Y = 1) feels shear alone, the published phi_f +
@@ -173,7 +173,6 @@ def rough_film(
     viscosity: Array,
     minimum_flow_film: float,
     roughness_rms: float,
-    asymmetry: float,
     table: Array,
 ):
     """Film between rough surfaces, Eqs. (E8), (E9).
@@ -184,8 +183,6 @@ def rough_film(
         As in `smooth_film`.
     roughness_rms : float
         Composite sigma [m], > 0.
-    asymmetry : float
-        2 Y - 1 [-]: 1 where only the skirt is rough, -1 where only the bore is.
     table : ndarray
         From `roughness.factor_table`.
 
@@ -214,12 +211,11 @@ def rough_film(
             if h < minimum_flow_film:
                 h = minimum_flow_film
                 dh = 0.0
-            held_back = asymmetry * roughness_rms
 
             quantities[STORED, i, j] = gap  # Eq. (E8)
             by_film[STORED, i, j] = dgap
-            quantities[TRANSPORT, i, j] = gap - held_back * f[SHEAR_FLOW_FACTOR]
-            by_film[TRANSPORT, i, j] = dgap - held_back * df[SHEAR_FLOW_FACTOR]
+            quantities[TRANSPORT, i, j] = gap - roughness_rms * f[SHEAR_FLOW_FACTOR]
+            by_film[TRANSPORT, i, j] = dgap - roughness_rms * df[SHEAR_FLOW_FACTOR]
 
             cube = h * h * h / (12.0 * mu)
             dcube = dh * h * h / (4.0 * mu)
@@ -236,8 +232,8 @@ def rough_film(
             dphi = df[COUETTE_FACTOR] + df[DRAG_FACTOR]
             quantities[COUETTE, i, j] = phi * shear  # Eq. (E9)
             by_film[COUETTE, i, j] = phi * dshear + dphi * shear
-            phi = 1.0 + asymmetry * f[POISEUILLE_FACTOR]
-            dphi = asymmetry * df[POISEUILLE_FACTOR]
+            phi = 1.0 + f[POISEUILLE_FACTOR]
+            dphi = df[POISEUILLE_FACTOR]
             quantities[POISEUILLE, i, j] = 0.5 * phi * h
             by_film[POISEUILLE, i, j] = 0.5 * (phi * dh + dphi * h)
     return quantities, by_film

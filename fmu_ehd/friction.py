@@ -101,10 +101,10 @@ class ShearSlopes(NamedTuple):
 
 
 class ForceSlopes(NamedTuple):
-    """Derivatives of both nodal forces that every direction shares; arrays of shape (n_c, n_a).
+    """Derivatives of both nodal forces, but for contact, that every direction shares; arrays of
+    shape (n_c, n_a).
 
     shear : ShearSlopes;
-    contact : derivative of the asperity pressure to film thickness [Pa/m];
     area : lubricated area [m2];
     pressure_share, fraction_share : derivatives of pressure and film fraction to the signed
     unknown;
@@ -112,7 +112,6 @@ class ForceSlopes(NamedTuple):
     """
 
     shear: ShearSlopes
-    contact: Array
     area: Array
     pressure_share: Array
     fraction_share: Array
@@ -133,8 +132,7 @@ def _gradients(pressure, lower, upper, dy, out):
         out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
 
 
-@compiled
-def shear_forces(inputs: ShearInputs):
+def shear_forces(inputs: ShearInputs) -> ShearForces:
     """Viscous and asperity force of each cell, Eqs. (F1), (F2).
 
     Parameters
@@ -145,11 +143,22 @@ def shear_forces(inputs: ShearInputs):
     -------
     ShearForces
     """
-    pressure, shearing, velocity, film, boundary_stress, area, constants = inputs
-    lower, upper, dy, rounding = constants
+    return ShearForces(_viscous_force(inputs), boundary_force(inputs, inputs.boundary_stress))
+
+
+def boundary_force(inputs: ShearInputs, boundary_stress: Array) -> Array:
+    """Asperity force of each cell for a boundary stress, or its derivatives, Eq. (F2)."""
+    speed = np.sqrt(inputs.velocity**2 + inputs.constants.rounding_velocity**2)
+    return -inputs.area * boundary_stress * inputs.velocity / speed  # Eq. (F2)
+
+
+@compiled
+def _viscous_force(inputs):
+    """Viscous force of each cell, Eq. (F1)."""
+    pressure, shearing, velocity, film, _, area, constants = inputs
+    lower, upper, dy, _ = constants
     n_c, n_a = pressure.shape
     viscous = np.empty((n_c, n_a))
-    boundary = np.empty((n_c, n_a))
     gradient = np.empty(n_a)
     for i in range(n_c):
         _gradients(pressure[i], lower, upper, dy, gradient)
@@ -160,16 +169,12 @@ def shear_forces(inputs: ShearInputs):
             c = film[COUETTE, i, j]
             flow = film[POISEUILLE, i, j] * gradient[j]
             viscous[i, j] = -a * (f * c * v - flow)  # Eq. (F1)
-            speed = np.sqrt(v * v + rounding * rounding)
-            boundary[i, j] = -a * boundary_stress[i, j] * v / speed  # Eq. (F2)
-    return ShearForces(viscous, boundary)
+    return viscous
 
 
 @compiled
-def shear_slopes(
-    inputs: ShearInputs, film_slopes: FilmSlopes, boundary_slope: Array, by_pressure: Array
-):
-    """Derivatives of the total axial force of each cell, Eqs. (F1), (F2).
+def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Array):
+    """Derivatives of the total axial force of each cell, Eqs. (F1), (F2), its boundary stress held.
 
     Parameters
     ----------
@@ -177,8 +182,6 @@ def shear_slopes(
         As in `shear_forces`.
     film_slopes : films.FilmSlopes
         Of `inputs.film`.
-    boundary_slope : ndarray, shape (n_c, n_a)
-        Derivative of tau_b to film thickness [Pa/m].
     by_pressure : ndarray, shape (n_c, n_a)
         `ShearSlopes.pressure`, passed on.
 
@@ -205,9 +208,7 @@ def shear_slopes(
             square = v * v + rounding * rounding
             direction = v / np.sqrt(square)
             to_film[i, j] = a * (
-                f * v * by_film[COUETTE, i, j]
-                - by_film[POISEUILLE, i, j] * gradient[j]
-                + boundary_slope[i, j] * direction
+                f * v * by_film[COUETTE, i, j] - by_film[POISEUILLE, i, j] * gradient[j]
             )
             to_velocity[i, j] = a * (
                 f * c + boundary_stress[i, j] * (1.0 - direction * direction) / np.sqrt(square)
@@ -230,7 +231,7 @@ def force_changes(
     normal: Array,
     shear: Array,
 ):
-    """Changes of both nodal forces.
+    """Changes of both nodal forces, but for contact.
 
     Parameters
     ----------
@@ -240,7 +241,7 @@ def force_changes(
     normal, shear : ndarray, shape (m, n_c, n_a)
         Overwritten: changes of pressure and friction force [N].
     """
-    by, contact, area, pressure_share, fraction_share, dy = slopes
+    by, area, pressure_share, fraction_share, dy = slopes
     by_film, by_velocity, by_shearing, by_gradient, by_pressure = by
     m, n_c, n_a = dfilm.shape
     p = np.empty(n_a)
@@ -252,7 +253,7 @@ def force_changes(
             for j in range(n_a):
                 p[j] = pressure_share[i, j] * dunknown[q, i, j]
             for j in range(n_a):
-                normal[q, i, j] = area[i, j] * (p[j] + contact[i, j] * dfilm[q, i, j])
+                normal[q, i, j] = area[i, j] * p[j]
             for j in range(n_a):
                 shear[q, i, j] = (
                     by_film[i, j] * dfilm[q, i, j]

@@ -5,10 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, coating, friction, storage
-from .asperity import Contact, ContactConstants
+from . import asperity, coating, friction, storage, transport
+from .asperity import ContactConstants
 from .cavitation import NotConverged
 from .coating import PressureTangent, Softness
+from .contact import Contact, contact_changes
+from .contact import contact as cell_contact
 from .film_step import FilmSolution, FilmStep
 from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
@@ -19,6 +21,7 @@ from .roughness import factor_table
 from .storage import EulerStep, Past
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
+from .transport import Lift, Pace, PastTransport
 
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
@@ -39,6 +42,11 @@ class State:
         Of the coating [m].
     step_before : float
         Length of the last step [s]; 0 at the start.
+    film, film_before : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at the end of the last two steps.
+    passed, travel : ndarray, shape (n_c, n_a + 1)
+        Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
+        last step, `transport`.
     """
 
     unknown: Array
@@ -48,6 +56,10 @@ class State:
     growth_before: Array
     deflection: Array
     step_before: float
+    film: Array
+    film_before: Array
+    passed: Array
+    travel: Array
 
     @property
     def past(self) -> Past:
@@ -58,14 +70,21 @@ class State:
 class Inputs(NamedTuple):
     """What a film is given at the end of a step.
 
-    film_thickness : ndarray, shape (n_c, n_a), with the deflection of a coating [m];
+    hard_film, deflection : ndarray, shape (n_c, n_a), film thickness without the deflection of a
+    coating, and that [m];
     sliding_velocity : ndarray, shape (n_c, n_a) [m/s];
     surroundings : surroundings.Surroundings.
     """
 
-    film_thickness: Array
+    hard_film: Array
+    deflection: Array
     sliding_velocity: Array
     surroundings: Surroundings
+
+    @property
+    def film_thickness(self) -> Array:
+        """Of the film, Eq. (L2) [m]."""
+        return self.hard_film + self.deflection  # Eq. (L2)
 
 
 class FlowFilm(NamedTuple):
@@ -109,6 +128,20 @@ class Last(NamedTuple):
     shear: ShearInputs
 
 
+class Linear(NamedTuple):
+    """What every direction of a tangent shares.
+
+    film : friction.ForceSlopes; touching : whether any cell is in contact;
+    contact_pressure, contact_shear : ndarray, shape (5, n_c, n_a), derivatives of the contact's
+    forces to the film thickness of a cell and its neighbours, as of `contact.Contact` [N/m].
+    """
+
+    film: ForceSlopes
+    touching: bool
+    contact_pressure: Array
+    contact_shear: Array
+
+
 class StepFilm(NamedTuple):
     """Outcome of one of the ways to the film of a step; deflection of the coating [m]."""
 
@@ -141,13 +174,16 @@ class LubricationModel:
             p.boundary_shear_strength,
             asperity.contact_table(p.contact_law),
         )
-        self._factors = (
-            factor_table(p.peklenik_number) if p.flow_factors == "patir_cheng_1978" else None
-        )
+        self._factors = None
+        if p.flow_factors == "patir_cheng_1978":
+            self._factors = factor_table(
+                p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
+            )
         self._compliance = coating.compliance(
             p.coating_thickness, p.coating_modulus, p.coating_poisson
         )
         self._zero = np.zeros(p.shape)
+        self._no_deflection = np.zeros((BATCH, *p.shape))
         self._no_slopes = np.zeros((0, *p.shape))
         # entrainment velocity of the grid, which rides on the skirt, to the sliding velocity
         self._dentrainment = Entrainment(self._zero, np.full(p.shape, -0.5))
@@ -155,7 +191,7 @@ class LubricationModel:
         self._given = surroundings(p, {})
         # of the last step: what the tangent needs
         self._last: Last | None = None
-        self._linear: ForceSlopes | None = None
+        self._linear: Linear | None = None
 
     # ---- steps
 
@@ -178,7 +214,7 @@ class LubricationModel:
             As from `advance`.
         """
         around = surroundings(self.parameters, conditions)
-        inputs = Inputs(film_thickness, sliding_velocity, around)
+        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         shape = self.grid.shape
         _, n_axial = shape
         lower, upper = around.edges.pressure[BOTH_AXIAL_EDGES]
@@ -192,7 +228,21 @@ class LubricationModel:
         )
         content = flow.quantities[STORED].copy()
         still = self._zero
-        return State(unknown, unknown, content, still, still, np.zeros(shape), 0.0), outputs
+        no_flow = np.zeros((shape[0], n_axial + 1))
+        state = State(
+            unknown,
+            unknown,
+            content,
+            still,
+            still,
+            np.zeros(shape),
+            0.0,
+            flow.quantities,
+            flow.quantities,
+            no_flow,
+            no_flow,
+        )
+        return state, outputs
 
     def advance(
         self,
@@ -238,12 +288,14 @@ class LubricationModel:
                 "0 m: there is no film"
             )
         around = surroundings(self.parameters, conditions) if conditions else self._given
-        inputs = Inputs(film_thickness, sliding_velocity, around)
+        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
         begin = storage.euler_step(state.past, step)
         step_film = self._coated if self._compliance > 0.0 else self._bare
-        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess)
+        pace = transport.pace(step, state.step_before, begin.length)
+        lift = self._lift(state, pace, around)
+        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
         self._last, outputs = self._outputs(film)
         lower, upper = solution.edge_flow[BOTH_AXIAL_EDGES]
@@ -263,6 +315,10 @@ class LubricationModel:
             state.growth,
             deflection,
             step,
+            flow.quantities,
+            state.film,
+            pace.share * state.passed + begin.length * solution.axial_flow,
+            transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
         )
         return state, outputs
 
@@ -300,26 +356,31 @@ class LubricationModel:
         normal, shear = np.empty((2, *dfilm.shape))
         for k in range(0, len(dfilm), BATCH):
             some = slice(k, k + BATCH)
-            film, unknown = self._film_changes(last, linear, dfilm[some], dvelocity[some])
+            hard = dfilm[some]
+            deflection, unknown = self._film_changes(last, linear, hard, dvelocity[some])
+            film = hard + deflection if self._compliance else hard
             friction.force_changes(
-                linear, film, dvelocity[some], unknown, normal[some], shear[some]
+                linear.film, film, dvelocity[some], unknown, normal[some], shear[some]
             )
+            if linear.touching:
+                normal[some] += contact_changes(linear.contact_pressure, hard, deflection)
+                shear[some] += contact_changes(linear.contact_shear, hard, deflection)
         return normal.reshape(np.shape(dfilm_thickness)), shear.reshape(np.shape(dfilm_thickness))
 
     def _film_changes(
-        self, last: Last, linear: ForceSlopes, dfilm: Array, dvelocity: Array
+        self, last: Last, linear: Linear, dfilm: Array, dvelocity: Array
     ) -> tuple[Array, Array]:
-        """Changes of film thickness and signed unknown for stacked directions; a coating yields to
-        the change of pressure, Eq. (L3).
+        """Changes of the coating's deflection and of the signed unknown for stacked directions; the
+        coating yields to the change of pressure, Eq. (L3).
         """
         if not self._compliance:
-            return dfilm, self.film_step.tangent(dfilm, dvelocity)
-        yielding = coating.yielding(self._compliance, last.contact)
-        dunknown = self.film_step.tangent(yielding * dfilm, dvelocity)
-        dpressure = self._compliance * linear.pressure_share * dunknown
-        return yielding * (dfilm + dpressure), dunknown
+            return self._no_deflection[: len(dfilm)], self.film_step.tangent(dfilm, dvelocity)
+        weight = self._compliance * coating.yielding(self._compliance, last.contact)
+        by_contact = contact_changes(last.contact.pressure_slope, dfilm, np.zeros_like(dfilm))
+        dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity)
+        return weight * (by_contact + linear.film.pressure_share * dunknown), dunknown
 
-    def _linearise(self, last: Last) -> ForceSlopes:
+    def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
         film, contact, shear = last
         slopes = film.flow.slopes
@@ -336,13 +397,18 @@ class LubricationModel:
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
         if self.parameters.cavity_shear == "full_film":
             to_fraction = self._zero
-        return ForceSlopes(
-            friction.shear_slopes(shear, slopes, contact.shear_stress_slope, by_pressure),
-            contact.pressure_slope,
+        forces = ForceSlopes(
+            friction.shear_slopes(shear, slopes, by_pressure),
             self.area,
             to_pressure,
             to_fraction,
             self.grid.cells.dy,
+        )
+        return Linear(
+            forces,
+            bool(contact.area_fraction.any()),
+            self.area * contact.pressure_slope,
+            friction.boundary_force(shear, contact.shear_stress_slope),
         )
 
     # ---- ways to a film
@@ -351,7 +417,22 @@ class LubricationModel:
         """In the frame of the grid, which rides on the skirt."""
         return Entrainment(self._zero, -0.5 * inputs.sliding_velocity)
 
-    def _bare(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+    def _lift(self, state: State, pace: Pace, around: Surroundings) -> Lift:
+        """Lift of the film fraction at the axial faces, from the past alone."""
+        past = PastTransport(
+            state.film,
+            state.film_before,
+            state.content,
+            (state.unknown > 0.0) | self.film_step.open_cells,
+            state.growth * state.step_before + np.diff(state.passed, axis=1) / self.grid.cell_area,
+            state.passed,
+            state.travel,
+        )
+        return transport.lift(past, pace, around.edges.film_fraction, self.grid.cells)
+
+    def _bare(
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+    ) -> StepFilm:
         """Film of hard surfaces."""
         flow = self._flow_film(inputs)
         solution = self.film_step.solve(
@@ -360,24 +441,27 @@ class LubricationModel:
             inputs.surroundings.edges,
             begin,
             guess,
+            lift=lift,
         )
         return StepFilm(inputs, flow, solution, state.deflection)
 
-    def _coated(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+    def _coated(
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+    ) -> StepFilm:
         """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
         edges = inputs.surroundings.edges
         entrainment = self._entrainment(inputs)
-        hard_film = inputs.film_thickness
         deflection = state.deflection
         unknown = state.unknown
         full = state.unknown > 0.0
         factorisations = 0
         change = deflection
         for _ in range(coating.LIMIT):
-            inputs = inputs._replace(film_thickness=hard_film + deflection)  # Eq. (L2)
+            inputs = inputs._replace(deflection=deflection)
             flow = self._flow_film(inputs)
             reduced, deficit = self.film_step.model.interpret(unknown, full)
-            filling = Filling(reduced, 1.0 + deficit)
+            lift_a = self.film_step.lift_along(lift, entrainment)
+            filling = Filling(reduced, 1.0 + deficit, lift_a)
             slopes = self.film_step.slopes(
                 flow.quantities,
                 flow.slopes,
@@ -390,12 +474,12 @@ class LubricationModel:
             weight, offset = coating.linear_deflection(
                 self._compliance,
                 deflection,
-                self._contact(inputs.film_thickness),
+                self._contact(inputs),
                 _pressure_tangent(reduced, inputs.surroundings),
             )
             softness = Softness(slopes[BY_FILM], weight, offset)
             solution = self.film_step.solve(
-                flow.quantities, entrainment, edges, begin, guess, softness
+                flow.quantities, entrainment, edges, begin, guess, softness, lift
             )
             factorisations += solution.iterations
             change = weight * solution.pressure + offset
@@ -417,7 +501,9 @@ class LubricationModel:
     def _flow_film(self, inputs: Inputs) -> FlowFilm:
         """Film seen by flow and shear."""
         p = self.parameters
-        film_thickness, sliding_velocity, around = inputs
+        film_thickness = inputs.film_thickness
+        sliding_velocity = inputs.sliding_velocity
+        around = inputs.surroundings
         if self._factors is None:
             quantities, by_film = smooth_film(film_thickness, around.viscosity, p.minimum_flow_film)
         else:
@@ -426,7 +512,6 @@ class LubricationModel:
                 around.viscosity,
                 p.minimum_flow_film,
                 p.roughness_rms,
-                2.0 * p.roughness_share_skirt - 1.0,
                 self._factors,
             )
         if not p.oil.thins:
@@ -450,9 +535,14 @@ class LubricationModel:
             return film_thickness
         return np.where(self.film_step.open_cells, np.inf, film_thickness)
 
-    def _contact(self, film_thickness: Array) -> Contact:
+    def _contact(self, inputs: Inputs) -> Contact:
         """Asperity contact; none in cells without a film."""
-        return asperity.contact(self._where_film(film_thickness), self._contact_constants)
+        return cell_contact(
+            inputs.hard_film,
+            inputs.deflection,
+            self.film_step.open_cells,
+            self._contact_constants,
+        )
 
     def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
         """The film with true pressure."""
@@ -468,8 +558,10 @@ class LubricationModel:
         flows and counters.
         """
         p = self.parameters
-        film_thickness, sliding_velocity, around = film.inputs
-        contact = self._contact(film_thickness)
+        film_thickness = film.inputs.film_thickness
+        sliding_velocity = film.inputs.sliding_velocity
+        around = film.inputs.surroundings
+        contact = self._contact(film.inputs)
         quantities = film.flow.quantities
         if film.ratio is not None:
             quantities = _raised(quantities, film.ratio)

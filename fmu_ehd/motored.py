@@ -163,7 +163,8 @@ def physics(shape: tuple[int, int]) -> dict[str, dict[str, Any]]:
         "oblong roughness": dict(
             roughness_rms=3e-6,
             flow_factors="patir_cheng_1978",
-            peklenik_number=4.0,
+            peklenik_number_skirt=4.0,
+            peklenik_number_bore=0.3,
             roughness_share_skirt=0.1,
         ),
         "cut-out": dict(open_cells=opening(shape)),
@@ -174,7 +175,7 @@ def physics(shape: tuple[int, int]) -> dict[str, dict[str, Any]]:
         "everything": dict(
             oil=Oil("vogel_1921", "roelands_1966", "cross_1965"),
             roughness_rms=3e-6,
-            peklenik_number=0.2,
+            peklenik_number_skirt=0.2,
             flow_factors="patir_cheng_1978",
             film_fraction_lower_edge=0.7,
             open_cells=opening(shape),

@@ -50,8 +50,19 @@ class Parameters:
     roughness_rms: float = declared(
         "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0 = smooth, no contact"
     )
-    peklenik_number: float = declared(
-        "1", 1.0, 1.0 / 9.0, 9.0, "Roughness correlation length along over across the axis"
+    peklenik_number_skirt: float = declared(
+        "1",
+        1.0,
+        1.0 / 9.0,
+        9.0,
+        "Correlation length of the skirt's roughness along / across the axis",
+    )
+    peklenik_number_bore: float = declared(
+        "1",
+        1.0,
+        1.0 / 9.0,
+        9.0,
+        "Correlation length of the bore's roughness along / across the axis",
     )
     roughness_share_skirt: float = declared(
         "1", 0.8, 0.0, 1.0, "Skirt's share of the roughness variance"

@@ -25,6 +25,15 @@ Stress of the pressure gradient:
 
 Eq. (R6):  phi_fp = 1 - D exp(-s H)
 
+Skirt (s) and bore (b) have roughness of their own. With the skirt's share Y of the variance, what a
+film is made of (`films`) is
+
+Eq. (R7):  phi = Y phi(H, gamma_s) + (1 - Y) phi(H, gamma_b)            of phi_x, phi_y, Phi_fs
+Eq. (R8):  Phi = Y Phi(H, gamma_s) - (1 - Y) Phi(H, gamma_b)            of Phi_s, phi_fp - 1
+
+(R8) of Phi_s is the published one. (R7) is published for equal gamma; the deviations of slight
+roughness add up in the variances, whatever the gammas, so it is exact for H >> 1.
+
 Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along,
 < 1 grooves across. The factors are published for seven values of gamma from 1/9 to 9; between them
 the factors (not their coefficients, whose formula changes at gamma = 1) are interpolated linearly
@@ -62,7 +71,7 @@ from .grid import Array
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 
 # functions of the table, in its order: h_T/sigma - H, phi across i and along j, Phi_s, phi_f,
-# Phi_fs, phi_fp, each less its limit for smooth surfaces
+# Phi_fs, phi_fp, each less its limit for smooth surfaces, by Eqs. (R7), (R8)
 (
     GAP_EXCESS,
     FLOW_FACTOR_C,
@@ -202,32 +211,41 @@ def pressure_stress_factor(separation: Any, gamma: float) -> Any:
 
 
 @cache
-def factor_table(gamma: float) -> Array:
+def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
     """Deviations of all factors from their smooth limit on a uniform grid of H from 0 to
     `TABLE_END`.
 
     Parameters
     ----------
-    gamma : float
-        Peklenik number of the axial (sliding) direction [-], 1/9 to 9.
+    share : float
+        Y, the skirt's share of the variance [-], 0 to 1.
+    gamma_skirt, gamma_bore : float
+        Peklenik numbers of the axial (sliding) direction [-], 1/9 to 9.
 
     Returns
     -------
     ndarray, shape (TABLE_CELLS + 1, 14)
         Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 along j,
-        Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-].
+        Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
+
+    def both(factor: Callable[[float], Any]) -> Any:
+        return share * factor(gamma_skirt) + (1.0 - share) * factor(gamma_bore)  # Eq. (R7)
+
+    def against(factor: Callable[[float], Any]) -> Any:
+        return share * factor(gamma_skirt) - (1.0 - share) * factor(gamma_bore)  # Eq. (R8)
+
     points = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
     separation = points + 1e-30j  # complex step: slopes to round-off
     separation[0] += 1e-12  # 0 to a power has no complex logarithm
     factors = {
         GAP_EXCESS: average_gap(separation) - separation,
-        FLOW_FACTOR_C: pressure_flow_factor(separation, 1.0 / gamma) - 1.0,
-        FLOW_FACTOR_A: pressure_flow_factor(separation, gamma) - 1.0,
-        SHEAR_FLOW_FACTOR: shear_flow_factor(separation, gamma),
+        FLOW_FACTOR_C: both(lambda g: pressure_flow_factor(separation, 1.0 / g)) - 1.0,
+        FLOW_FACTOR_A: both(lambda g: pressure_flow_factor(separation, g)) - 1.0,
+        SHEAR_FLOW_FACTOR: against(lambda g: shear_flow_factor(separation, g)),
         COUETTE_FACTOR: shear_stress_factor(separation) - 1.0,
-        DRAG_FACTOR: sliding_stress_factor(separation, gamma),
-        POISEUILLE_FACTOR: pressure_stress_factor(separation, gamma) - 1.0,
+        DRAG_FACTOR: both(lambda g: sliding_stress_factor(separation, g)),
+        POISEUILLE_FACTOR: against(lambda g: pressure_stress_factor(separation, g) - 1.0),
     }
     table = np.empty((points.size, 2 * FACTORS))
     for k, factor in factors.items():

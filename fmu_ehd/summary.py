@@ -12,7 +12,7 @@ from .grid import Array
 class Halves(NamedTuple):
     """How the circumferential cells belong to the thrust half (+x; i runs from +z towards +x).
 
-    share : ndarray, shape (n_c,), 1 on the thrust side, 0 on the other, 1/2 on the pin axis [-];
+    share : ndarray, shape (n_c,), of the cell that lies on the thrust side [-];
     sine : ndarray, shape (n_c,), of the cell's angle from the pin axis [-].
     """
 
@@ -48,10 +48,15 @@ class Summary(NamedTuple):
 
 
 def halves(n_circumferential: int) -> Halves:
-    """Halves of a ring of cells."""
-    sine = np.sin((np.arange(n_circumferential) + 0.5) * 2.0 * np.pi / n_circumferential)
-    share = np.where(np.abs(sine) < 1e-12, 0.5, (sine > 0.0).astype(float))
-    return Halves(share, sine)
+    """Halves of a ring of cells, one of which has its centre on the thrust line.
+
+    Eq. (F4):  theta_i = pi/2 + (i - floor(n/4)) 2 pi/n,   i = 0 .. n - 1, from the pin axis
+    """
+    cell = 2.0 * np.pi / n_circumferential
+    from_thrust = (np.arange(n_circumferential) - n_circumferential // 4) * cell  # Eq. (F4)
+    distance = np.abs(np.remainder(from_thrust + np.pi, 2.0 * np.pi) - np.pi)
+    share = np.clip(0.5 + (0.5 * np.pi - distance) / cell, 0.0, 1.0)
+    return Halves(np.round(share, 12), np.cos(from_thrust))  # a cell that ends on the axis is whole
 
 
 @compiled

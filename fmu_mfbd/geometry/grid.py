@@ -8,7 +8,13 @@ def cell_centres(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Angles [rad] from +z towards +x and heights [m] of the film grid's cell centres, shapes
     (n_circumferential,), (n_axial,).
+
+    Eq. (I10):  theta_i = pi/2 + (i - floor(n/4)) 2 pi/n,   i = 0 .. n - 1
+
+    A cell's centre lies on the thrust line, where the film is thinnest: its neighbours miss it by
+    the ovality of half a cell, as much as the roughness.
     """
-    angle = (np.arange(n_circumferential) + 0.5) * 2 * np.pi / n_circumferential
+    cell = 2 * np.pi / n_circumferential
+    angle = np.pi / 2 + (np.arange(n_circumferential) - n_circumferential // 4) * cell  # Eq. (I10)
     height = low + (np.arange(n_axial) + 0.5) * (high - low) / n_axial
     return angle, height

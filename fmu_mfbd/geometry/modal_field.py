@@ -3,8 +3,9 @@ arithmetic.
 
 A body that is its own mirror image about the thrust plane and across it has modes that are even or
 odd about both. Then a quarter of the circumference and a quarter of the modes at a time hold
-everything, and both products cost a quarter. A body without that symmetry has one class, all of the
-circumference; the code is the same.
+everything, and both products cost a quarter. Angles on a plane of symmetry are their own images and
+count half. A body without that symmetry has one class, all of the circumference; the code is the
+same.
 """
 
 from typing import NamedTuple
@@ -44,7 +45,12 @@ class ModalField(NamedTuple):
     kind : ndarray of int, shape (groups,)
         Symmetry class.
     modes, classes, part : int
-        k; 4 and a quarter of the angles, or 1 and all of them.
+        k; 4 and a quarter of the angles, those on the planes of symmetry included, or 1 and all of
+        them.
+    image : ndarray of int, shape (classes, part)
+        Number of the angle at theta, pi - theta, -theta, pi + theta.
+    share : ndarray, shape (part,)
+        1, or 1/2 where two of these are one [-].
     """
 
     table: np.ndarray
@@ -53,6 +59,8 @@ class ModalField(NamedTuple):
     modes: int
     classes: int
     part: int
+    image: np.ndarray
+    share: np.ndarray
 
 
 class FourCoordinates(NamedTuple):
@@ -65,17 +73,22 @@ class FourCoordinates(NamedTuple):
 
 
 def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalField:
-    """Pack values (angles, rows, k) by the modes' symmetry classes; kind None (or angles not
-    divisible by 4): no symmetry.
+    """Pack values (angles of `grid.cell_centres`, rows, k) by the modes' symmetry classes; kind
+    None (or an odd number of angles): no symmetry.
     """
     angles, rows, k = values.shape
-    if kind is None or angles % 4:
+    if kind is None or angles % 2:
         kind = np.zeros(k, np.int64)
         classes = 1
+        image = np.arange(angles)[None]
+        share = np.ones(angles)
         part = values
     else:
         classes = 4
-        part = (values[mirrors(angles)] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
+        image = mirrors(angles)
+        on_thrust_line, on_pin_axis = image[0] == image[1:3]
+        share = np.where(on_thrust_line | on_pin_axis, 0.5, 1.0)
+        part = (values[image] * SIGNS[kind].T[:, None, None, :]).mean(axis=0)
     order, groups = _fours(kind, classes)
     lines = part.transpose(2, 1, 0).reshape(k, rows * len(part))
     lines = np.vstack([lines, np.zeros(rows * len(part))])
@@ -86,6 +99,8 @@ def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalFiel
         modes=k,
         classes=classes,
         part=len(part),
+        image=image,
+        share=share,
     )
 
 
@@ -104,11 +119,13 @@ def _fours(kind, classes):
 
 
 def mirrors(angles: int) -> np.ndarray:
-    """Indices of theta_i, pi - theta_i, -theta_i, pi + theta_i for the first quarter of the angles,
-    shape (4, angles / 4).
+    """Numbers of theta_i, pi - theta_i, -theta_i, pi + theta_i for the angles up to the thrust
+    line, shape (4, angles // 4 + 1); of an even number of angles.
     """
-    i = np.arange(angles // 4)
-    return np.stack([i, angles // 2 - 1 - i, angles - 1 - i, angles // 2 + i])
+    thrust = angles // 4
+    i = np.arange(thrust + 1)
+    across = 2 * thrust - i
+    return np.stack([i, across, across + angles // 2, i + angles // 2]) % angles
 
 
 @compiled
@@ -204,9 +221,10 @@ def _in_table_order(field, coordinates):
 def _unfold(field, sums, rows):
     """All angles (rows, angles) from the sums of each symmetry class."""
     part = field.part
+    image = field.image
     if field.classes == 1:
         return sums.reshape(rows, part)
-    out = np.empty((rows, 4 * part))
+    out = np.empty((rows, image.max() + 1))
     for r in range(rows):
         for i in range(part):
             p = r * part + i
@@ -214,10 +232,10 @@ def _unfold(field, sums, rows):
             b = sums[ODD_Z, p]
             c = sums[ODD_X, p]
             d = sums[ODD_BOTH, p]
-            out[r, i] = (a + b) + (c + d)
-            out[r, 2 * part - 1 - i] = (a - b) + (c - d)
-            out[r, 4 * part - 1 - i] = (a + b) - (c + d)
-            out[r, 2 * part + i] = (a - b) - (c - d)
+            out[r, image[0, i]] = (a + b) + (c + d)
+            out[r, image[1, i]] = (a - b) + (c - d)
+            out[r, image[2, i]] = (a + b) - (c + d)
+            out[r, image[3, i]] = (a - b) - (c - d)
     return out
 
 
@@ -225,6 +243,7 @@ def _unfold(field, sums, rows):
 def _fold(field, force):
     """Sums of each symmetry class from forces (rows, angles): the transpose of `_unfold`."""
     part = field.part
+    image = field.image
     rows = len(force)
     sums = np.empty((field.classes, rows * part))
     for r in range(rows):
@@ -233,10 +252,10 @@ def _fold(field, force):
             if field.classes == 1:
                 sums[EVEN, p] = force[r, i]
                 continue
-            a = force[r, i]
-            b = force[r, 2 * part - 1 - i]
-            c = force[r, 4 * part - 1 - i]
-            d = force[r, 2 * part + i]
+            a = field.share[i] * force[r, image[0, i]]
+            b = field.share[i] * force[r, image[1, i]]
+            c = field.share[i] * force[r, image[2, i]]
+            d = field.share[i] * force[r, image[3, i]]
             sums[EVEN, p] = (a + b) + (c + d)
             sums[ODD_Z, p] = (a - b) + (c - d)
             sums[ODD_X, p] = (a + b) - (c + d)

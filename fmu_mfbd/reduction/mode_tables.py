@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..finite_elements.element import nodal_stress, von_mises
+from ..geometry.grid import cell_centres
 from .reduced_body import Anatomy, ReducedBody
 
 
@@ -104,8 +105,7 @@ def mode_table(body: ReducedBody, angles: int) -> list[ModeRow]:
 
 def film_patches(angles: int, rows: int) -> np.ndarray:
     """Smooth pressure patches on both thrust faces at three heights, (6, angles, rows)."""
-    theta = (np.arange(angles) + 0.5) * 2 * np.pi / angles
-    height = (np.arange(rows) + 0.5) / rows
+    theta, height = cell_centres(angles, rows, 0.0, 1.0)
     around = [np.maximum(0.0, np.sin(sign * theta)) ** 4 for sign in (1, -1)]
     along = [np.exp(-(((height - middle) / 0.2) ** 2)) for middle in (0.25, 0.5, 0.75)]
     return np.array([np.outer(a, b) for a in around for b in along])

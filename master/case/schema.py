@@ -6,6 +6,7 @@ from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -210,12 +211,15 @@ class Axis(Table):
     """What one index of a field runs along, from the beginning of the first cell to the end of the
     last.
 
-    range : of the positions, in `unit`. marks : word -> position, written beside the axis.
+    range : of the positions, in `unit`. centred : a position inside it at which a cell has its
+    centre; the range moves by half a cell or less, and the axis is one that closes on itself.
+    marks : word -> position, written beside the axis.
     """
 
     label: str
     unit: str = ""
     range: tuple[float, float] = (0.0, 1.0)
+    centred: float | None = None
     marks: dict[str, float] = {}
 
     @property
@@ -229,10 +233,19 @@ class Axis(Table):
         marks = ", ".join(f"{word} {position:g}" for word, position in self.marks.items())
         return f"{self.title}; {marks}" if marks else self.title
 
-    def positions(self, shares):
-        """Positions at shares of the whole length, 0 its beginning and 1 its end."""
+    def ends(self, cells):
+        """Where the first of so many cells begins and the last one ends."""
         low, high = self.range
-        return low + shares * (high - low)
+        if self.centred is None:
+            return low, high
+        before = cells * (self.centred - low) / (high - low)
+        shift = (before % 1.0 - 0.5) * (high - low) / cells
+        return low + shift, high + shift
+
+    def positions(self, cells):
+        """Where so many cells have their centres."""
+        low, high = self.ends(cells)
+        return low + (np.arange(cells) + 0.5) / cells * (high - low)
 
 
 class Axes(Table):

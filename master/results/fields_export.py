@@ -120,14 +120,15 @@ def write_vtu(blocks, path, radius, length):
     """A VTU file an instant, of quadrilateral cells on the cylinder of `radius` and `length` [m],
     and a .pvd file over them all.
 
-    Index i runs around from +z towards +x, j along y. Returns the paths written.
+    Index i runs around from +z towards +x, cell floor(n/4) + 1 centred on +x, j along y. Returns
+    the paths written.
     """
     import meshio
 
     block = blocks[0]
     path = Path(path)
     n, m = block.values.shape[1:]
-    angle = 2 * np.pi * np.arange(n) / n
+    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # where cells begin
     ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
     points = np.vstack([ring + [0, height, 0] for height in np.linspace(0, length, m + 1)])
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")

@@ -172,7 +172,7 @@ def _draw_map(panel, image, limits, axes):
         image.T,
         origin="lower",
         aspect="auto",
-        extent=(*axes.first.range, *axes.second.range),
+        extent=(*axes.first.ends(len(image)), *axes.second.ends(len(image.T))),
         vmin=low,
         vmax=high,
         cmap="viridis",
@@ -180,20 +180,14 @@ def _draw_map(panel, image, limits, axes):
     )
     if low < high:
         levels = np.linspace(low, high, 10)[1:-1]
-        first, second = (
-            axis.positions(_centres(size))
-            for axis, size in zip((axes.first, axes.second), image.shape)
-        )
+        across, along = image.shape
+        first = axes.first.positions(across)
+        second = axes.second.positions(along)
         panel.contour(first, second, image.T, levels, colors="white", linewidths=0.4)
     panel.set_xlabel(axes.first.title)
     panel.set_ylabel(axes.second.title)
     _mark(panel.xaxis, axes.first)
     _mark(panel.yaxis, axes.second)
-
-
-def _centres(size):
-    """Centres of cells as shares of the whole length."""
-    return (np.arange(size) + 0.5) / size
 
 
 def _mark(drawn, axis):
@@ -227,10 +221,12 @@ def draw_sections(case, picture, runs):
             columns = field.values.shape[1]
             line = field.values[:, min(int(picture.height * columns), columns - 1)]
             line, unit = scaled(line, field.unit, picture.units.get(port))
-            share = _centres(line.size)
+            position = axis.positions(line.size)
+            low, high = axis.range
+            share = (position - low) / (high - low)
             inside = (share >= begin) & (share <= end)
             panel.plot(
-                axis.positions(share[inside]),
+                position[inside],
                 line[inside],
                 ".-",
                 color=colour,

@@ -3,6 +3,8 @@ import pytest
 from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd import asperity
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.parameters import Parameters
 
 
 @pytest.mark.parametrize("order", [1.5, 2.0, 2.5])
@@ -20,13 +22,14 @@ def test_integral_is_its_definition(order, separation):
 
 
 def contact(film, roughness_rms=1.0, **changes):
-    """Contact with all scales 1 and a friction coefficient of 0.1, but for `changes`."""
+    """Contact at points with all scales 1 and a friction coefficient of 0.1, but for `changes`."""
     unit = asperity.ContactConstants(roughness_rms, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
-    return asperity.contact(film, unit._replace(**changes))
+    points = [asperity.point_contact(gap, unit._replace(**changes)) for gap in film]
+    return asperity.PointContact(*np.array(points).T)
 
 
 def test_slope_is_the_derivative_across_table_cells_and_overlap():
-    film = np.linspace(-2.0, 9.0, 1001)[None]
+    film = np.linspace(-2.0, 9.0, 1001)
     size = 1e-6
     slope = contact(film).pressure_slope
     difference = (contact(film + size).pressure - contact(film - size).pressure) / (2.0 * size)
@@ -36,18 +39,16 @@ def test_slope_is_the_derivative_across_table_cells_and_overlap():
 
 
 def test_overlap_goes_on_straight():
-    overlap = contact(np.array([[0.0, -1.0, -2.0]]))
+    overlap = contact(np.array([0.0, -1.0, -2.0]))
     pressure = overlap.pressure
     slope = overlap.pressure_slope
-    assert slope[0, 1] == slope[0, 0] and np.diff(pressure[0]) == pytest.approx(-slope[0, 0])
+    assert slope[1] == slope[0] and np.diff(pressure) == pytest.approx(-slope[0])
 
 
 def test_smooth_surfaces_do_not_touch():
-    smooth = contact(
-        np.array([[-1e-6]]), 0.0, pressure_scale=1e9, area_scale=0.1, shear_strength=1e6
-    )
-    for value in smooth:
-        assert value[0, 0] == 0.0
+    smooth = LubricationModel(Parameters((4, 3), boundary_shear_strength=1e6))
+    _, o = smooth.start(np.full((4, 3), -1e-6), np.ones((4, 3)))
+    assert o["contact_area_fraction"] == o["friction_force_asperity"] == 0.0
 
 
 def test_scale():

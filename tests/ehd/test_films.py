@@ -12,11 +12,10 @@ SHAPE = (6, 5)
 SIGMA = 1e-6
 
 
-def rough(film, asymmetry=0.6, gamma=2.0):
+def rough(film, share=0.8, gamma=2.0):
     """Values and slopes of rough surfaces with sigma = 1 um."""
-    return rough_film(
-        film, np.full_like(film, 0.01), 1e-9, SIGMA, asymmetry, roughness.factor_table(gamma)
-    )
+    table = roughness.factor_table(share, gamma, 0.5 * gamma)
+    return rough_film(film, np.full_like(film, 0.01), 1e-9, SIGMA, table)
 
 
 def test_thick_rough_film_is_smooth():

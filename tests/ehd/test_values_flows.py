@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd import coating, reynolds
-from piston_cosim.fmu_ehd.asperity import Contact, ContactConstants, contact, contact_table
+from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table, point_contact
+from piston_cosim.fmu_ehd.contact import Contact
 from piston_cosim.fmu_ehd.films import (
     CONDUCTIVITY_A,
     COUETTE,
@@ -29,6 +30,7 @@ DX, DY = 3e-3, 2e-3  # [m]
 CELLS = Cells(DX, DY, False)
 FLOODED = np.ones(4)
 NO_PRESSURE = np.zeros(4)
+NO_LIFT = np.zeros((2, 2))
 
 
 def near(value, rel=1e-12):
@@ -56,12 +58,12 @@ def test_one_cell_between_four_edges():
     faces = reynolds.faces(parallel((1, 1))[0], still, CELLS)
     full = np.ones((1, 1), dtype=bool)
     edges = Edges(pressure, FLOODED)
-    stencil, right = reynolds.assemble(full, faces, steady((1, 1)), edges, False)
+    stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, False)
     across = 2.0 * DY / DX * CONDUCTIVITY
     along = 2.0 * DX / DY * CONDUCTIVITY
     expected = (across * 9e5 + along * 4e5) / (2.0 * (across + along))
     assert right[0, 0] / stencil[CENTRE, 0, 0] == near(expected)
-    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)))
+    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)), np.zeros((1, 2)))
     edge_flow = reynolds.outflow(filling, faces, edges, False).edges
     assert edge_flow[:2] == near(along * (pressure[:2] - expected))
     assert edge_flow[2:] == near(across * (pressure[2:] - expected))
@@ -77,7 +79,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, CELLS)
     cavitated = np.zeros(shape, dtype=bool)
-    stencil, right = reynolds.assemble(cavitated, faces, steady(shape), edges, False)
+    stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, False)
     matrix = np.array(
         [
             [stencil[CENTRE, 0, 0], stencil[EAST, 0, 0]],
@@ -85,7 +87,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
         ]
     )
     assert 1.0 + np.linalg.solve(matrix, right[:, 0]) == near(np.full(2, fraction))
-    filling = Filling(np.zeros(shape), np.full(shape, fraction))
+    filling = Filling(np.zeros(shape), np.full(shape, fraction), NO_LIFT)
     edge_flow = reynolds.outflow(filling, faces, edges, False).edges
     flow = velocity * FILM * DY * fraction
     assert edge_flow[2:] == near(np.array([flow, -flow]))
@@ -101,7 +103,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     slopes = FilmSlopes(by_film, np.zeros((0, *shape)))
     stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
     follow = Entrainment(np.zeros(shape), np.ones(shape))
-    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]))
+    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
     edges = Edges(NO_PRESSURE, FLOODED)
     stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
@@ -146,24 +148,26 @@ def test_contact_at_no_distance_follows_the_film():
     """
     # 0.0 is a point of the table, where values and slopes are those of the integrals
     force = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.0, 1.5, 2.5)}
-    at = contact(np.zeros((1, 1)), ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
+    at = point_contact(0.0, ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
     slope = -3.0 * 2.5 * force[1.5] / 2.0
-    assert at.pressure[0, 0] == near(3.0 * force[2.5])
-    assert at.pressure_slope[0, 0] == near(slope)
-    assert at.area_fraction[0, 0] == near(0.05)
-    assert at.shear_stress[0, 0] == near(0.6 * force[2.5] + 0.35)
-    assert at.shear_stress_slope[0, 0] == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
+    assert at.pressure == near(3.0 * force[2.5])
+    assert at.pressure_slope == near(slope)
+    assert at.area_fraction == near(0.05)
+    assert at.shear_stress == near(0.6 * force[2.5] + 0.35)
+    assert at.shear_stress_slope == near(0.2 * slope - 7.0 * 0.1 * 2.0 * force[1.0] / 2.0)
 
 
 def test_layer_and_asperities_are_springs_in_series():
     """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
-    asperities keep k = 4/(4 + 8), and pressure of the oil moves the layer by k c of it.
+    asperities keep k = 4/(4 + 8), wherever in the cell they are, and pressure of the oil moves the
+    layer by k c of it.
 
     offset = k (c p_a - w_0) with the oil at p = 0, here 1e-7 (1/3)(5 - 2) m.
     """
     c = 2.5e-14
     one = np.ones((1, 1))
-    touching = Contact(2e7 * one, -8e13 * one, 0.0 * one, 0.0 * one, 0.0 * one)
+    shares = np.array([0.5, 0.2, 0.1, 0.15, 0.05])[:, None, None]
+    touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares)
     assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
     tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
     weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)

@@ -89,5 +89,5 @@ def test_vtu_puts_each_cell_in_its_place(results, tmp_path):
     assert centre[0, :, 1] == pytest.approx([1.0, 3.0, 5.0, 7.0])  # j along y
     angle = np.arctan2(centre[:, 0, 0], centre[:, 0, 2]) % (2 * np.pi)
     assert angle == pytest.approx(
-        (np.arange(5) + 0.5) * 2 * np.pi / 5
-    )  # i from +z towards +x, cell centres
+        np.radians([18.0, 90.0, 162.0, 234.0, 306.0])
+    )  # i from +z towards +x, the second cell's centre on +x
