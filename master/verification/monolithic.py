@@ -11,7 +11,8 @@ equations, all of it solved at once in each step. It shares no line and no metho
 
 Smooth surfaces, a Newtonian oil, flooded edges at cavitation pressure, a crank at constant speed.
 Axes: x to the thrust side, y to the head, z along the pin; the crank turns about +z and leaves top
-dead centre towards -x. Angles of the film from +z towards +x.
+dead centre towards -x. Angles of the film from +z towards +x; a cell's centre lies on the thrust
+line.
 """
 
 from collections.abc import Callable
@@ -26,6 +27,8 @@ from scipy.sparse.linalg import splu
 PRESSURE_SCALE = 1e6
 """Pa: what a signed unknown of 1 is worth as a pressure."""
 ITERATIONS = 60
+LIMITED = 8
+"""Iterations in which the limiter looks again; it has kinks, between which Newton would wander."""
 CONVERGED = 1e-7
 """Newton's step, by the scales of the unknowns."""
 
@@ -307,7 +310,7 @@ class Monolithic:
         self.dy = (engine.skirt_upper - engine.skirt_lower) / along
         self.area = self.dx * self.dy
         self.stencils = stencils(around, along, self.dx, self.dy)
-        angle = (np.arange(around) + 0.5) * 2 * np.pi / around
+        angle = np.pi / 2 + (np.arange(around) - around // 4) * 2 * np.pi / around
         height = engine.skirt_lower + (np.arange(along) + 0.5) * self.dy
         self.sine = np.repeat(np.sin(angle), along)
         self.height = np.tile(height, around)
@@ -331,8 +334,8 @@ class Monolithic:
         return h
 
     def carried(self, fraction, sliding):
-        """Film fraction that Couette's flow carries through the axial faces, and the operator
-        that takes it from the cells upstream; an edge supplies a full film.
+        """Film fraction upstream of the axial faces, and the operator that takes it from the
+        cells; an edge supplies a full film.
         """
         faces = self.stencils.axial
         around, along = self.engine.grid
@@ -342,6 +345,27 @@ class Monolithic:
         inlet = inlet.ravel()
         upstream = sp.diags(1 - inlet) @ upstream
         return upstream @ fraction + inlet, upstream
+
+    def sharpened(self, fraction, sliding):
+        """What van Leer's limiter adds to the upstream film fraction at the faces inside.
+
+        Eq. (Z7):  f = f_U + a b/(a + b) where a b > 0,  a = f_U - f_UU,  b = f_D - f_U
+                   U, UU the cells upstream, D downstream
+        """
+        around, along = self.engine.grid
+        f = fraction.reshape(around, along)
+        with_edge = np.pad(f, ((0, 0), (1, 0)), constant_values=1.0)
+        if sliding > 0:
+            with_edge = np.pad(f[:, ::-1], ((0, 0), (1, 0)), constant_values=1.0)
+        rise = np.diff(with_edge, axis=1)
+        before = rise[:, :-1]
+        after = rise[:, 1:]
+        product = before * after
+        some = product > 0
+        more = np.where(some, product / np.where(some, before + after, 1.0), 0.0)  # Eq. (Z7)
+        faces = np.zeros((around, along + 1))
+        faces[:, 1:-1] = more if sliding <= 0 else more[:, ::-1]
+        return faces.ravel()
 
     def force(self, pressure, fraction, h, sliding) -> FilmForce:
         """On the piston: the pressure pushes inwards; along y minus what the bore feels.
@@ -426,7 +450,8 @@ class Monolithic:
         position = position_1 + step * velocity_1
         compliance = self._compliance(angle, position, velocity_1)
         up = None
-        for _ in range(ITERATIONS):
+        more = 0.0
+        for iteration in range(ITERATIONS):
             velocity = now * position + position_past
             acceleration = now * velocity + velocity_past
             height, sliding = self.bodies.height(angle, position[0], velocity[0])
@@ -452,6 +477,9 @@ class Monolithic:
             ring_gradient = ring.gradient @ pressure
             face = (axial.before @ h + axial.behind @ h) / 2
             carried, upstream = self.carried(fraction, sliding)
+            if iteration < LIMITED:
+                more = self.sharpened(fraction, sliding)
+            carried = carried + more
             flow = -along_axis.value * gradient - sliding / 2 * carried * face
             oil = self.area * (now * fraction * h + content_past)
             oil += self.dx * (axial.outflow @ flow)
@@ -530,7 +558,7 @@ def _mirrored(around, along):
     their own over all n, and the numbers of these m cells.
     """
     i = np.arange(around)
-    partner = np.remainder(around // 2 - 1 - i, around)
+    partner = np.remainder(2 * (around // 4) - i, around)
     own = np.minimum(i, partner)
     cell = (own[:, None] * along + np.arange(along)).ravel()
     chosen, number = np.unique(cell, return_inverse=True)
