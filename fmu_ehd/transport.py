@@ -57,7 +57,8 @@ from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Flags
 
-FARTHEST = 16.0  # cells of travel in a step
+SHORTEST = 1e-12  # cells of travel in a step: less moves nothing, and a ratio to it may overflow
+FARTHEST = 16.0
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
@@ -258,7 +259,7 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
             swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
             farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
         courant = farthest / cells.dy
-        if not 0.0 < courant <= FARTHEST:
+        if not SHORTEST < courant <= FARTHEST:
             continue
         steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
@@ -289,7 +290,7 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
                     content[j] += source[j] + (flow[j] - flow[j + 1]) / area
         for j in range(1, n_a):
             x = travel[i, j]
-            if x == 0.0 or past.resting[i, j - 1] or past.resting[i, j]:
+            if abs(x) <= SHORTEST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
                 continue
             up = j - 1 if x > 0.0 else j
             swept = width * x * between_end[i, j]

@@ -123,7 +123,8 @@ def pytest(tree, cache, tests, interpreted=False):
         "PISTON_COSIM_CACHE": str(cache),
         "OMP_NUM_THREADS": "1",
     }
-    command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--tb=line", *tests]
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-x", "-p", "no:cacheprovider"]
+    command += ["--tb=line", *tests]
     if interpreted:
         command += ["-p", "interpreted"]
     try:

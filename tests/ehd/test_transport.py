@@ -166,3 +166,18 @@ def test_a_velocity_that_jumps_leaves_no_debt_of_oil():
         assert outputs["film_fraction"].min() >= -1e-15
         assert outputs["film_fraction"].max() <= 1.0 + 1e-12
         assert outputs["mass_imbalance"] <= 1e-12
+
+
+def test_a_velocity_of_next_to_nothing_is_rest():
+    p = Parameters((6, 10), film_fraction_lower_edge=EMPTY)
+    squeezed = FILM * (1.0 + 0.1 * np.sin(np.arange(60.0))).reshape(p.shape)
+
+    def pressed(velocity):
+        model = LubricationModel(p)
+        state, _ = model.start(np.full(p.shape, FILM), np.full(p.shape, velocity))
+        for film in (squeezed, squeezed[::-1].copy(), squeezed):
+            state, outputs = model.advance(state, film, np.full(p.shape, velocity), 1e-5)
+        return outputs["nodal_pressure_force"]
+
+    # a volume of 1e-313 m3 is no divisor
+    assert np.array_equal(pressed(-2e-313), pressed(0.0))
