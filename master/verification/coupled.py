@@ -1,9 +1,9 @@
 """Figures of the coupled problem: the numerical example through both FMUs beside one system of
 equations (`monolithic`), on the same grid and in the same steps; for `piston-cosim verify coupled`.
 
-Both film models put the same resistance on a face (two half cells in series), because the mean film
-of both cells moves the curves by 1 % on 42 cells: what is compared is everything else. The grid's own
-error is a matter of the studies.
+Both film models put the same resistance on a face (two half cells in series), because the mean
+film of both cells moves the curves by 1 % on 42 cells: what is compared is everything else. The
+grid's own error is a matter of the studies.
 """
 
 import tomllib
@@ -122,7 +122,6 @@ def engine(cells: int) -> Engine:
         skirt_lower=piston.skirt_lower,
         skirt_upper=piston.skirt_upper,
         speed=to_si(CRANK_SPEED, "rad/s"),
-        start_angle=0.0,
     )
 
 

@@ -3,7 +3,7 @@ equations, all of it solved at once in each step. It shares no line and no metho
 
 | | FMUs | here |
 |---|---|---|
-| bodies | minimal coordinates, derived by hand | Newton-Euler with the force at the pin as unknown |
+| bodies | minimal coordinates | Newton-Euler with the force at the pin as unknown |
 | elasticity | modes with inertia in a floating frame | the whole compliance matrix, standing |
 | time | generalised-alpha for the bodies | BDF2 for everything |
 | coupling | exchange until the wires agree | one Newton iteration over all unknowns |
@@ -17,7 +17,7 @@ line.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,6 +29,10 @@ PRESSURE_SCALE = 1e6
 ITERATIONS = 60
 LIMITED = 8
 """Iterations in which the limiter looks again; it has kinks, between which Newton would wander."""
+EMPTIEST = 1e-6
+"""Film fraction that an unknown never passes."""
+POSITION_SCALE = np.array([1e-6, 1e-5])
+"""m and rad."""
 CONVERGED = 1e-7
 """Newton's step, by the scales of the unknowns."""
 
@@ -55,8 +59,8 @@ class Engine:
         [kg], about A [kg m2].
     piston_centre : ndarray, shape (2,)
         x, y of the centre of mass from A [m].
-    speed, start_angle : float
-        Of the crank [rad/s], [rad].
+    speed : float
+        Of the crank [rad/s].
     """
 
     grid: tuple[int, int]
@@ -79,7 +83,6 @@ class Engine:
     piston_inertia: float
     piston_centre: np.ndarray
     speed: float
-    start_angle: float
 
 
 class Elasticity(NamedTuple):
@@ -129,6 +132,9 @@ class FilmForce(NamedTuple):
     moment: float
 
 
+NO_FORCE = FilmForce(0.0, 0.0, 0.0)
+
+
 class Faces(NamedTuple):
     """Sparse operators between cells and the faces across one direction: what stands before and
     behind each face (at an edge both are the edge's cell), the gradient there (pressure 0 at an
@@ -149,6 +155,15 @@ class Conductance(NamedTuple):
     value: np.ndarray
     by_before: np.ndarray
     by_behind: np.ndarray
+
+
+class OilBalance(NamedTuple):
+    """Of the cells [m3/s], and its slopes against pressure, film fraction and film thickness."""
+
+    value: np.ndarray
+    by_pressure: Any
+    by_fraction: Any
+    by_film: Any
 
 
 class Stencils(NamedTuple):
@@ -176,18 +191,22 @@ def stencils(around: int, along: int, dx: float, dy: float) -> Stencils:
     following = _taking(np.roll(np.arange(around), -1), around)
     return Stencils(
         axial=Faces(
-            before=sp.kron(every_column, one_before, format="csr"),
-            behind=sp.kron(every_column, one_behind, format="csr"),
-            gradient=sp.kron(every_column, one_gradient / dy, format="csr"),
-            outflow=sp.kron(every_column, one_outflow, format="csr"),
+            before=_on_grid(every_column, one_before),
+            behind=_on_grid(every_column, one_behind),
+            gradient=_on_grid(every_column, one_gradient / dy),
+            outflow=_on_grid(every_column, one_outflow),
         ),
         around=Faces(
-            before=sp.kron(every_column, every_row, format="csr"),
-            behind=sp.kron(following, every_row, format="csr"),
-            gradient=sp.kron((following - every_column) / dx, every_row, format="csr"),
-            outflow=sp.kron(every_column - following.T, every_row, format="csr"),
+            before=_on_grid(every_column, every_row),
+            behind=_on_grid(following, every_row),
+            gradient=_on_grid((following - every_column) / dx, every_row),
+            outflow=_on_grid(every_column - following.T, every_row),
         ),
     )
+
+
+def _on_grid(around, along) -> sp.csr_matrix:
+    return sp.csr_matrix(sp.kron(around, along))
 
 
 def _taking(number, of):
@@ -374,9 +393,7 @@ class Monolithic:
         """
         push = pressure * self.area
         gradient = self._cell_gradient(pressure)
-        drag = self.area * (
-            -self.engine.viscosity * fraction * sliding / h + h / 2 * gradient
-        )
+        drag = self.area * (-self.engine.viscosity * fraction * sliding / h + h / 2 * gradient)
         lateral = -np.sum(push * self.sine)
         arm = self.engine.bore_radius * self.sine - self.engine.pin_offset
         moment = np.sum(self.height * push * self.sine) + np.sum(arm * drag)
@@ -417,7 +434,7 @@ class Monolithic:
         rates = (1.0, -1.0, 0.0)  # backward Euler, then BDF2
         for angle in angles[1:]:
             unknown, h, position, velocity = self._step(angle, step, unknown, past, rates)
-            content = (1 + np.minimum(unknown, 0)) * h
+            content = _interpret(unknown)[1] * h
             past = [(position, velocity, content), past[0]]
             rates = (1.5, -2.0, 0.5)
             rows.append(self._row(angle, unknown, h, position, velocity))
@@ -431,8 +448,7 @@ class Monolithic:
         return self.elasticity.pressure(height)
 
     def _row(self, angle, unknown, h, position, velocity):
-        pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
-        fraction = 1 + np.minimum(unknown, 0)
+        pressure, fraction = _interpret(unknown)
         _, sliding = self.bodies.height(angle, position[0], velocity[0])
         force = self.force(pressure, fraction, h, sliding)
         power = -force.axial * sliding
@@ -440,8 +456,6 @@ class Monolithic:
 
     def _step(self, angle, step, unknown, past, rates):
         """Unknowns, film thickness, position and velocity at the end of a step."""
-        e = self.engine
-        s = self.stencils
         now, last, before = (rate / step for rate in rates)
         (position_1, velocity_1, content_1), (position_2, velocity_2, content_2) = past
         position_past = last * position_1 + before * position_2
@@ -449,108 +463,118 @@ class Monolithic:
         content_past = last * content_1 + before * content_2
         position = position_1 + step * velocity_1
         compliance = self._compliance(angle, position, velocity_1)
-        up = None
+        up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)[2]
         more = 0.0
+        size = np.inf
         for iteration in range(ITERATIONS):
             velocity = now * position + position_past
-            acceleration = now * velocity + velocity_past
-            height, sliding = self.bodies.height(angle, position[0], velocity[0])
-            pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
-            fraction = 1 + np.minimum(unknown, 0)
-            if up is None:
-                force = self.force(pressure, fraction, self.gap, sliding)
-                motion = *position, *velocity
-                *_, up = self.bodies.accelerations(angle, motion, force)
+            motion = *position, *velocity
+            _, sliding = self.bodies.height(angle, position[0], velocity[0])
+            pressure, fraction = _interpret(unknown)
             h = self.thickness(pressure, position, up, compliance)
             force = self.force(pressure, fraction, h, sliding)
-            motion = *position, *velocity
             *wanted, up = self.bodies.accelerations(angle, motion, force)
-            by_force = self._by_force(angle, motion, force)
-            balance = acceleration - wanted
-
-            # Eq. (Z4) and its slopes against pressure, fraction and film
-            axial = s.axial
-            ring = s.around
-            along_axis = conductance(axial, h, e.viscosity)
-            along_ring = conductance(ring, h, e.viscosity)
-            gradient = axial.gradient @ pressure
-            ring_gradient = ring.gradient @ pressure
-            face = (axial.before @ h + axial.behind @ h) / 2
-            carried, upstream = self.carried(fraction, sliding)
+            balance = now * velocity + velocity_past - wanted
             if iteration < LIMITED:
                 more = self.sharpened(fraction, sliding)
-            carried = carried + more
-            flow = -along_axis.value * gradient - sliding / 2 * carried * face
-            oil = self.area * (now * fraction * h + content_past)
-            oil += self.dx * (axial.outflow @ flow)
-            oil -= self.dy * (ring.outflow @ (along_ring.value * ring_gradient))
-            by_p = -self.dx * axial.outflow @ sp.diags(along_axis.value) @ axial.gradient
-            by_p = by_p - self.dy * ring.outflow @ sp.diags(along_ring.value) @ ring.gradient
-            by_f = sp.diags(self.area * now * h)
-            by_f = by_f - self.dx * sliding / 2 * axial.outflow @ sp.diags(face) @ upstream
-            by_before = along_axis.by_before * gradient + sliding / 4 * carried
-            by_behind = along_axis.by_behind * gradient + sliding / 4 * carried
-            by_h = sp.diags(self.area * now * fraction)
-            by_h = by_h - self.dx * axial.outflow @ (
-                sp.diags(by_before) @ axial.before + sp.diags(by_behind) @ axial.behind
-            )
-            by_h = by_h - self.dy * ring.outflow @ (
-                sp.diags(along_ring.by_before * ring_gradient) @ ring.before
-                + sp.diags(along_ring.by_behind * ring_gradient) @ ring.behind
-            )
-
-            full = unknown > 0
-            of_p = sp.diags(PRESSURE_SCALE * full)
-            of_f = sp.diags(1.0 * ~full)
-            film = (by_p @ of_p + by_f @ of_f).tocsr()
-            by_position = by_h @ self.by_motion
-            # forces: lateral and moment by pressure; what the drag changes is left to iteration
-            pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area
-            by_cells = -by_force @ pushing * (PRESSURE_SCALE * full)
-            by_itself = now**2 * np.eye(2)
-            change, moved = self._solve(
-                film, by_h, compliance, full, by_position, by_cells, by_itself, oil, balance
+            oil = self.oil_balance(pressure, fraction, h, sliding, now, content_past, more)
+            change, moved = self._newton(
+                oil, unknown > 0, compliance, self._by_force(angle, motion, force), now, balance
             )
             change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
-            unknown = np.maximum(unknown + change, -1 + 1e-6)
+            unknown = np.maximum(unknown + change, EMPTIEST - 1)
             position = position + moved
-            size = max(np.abs(change).max(), np.abs(moved / (1e-6, 1e-5)).max())
+            size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max())
             if size < CONVERGED:
                 velocity = now * position + position_past
-                pressure = PRESSURE_SCALE * np.maximum(unknown, 0)
-                h = self.thickness(pressure, position, up, compliance)
+                h = self.thickness(_interpret(unknown)[0], position, up, compliance)
                 return unknown, h, position, velocity
         raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
 
+    def oil_balance(self, pressure, fraction, h, sliding, now, content_past, more) -> OilBalance:
+        """What each cell gains and does not keep, and its slopes.
+
+        Eq. (Z4):  d(f h)/dt + div q = 0,  q = -K dp/dy - V/2 f h along y,  q = -K dp/dx around
+
+        Parameters
+        ----------
+        pressure, fraction, h : ndarray, shape (n,)
+            [Pa], [-], [m]
+        sliding : float
+            V of the skirt along the bore [m/s].
+        now, content_past
+            BDF2's rate of f h: now f h + content_past, [1/s], (n,) [m/s].
+        more : ndarray, shape (axial faces,)
+            Beside the upstream film fraction, `sharpened`.
+        """
+        axial, around = self.stencils
+        viscosity = self.engine.viscosity
+        along_axis = conductance(axial, h, viscosity)
+        along_ring = conductance(around, h, viscosity)
+        gradient = axial.gradient @ pressure
+        ring_gradient = around.gradient @ pressure
+        face = (axial.before @ h + axial.behind @ h) / 2
+        upstream_fraction, upstream = self.carried(fraction, sliding)
+        carried = upstream_fraction + more
+        out_axial = self.dx * axial.outflow
+        out_around = self.dy * around.outflow
+
+        value = self.area * (now * fraction * h + content_past)
+        value += out_axial @ (-along_axis.value * gradient - sliding / 2 * carried * face)
+        value -= out_around @ (along_ring.value * ring_gradient)  # Eq. (Z4)
+
+        by_pressure = -out_axial @ sp.diags(along_axis.value) @ axial.gradient
+        by_pressure = by_pressure - out_around @ sp.diags(along_ring.value) @ around.gradient
+        by_fraction = sp.diags(self.area * now * h)
+        by_fraction = by_fraction - sliding / 2 * out_axial @ sp.diags(face) @ upstream
+        by_before = along_axis.by_before * gradient + sliding / 4 * carried
+        by_behind = along_axis.by_behind * gradient + sliding / 4 * carried
+        by_film = sp.diags(self.area * now * fraction)
+        by_film = by_film - out_axial @ (
+            sp.diags(by_before) @ axial.before + sp.diags(by_behind) @ axial.behind
+        )
+        by_film = by_film - out_around @ (
+            sp.diags(along_ring.by_before * ring_gradient) @ around.before
+            + sp.diags(along_ring.by_behind * ring_gradient) @ around.behind
+        )
+        return OilBalance(value, by_pressure, by_fraction, by_film)
+
     def _by_force(self, angle, motion, force):
         """x_A'' and b' per lateral force and moment, (2, 2)."""
-        base = self.bodies.accelerations(angle, motion, force)
-        columns = []
-        for changed in (
-            force._replace(lateral=force.lateral + 1.0),
-            force._replace(moment=force.moment + 1e-3),
-        ):
-            columns.append(self.bodies.accelerations(angle, motion, changed)[:2] - base[:2])
-        return np.column_stack([columns[0], columns[1] / 1e-3])
+        base = self.bodies.accelerations(angle, motion, force)[:2]
+        pushed = force._replace(lateral=force.lateral + 1.0)
+        turned = force._replace(moment=force.moment + 1.0)
+        ends = [self.bodies.accelerations(angle, motion, load)[:2] for load in (pushed, turned)]
+        return np.column_stack([end - base for end in ends])
 
-    def _solve(self, film, by_h, compliance, full, by_position, by_cells, by_itself, oil, balance):
-        """Newton's step: cells, then position."""
+    def _newton(self, oil, full, compliance, by_force, now, balance):
+        """Newton's step of the cells and of the position. What the drag on the skirt and the
+        acceleration along y change is left to the iteration.
+        """
+        as_pressure = PRESSURE_SCALE * full
+        film = oil.by_pressure @ sp.diags(as_pressure) + oil.by_fraction @ sp.diags(1.0 * ~full)
+        right = np.column_stack([oil.value, oil.by_film @ self.by_motion])
         if self.elasticity is None:
-            lu = splu(film.tocsc())
-            of_cells = lu.solve(np.column_stack([oil, by_position]))
+            of_cells = splu(sp.csc_matrix(film)).solve(right)
         else:
-            E, rows = self.orbits, self.chosen
-            elastic = by_h[rows] @ compliance
-            elastic = (elastic * (self.area * PRESSURE_SCALE * full)) @ E
-            dense = np.asarray((film[rows] @ E).todense()) + elastic
-            right = np.column_stack([oil, by_position])[rows]
-            of_cells = E @ lu_solve(lu_factor(dense), right)
+            rows = self.chosen
+            elastic = (oil.by_film.tocsr()[rows] @ compliance) * (self.area * as_pressure)
+            dense = (film.tocsr()[rows] @ self.orbits).toarray() + elastic @ self.orbits
+            of_cells = self.orbits @ lu_solve(lu_factor(dense), right[rows])
         from_oil = of_cells[:, 0]
         from_position = of_cells[:, 1:]
+        # lateral force and moment per unknown
+        pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area * as_pressure
+        by_cells = -by_force @ pushing
         moved = np.linalg.solve(
-            by_itself - by_cells @ from_position, -balance + by_cells @ from_oil
+            now**2 * np.eye(2) - by_cells @ from_position, by_cells @ from_oil - balance
         )
         return -from_oil - from_position @ moved, moved
+
+
+def _interpret(unknown):
+    """Pressure [Pa] and film fraction [-] of the signed unknown."""
+    return PRESSURE_SCALE * np.maximum(unknown, 0), 1 + np.minimum(unknown, 0)
 
 
 def _mirrored(around, along):

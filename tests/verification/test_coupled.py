@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.master.verification.coupled import checks
 from piston_cosim.master.verification.monolithic import (
+    NO_FORCE,
     PRESSURE_SCALE,
     Bodies,
     Engine,
@@ -36,9 +37,7 @@ ENGINE = Engine(
     piston_inertia=5e-4,
     piston_centre=np.array([1.5e-3, 12e-3]),
     speed=300.0,
-    start_angle=0.0,
 )
-WITHOUT_FILM = FilmForce(0.0, 0.0, 0.0)
 
 
 def kinetic_energy(motion, angle):
@@ -50,8 +49,8 @@ def kinetic_energy(motion, angle):
     pin, pin_rate, _ = bodies.crank_pin(angle)
     a = np.array([e.pin_offset + x, height])
     a_rate = np.array([x_rate, rate])
-    sx, sy = e.piston_centre
-    centre = np.array([sx * np.cos(tilt) - sy * np.sin(tilt), sx * np.sin(tilt) + sy * np.cos(tilt)])
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    centre = turn @ e.piston_centre
     centre_rate = a_rate + tilt_rate * np.array([-centre[1], centre[0]])
     k = e.rod_centre / e.rod_length
     rod_rate = (1 - k) * pin_rate + k * a_rate
@@ -97,7 +96,7 @@ def test_newton_euler_is_lagranges_equation():
 def test_pin_point_accelerates_upwards_as_the_rod_tells_it():
     bodies = Bodies(ENGINE)
     motion = np.array([0.0, 0.0, 0.3, 0.0])
-    across, _, up = bodies.accelerations(0.7, motion, WITHOUT_FILM)
+    across, _, up = bodies.accelerations(0.7, motion, NO_FORCE)
     t = 1e-5
     heights = [
         bodies.height(0.7 + s * ENGINE.speed, 0.3 * s + across * s**2 / 2, 0.0)[0]
