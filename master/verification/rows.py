@@ -14,6 +14,7 @@ PARTS = {
     "ehd": "fmu_ehd.verification",
     "mfbd": "fmu_mfbd.verification",
     "master": "master.verification.coupling",
+    "coupled": "master.verification.coupled",
 }
 
 
