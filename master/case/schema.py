@@ -172,12 +172,12 @@ class Record(Table):
     """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
 
     checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and
-    SIGTERM.
+    SIGTERM; without it every 50, and no more often than is worth a fiftieth of the time.
     """
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
-    checkpoint_every: int = Field(50, ge=0)
+    checkpoint_every: int | None = Field(None, ge=0)
 
 
 class Picture(Table):

@@ -23,6 +23,10 @@ class Discard(RuntimeError):
     """
 
 
+class Finished(RuntimeError):
+    """A participant asks for the end of the simulation: what was accepted before stands."""
+
+
 class ParticipantFault(RuntimeError):
     """A bug inside a participant: its traceback, as it logged it; or its process has hung or
     ended.

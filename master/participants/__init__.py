@@ -7,6 +7,5 @@ local         a slave of this process, without FMI
 isolated      in a process of its own
 interpolated  inputs that move inside a step
 derivatives   by differences; trial of what an FMU offers (P1)
-timing        under a stopwatch
 rollback      trial of saving and restoring
 """
