@@ -27,7 +27,9 @@ def objections(system: System, method: Method) -> dict[str, str]:
         inputs = [w.target[1] for w in system.wires if w.target[0] == name]
         outputs = [w.source[1] for w in system.wires if w.source[0] == name]
         if participant.has_derivatives and participant.can_redo and inputs and outputs:
-            found[name] = objection(participant, inputs, list(dict.fromkeys(outputs)), system.step)
+            found[name] = objection(
+                participant, inputs, list(dict.fromkeys(outputs)), system.step, system.begin
+            )
     return found
 
 

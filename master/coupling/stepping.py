@@ -119,6 +119,8 @@ class Stepper:
         Divides what `advance` is asked for; without it every step is as long as asked.
     held : sequence of HeldWire
         Carried at the beginning of every macro step.
+    begin : float
+        Where the participants stand [s].
     """
 
     def __init__(
@@ -130,6 +132,8 @@ class Stepper:
         order: int = 2,
         control: StepControl | None = None,
         held: Sequence[HeldWire] = (),
+        *,
+        begin: float = 0.0,
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
@@ -145,7 +149,7 @@ class Stepper:
         self.failures: list[str] = []
         self.memory = method.memory()
         self.predictor = Predictor(order)
-        self.predictor.keep(0.0, self.interface.read())
+        self.predictor.keep(begin, self.interface.read())
 
     def advance(self, time: float, step: float) -> None:
         """Bring all participants from time to time + step [s]: in one macro step, or as step

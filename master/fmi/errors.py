@@ -24,7 +24,9 @@ class Discard(RuntimeError):
 
 
 class Finished(RuntimeError):
-    """A participant asks for the end of the simulation: what was accepted before stands."""
+    """A participant asks for the end of the simulation inside a step: what was accepted before
+    stands.
+    """
 
 
 class ParticipantFault(RuntimeError):

@@ -175,8 +175,8 @@ def _extent(name, dimension, sizes):
     if start is None and dimension.variable is not None:
         start = sizes.get(dimension.variable.name, dimension.variable.start)
     try:
-        extent = int(start)
-    except (TypeError, ValueError):
+        extent = int(str(start))
+    except ValueError:
         extent = -1
     if not 0 <= extent <= LARGEST_EXTENT:
         raise ValueError(f"{name}: a dimension of length {start}")

@@ -31,6 +31,8 @@ from .participant import read_each, write_each
 from .printf import Logger, printed
 
 REAL = ctypes.POINTER(ctypes.c_double)
+WHOLE = 1e-9
+"""Of a step: what is left of it counts as nothing."""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -91,6 +93,7 @@ class FmuParticipant:
         self._fmu: Any = None
         self._begun = False
         self._broken = False
+        self.ended = ""
 
     @property
     def has_derivatives(self):
@@ -103,6 +106,11 @@ class FmuParticipant:
     def can_redo(self):
         """Whether the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    @property
+    def can_vary_steps(self):
+        """Whether one step may be of another length than the one before."""
+        return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
     @property
     def can_serialise(self):
@@ -275,14 +283,10 @@ class FmuParticipant:
         return True
 
     def _write(self, block):
-        self._call(
-            "fmi2SetReal", self._fmu.component, block.references, block.count, block.pointer
-        )
+        self._call("fmi2SetReal", self._fmu.component, block.references, block.count, block.pointer)
 
     def _read(self, block):
-        self._call(
-            "fmi2GetReal", self._fmu.component, block.references, block.count, block.pointer
-        )
+        self._call("fmi2GetReal", self._fmu.component, block.references, block.count, block.pointer)
 
     def _call(self, function, *arguments):
         """Call the FMU without FMPy's own layers, which cost more than a small FMU."""
@@ -330,6 +334,7 @@ class FmuParticipant:
         its traceback on a bug, Finished where it asks for the end.
         """
         self.log.clear()
+        self.ended = ""
         self._last_step = (time, step)
         try:
             self._do_step(time, step)
@@ -339,8 +344,27 @@ class FmuParticipant:
                 self._broken = True
                 raise ParticipantFault(f"{self.name}: {text}") from None
             if self._wants_to_end():
-                raise Finished(f"{self.name}: asks for the end at t = {time:.6g} s") from None
+                self._end(self._reached(time), time + step, step)
+                return
             raise Discard(f"{self.name}: {text}") from None
+
+    def _end(self, reached, end, step):
+        """The FMU asks for the end of the simulation: after this step if it is whole, else Finished
+        is raised.
+        """
+        self.ended = f"{self.name}: asks for the end at t = {reached:.6g} s"
+        if end - reached > WHOLE * step:
+            raise Finished(self.ended)
+
+    def _reached(self, time):
+        """Last instant [s] for which a discarded step was successful; its beginning where the FMU
+        does not say.
+        """
+        answer = ctypes.c_double(time)
+        kind, component = fmi2.fmi2LastSuccessfulTime, self._fmu.component
+        with suppress(FMICallException):
+            self._call("fmi2GetRealStatus", component, kind, ctypes.byref(answer))
+        return answer.value
 
     def _wants_to_end(self):
         """Whether the step was discarded because the FMU asks for the end of the simulation."""

@@ -7,11 +7,9 @@ from functools import cached_property
 
 from fmpy import fmi3
 
-from ..fmi.errors import Discard, Finished
-from .fmi2 import FmuParticipant
+from ..fmi.errors import Discard
+from .fmi2 import WHOLE, FmuParticipant
 
-WHOLE = 1e-12
-"""Of a step: what is left of it after an early return counts as nothing."""
 LARGEST_ITERATION = 1000
 """Calls of fmi3UpdateDiscreteStates at one event."""
 
@@ -44,13 +42,21 @@ class Fmu3Participant(FmuParticipant):
     def _write(self, block):
         self._call(
             "fmi3SetFloat64",
-            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+            self._fmu.component,
+            block.references,
+            block.count,
+            block.pointer,
+            block.values.size,
         )
 
     def _read(self, block):
         self._call(
             "fmi3GetFloat64",
-            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+            self._fmu.component,
+            block.references,
+            block.count,
+            block.pointer,
+            block.values.size,
         )
 
     def _access(self) -> dict[str, tuple]:
@@ -110,13 +116,13 @@ class Fmu3Participant(FmuParticipant):
             self._fmu.enterStepMode()
 
     def _settle_events(self):
-        """In Event Mode, update discrete states until there is nothing left to update."""
+        """In Event Mode, update discrete states until there is nothing left to update; whether the
+        FMU asks for the end.
+        """
         for _ in range(LARGEST_ITERATION):
             again, end, *_ = self._fmu.updateDiscreteStates()
-            if end:
-                raise Finished(f"{self.name}: asks for the end at an event")
-            if not again:
-                return
+            if end or not again:
+                return end
         raise Discard(f"{self.name}: an event without end")
 
     def _do_step(self, time, step):
@@ -130,12 +136,13 @@ class Fmu3Participant(FmuParticipant):
         while True:
             self._call("fmi3DoStep", self._fmu.component, at, end - at, False, *references)
             event, finished, early = (flag.value for flag in flags)
-            if finished:
-                raise Finished(f"{self.name}: asks for the end at t = {reached.value:.6g} s")
-            if event and self._has_events:
+            if event and self._has_events and not finished:
                 self._fmu.enterEventMode()
-                self._settle_events()
+                finished = self._settle_events()
                 self._fmu.enterStepMode()
+            if finished:
+                self._end(reached.value, end, step)
+                return
             if not early or end - reached.value <= WHOLE * step:
                 return
             if not reached.value > at:
@@ -144,7 +151,7 @@ class Fmu3Participant(FmuParticipant):
 
     def _listed(self, field):
         """Values of all elements of a field that is not real."""
-        return self._access()[field.type][0](list(field.references), field.size)
+        return self._access()[field.native][0](list(field.references), field.size)
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(

@@ -34,9 +34,7 @@ class CouplingLog:
         self.widths = [max(12, len(target)) for target in targets]
         self.row = "{:>6} {:>9} " + " ".join(f"{{:>{width}.4e}}" for width in self.widths) + "\n"
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
-        self.convergence = _table(
-            log_path(output, "convergence"), self._header(targets), windows
-        )
+        self.convergence = _table(log_path(output, "convergence"), self._header(targets), windows)
 
     def _header(self, targets):
         named = (f"{target:>{width}}" for target, width in zip(targets, self.widths))

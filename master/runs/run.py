@@ -20,7 +20,7 @@ from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Finished
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.rollback import rollback_faults
@@ -80,7 +80,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
                 _check_resumable(begin_at, system, output)
             start(
                 system,
-                (lambda participant: []) if begin_at else partial(_trial, step=system.step),
+                (lambda participant: []) if begin_at else partial(_trial, system),
             )
             objected = objections(system, method_of(case.coupling))
             for line in sentences(objected):
@@ -112,9 +112,9 @@ def _check_resumable(checkpoint, system, output):
         raise BadInput(faults)
 
 
-def _trial(participant, step):
+def _trial(system, participant):
     """What is wrong with going back to a saved state, where the participant offers it."""
-    return rollback_faults(participant, step) if participant.can_redo else []
+    return rollback_faults(participant, system.step, system.begin) if participant.can_redo else []
 
 
 class March:
@@ -139,6 +139,7 @@ class March:
             case.coupling.predictor,
             step_control(system.wires, system.smallest_step),
             system.held,
+            begin=system.begin,
         )
         if begin_at:
             try:
@@ -156,7 +157,7 @@ class March:
             self.account = Account(
                 self.stepper.counters,
                 [Reduction(name, text) for name, text in case.summary.items()],
-                InterfaceWork(self.stepper.interface, case.wires),
+                InterfaceWork(self.stepper.interface, case.wires, system.begin),
                 self.stepper.interface.spent,
             )
             self.account.spent["recording"] = 0.0
@@ -181,26 +182,40 @@ class March:
             self.log = CouplingLog(output, system.wires, self.account.counters)
 
     def go(self, heard):
-        """March to the stop time, or to the end of the macro step in which a signal is `heard`; the
-        summary.
+        """March to the stop time, to the end of the macro step in which a signal is `heard`, or to
+        the last one before a participant asks for the end; the summary.
         """
-        stop, steps = self.system.stop, round(self.system.stop / self.system.step)
+        begin, whole = self.system.begin, self.system.stop - self.system.begin
+        steps = round(whole / self.system.step)
         if not self.account.rows:
-            self.recorder.write(0.0)
+            self.recorder.write(begin)
+        ended = ""
         for k in range(self.account.steps_done, steps):
-            before, after = stop * k / steps, stop * (k + 1) / steps
-            self.stepper.advance(before, after - before)
+            before, after = begin + whole * k / steps, begin + whole * (k + 1) / steps
+            if ended := self._advance(before, after - before):
+                break
             self.account.steps_done = k + 1
             if heard.signal or self.is_due(k + 1):
                 self.keep()
             if heard.signal and k + 1 < steps:
                 raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        if ended:
+            summary["ended_early"] = ended
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
+
+    def _advance(self, time, step):
+        """One macro step of the case; who asks for the end of the run then, or nothing."""
+        try:
+            self.stepper.advance(time, step)
+        except Finished as wish:
+            return str(wish)
+        wishes = (getattr(p, "ended", "") for p in self.system.participants.values())
+        return next(filter(None, wishes), "")
 
     def is_due(self, steps):
         """Whether a checkpoint is to be written after so many macro steps."""
