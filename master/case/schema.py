@@ -62,13 +62,14 @@ class Table(BaseModel):
 
 class Time(Table):
     """Run time and macro step: times, or crank angles together with the input that holds the
-    angular speed.
+    angular speed. start : default 0.
 
     smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the
     longest macro step: it is divided by the local error, into none smaller than this; default step
     / 64.
     """
 
+    start: str | None = None
     stop: str
     step: str
     smallest_step: str | None = None
@@ -77,8 +78,10 @@ class Time(Table):
 
 class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one
-    file ("FILE.py:CLASS"); and its parameters and input starts.
+    file ("FILE.py:CLASS"); or a table, a CSV file of signals; and its parameters and input starts.
 
+    interpolation : of a table's columns between its rows. step : it takes steps of its own inside a
+    macro step, equal ones no longer than this.
     role : what it does by the contract of `models`, so that another FMU of that role can take its
     place. isolated : the FMU runs in a process of its own, which is ended if it takes longer than
     `timeout` for any one answer.
@@ -87,18 +90,26 @@ class ParticipantTable(Table):
     package: str | None = None
     file: str | None = None
     fmu: str | None = None
+    table: str | None = None
+    interpolation: Literal["hold", "linear", "cubic"] | None = None
+    step: str | None = None
     build: dict[str, Any] = {}
-    parameters: dict[str, str | bool | float | int] = {}
+    parameters: dict[str, str | bool | float | int | list] = {}
     role: str | None = None
     isolated: bool = False
     timeout: str = "120 s"
 
     @model_validator(mode="after")
     def one_origin(self):
-        if [self.package, self.file, self.fmu].count(None) != 2:
+        if [self.package, self.file, self.fmu, self.table].count(None) != 3:
             raise ValueError(
-                "give one of package, file (FILE.py:CLASS; both build an FMU) and fmu (a file)"
+                "give one of package, file (FILE.py:CLASS; both build an FMU), fmu (a file) and "
+                "table (a CSV file)"
             )
+        if self.table and (self.isolated or self.step):
+            raise ValueError("a table has no process and no step of its own")
+        if self.interpolation and not self.table:
+            raise ValueError("interpolation is that of a table; that of an input is its wire's")
         return self
 
 
@@ -173,12 +184,12 @@ class Record(Table):
     """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
 
     checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and
-    SIGTERM.
+    SIGTERM; without it every 50, and no more often than is worth a fiftieth of the time.
     """
 
     fields: list[Port] = []
     every: int = Field(1, ge=1)
-    checkpoint_every: int = Field(50, ge=0)
+    checkpoint_every: int | None = Field(None, ge=0)
 
 
 class Picture(Table):
@@ -522,16 +533,30 @@ def times(case: Case, speed: float | None) -> Clock:
         if text is None:
             continue
         try:
-            values[key] = to_si(text, "s") if speed is None else to_si(text, "rad") / speed
+            values[key] = _seconds(text, speed)
             if not values[key] > 0:
                 faults.append(f"time.{key} = {text}: must be positive")
         except (ValueError, ZeroDivisionError) as error:
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
-    if fault := _end_fault(case.time, values["stop"] / values["step"]):
+    begin = start_time(case, speed)
+    if fault := _end_fault(case.time, (values["stop"] - begin) / values["step"]):
         raise BadInput(fault)
     return Clock(values["stop"], values["step"], values.get("smallest_step", values["step"] / 64))
+
+
+def start_time(case: Case, speed: float | None) -> float:
+    """Where the run starts [s]; `speed` as in `times`."""
+    try:
+        return 0.0 if case.time.start is None else _seconds(case.time.start, speed)
+    except (ValueError, ZeroDivisionError) as error:
+        raise BadInput(f"time.start: {error}") from None
+
+
+def _seconds(text: str, speed: float | None) -> float:
+    """A time, or an angle at a speed [rad/s], in seconds."""
+    return to_si(text, "s") if speed is None else to_si(text, "rad") / speed
 
 
 def _end_fault(time: Time, steps: float) -> str | None:
@@ -545,5 +570,6 @@ def _end_fault(time: Time, steps: float) -> str | None:
     if steps < 1:
         return f"{where}: is before the end of the first step, {time.step}"
     step = registry().Quantity(time.step)
-    nearest = [f"{count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
+    begin = registry().Quantity(time.start) if time.start else 0 * step
+    nearest = [f"{begin + count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
     return f"{where}: is no multiple of time.step = {time.step}; {nearest[0]} and {nearest[1]} are"

@@ -6,6 +6,8 @@ from dataclasses import replace
 from difflib import get_close_matches
 from math import inf
 
+import numpy as np
+
 from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
@@ -16,8 +18,12 @@ from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
 from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
-from .schema import reduced, times
+from ..participants.substeps import Substeps
+from ..participants.table import TableParticipant
+from .schema import reduced, start_time, times
 
+SETTABLE = ("parameter", "input", "structuralParameter")
+"""Causalities of what a case can give a value."""
 TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
 
@@ -35,7 +41,7 @@ def open_system(case, folder, progress):
     participants = {}
     for name in case.participants:
         try:
-            participants[name] = _participant(name, case.participants[name], folder, progress)
+            participants[name] = _participant(name, case, folder, progress)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
@@ -45,7 +51,7 @@ def open_system(case, folder, progress):
         for name in participants
     }
     _check_sources(case.wires, faults)
-    conversions = {}
+    opened = participants
     joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
     wires = [wire for wire in joined if isinstance(wire, Wire)]
     reals = [table for table, wire in zip(case.wires, joined) if isinstance(wire, Wire)]
@@ -58,15 +64,21 @@ def open_system(case, folder, progress):
     except BadInput as error:
         faults += error.faults
     participants = _able(case, participants, faults)
+    _check_fixed(case, participants, faults)
     _check_ports(case, participants, faults)
-    clock = None
+    clock, begin = None, 0.0
     try:
-        clock = times(case, _angular_speed(case, parameters))
+        speed = _angular_speed(case, parameters)
+        clock, begin = times(case, speed), start_time(case, speed)
     except BadInput as error:
         faults += error.faults
     if faults or clock is None:
         raise BadInput(faults)
     wires += _slopes(case, participants, wires, clock.step)
+    for participant in opened.values():
+        described = getattr(participant, "described", participant)
+        if isinstance(described, Substeps) and described.length is None:
+            described.length = clock.step
     return System(
         participants,
         tuple(case.coupling.order),
@@ -78,20 +90,54 @@ def open_system(case, folder, progress):
         str(folder),
         case.coupling.parallel,
         tuple(held),
+        begin,
     )
 
 
-def _participant(name, table, folder, progress):
-    participant = open_fmu(name, _fmu(table, folder, progress))
-    if not table.isolated:
-        return participant
+def _participant(name, case, folder, progress):
+    table = case.participants[name]
+    if table.table:
+        return TableParticipant(name, folder / table.table, table.interpolation or "linear")
+    path = _fmu(table, folder, progress)
+    sizes = _sizes(open_fmu(name, path), table.parameters)
+    participant = open_fmu(name, path, sizes, _own_step(table))
+    return (
+        IsolatedParticipant(participant, _duration(table, "timeout"))
+        if table.isolated
+        else (participant)
+    )
+
+
+def _own_step(table):
+    """Step [s] that a participant takes inside a macro step, or None."""
+    return None if table.step is None else _duration(table, "step")
+
+
+def _duration(table, key):
+    """A positive time of a participant's table [s]."""
+    text = getattr(table, key)
     try:
-        timeout = to_si(table.timeout, "s")
+        seconds = to_si(text, "s")
     except ValueError as error:
-        raise BadInput(f"timeout: {error}") from None
-    if not timeout > 0:
-        raise BadInput(f"timeout = {table.timeout}: must be positive")
-    return IsolatedParticipant(participant, timeout)
+        raise BadInput(f"{key}: {error}") from None
+    if not seconds > 0:
+        raise BadInput(f"{key} = {text}: must be positive")
+    return seconds
+
+
+def _sizes(participant, given):
+    """Values of the structural parameters that the case gives."""
+    faults, sizes = [], {}
+    for name, text in given.items():
+        field = participant.fields.get(name)
+        if field is not None and field.causality == "structuralParameter":
+            try:
+                sizes[name] = _value(field, text)
+            except ValueError as error:
+                faults.append(f"parameters.{name}: {error}")
+    if faults:
+        raise BadInput(faults)
+    return sizes
 
 
 def _fmu(table, folder, progress):
@@ -111,17 +157,23 @@ def _parameters(participant, given, faults):
     for name, text in given.items():
         where = f"participants.{participant.name}.parameters.{name}"
         field = participant.fields.get(name)
-        if field is None or field.causality not in ("parameter", "input"):
-            settable = [
-                f.name for f in participant.fields.values() if f.causality in ("parameter", "input")
-            ]
+        if field is None or field.causality not in SETTABLE:
+            settable = [f.name for f in participant.fields.values() if f.causality in SETTABLE]
             faults.append(f"{where}: the FMU has no such parameter or input{_near(name, settable)}")
             continue
         try:
-            values[name] = _value(field, text)
+            values[name] = _array(field, text) if isinstance(text, list) else _value(field, text)
         except ValueError as error:
             faults.append(f"{where}: {error}")
     return values
+
+
+def _array(field, rows):
+    """An array of values, each as `_value` says."""
+    array = np.array(rows, dtype=object)
+    if array.shape != field.shape:
+        raise ValueError(f"is an array of shape {array.shape}, the FMU has {field.shape}")
+    return np.array([_value(field, text) for text in array.ravel()]).reshape(field.shape)
 
 
 def _value(field, text):
@@ -383,6 +435,8 @@ def _interpolating(case, participants, faults):
                 f"{where}: {participants[owner].path.name} declares no output as the "
                 f"derivative of {name}; write linear"
             )
+    if faults:
+        return participants
     return {
         name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p
         for name, p in participants.items()
@@ -441,6 +495,22 @@ def _able(case, participants, faults):
         ]
         return participants
     return {name: OneWayParticipant(p) if name in unable else p for name, p in participants.items()}
+
+
+def _check_fixed(case, participants, faults):
+    """Where steps are as long as the local error says, an FMU of one step length cannot follow."""
+    if any(wire.local_error is not None for wire in case.wires):
+        faults += [
+            f"participant {name}: {participant.path.name} takes steps of one length alone "
+            "(canHandleVariableCommunicationStepSize = false); take no local_error"
+            for name, participant in participants.items()
+            if _is_fixed(participant)
+        ]
+
+
+def _is_fixed(participant):
+    """Whether a participant takes steps of one length alone."""
+    return getattr(getattr(participant, "described", participant), "fixed", False)
 
 
 def _check_ports(case, participants, faults):

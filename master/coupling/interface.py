@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
-from ..participants.participant import Participant
+from ..participants.participant import Participant, read_each, write_each
 from .wiring import Wire, is_unknown, rms
 
 
@@ -33,6 +34,58 @@ class End(NamedTuple):
     shape: tuple[int, ...]
 
 
+class Ends:
+    """All ends of wires at one participant, moved together.
+
+    Parameters
+    ----------
+    participant : Participant
+    inputs, outputs : sequence of End
+        By their part of the vector.
+    feedback : ndarray of bool, shape (size,)
+        See `Interface`.
+    """
+
+    def __init__(
+        self,
+        participant: Any,
+        inputs: Sequence[End],
+        outputs: Sequence[End],
+        feedback: np.ndarray,
+    ):
+        self.write = getattr(participant, "write", None) or partial(write_each, participant)
+        self.read = getattr(participant, "read", None) or partial(read_each, participant)
+        self.inputs = tuple(end.variable for end in inputs)
+        self.outputs = tuple(end.variable for end in outputs)
+        self.into = _places([end.part for end in inputs])
+        self.out = _places([end.part for end in outputs])
+        forward = [end.part for end in outputs if not feedback[end.part.start]]
+        self.forward = _places(forward) if forward else None
+
+    def feed(self, used: np.ndarray) -> None:
+        """Set the inputs to their part of `used`."""
+        if self.inputs:
+            self.write(self.inputs, used[self.into])
+
+    def collect(self, y: np.ndarray) -> None:
+        """Put the outputs into their part of `y`."""
+        if self.outputs:
+            y[self.out] = self.read(self.outputs)
+
+    def hear(self, used: np.ndarray, y: np.ndarray) -> None:
+        """Collect the outputs, and let those that go along the order be used at once."""
+        self.collect(y)
+        if self.forward is not None:
+            used[self.forward] = y[self.forward]
+
+
+def _places(parts: Sequence[slice]) -> slice | np.ndarray:
+    """Indices of parts of the vector: a slice where they lie one behind the other."""
+    if all(one.stop == other.start for one, other in zip(parts, parts[1:])):
+        return slice(parts[0].start, parts[-1].stop) if parts else slice(0, 0)
+    return np.concatenate([np.arange(part.start, part.stop) for part in parts])
+
+
 class Interface:
     """Vector layout of all wires.
 
@@ -53,7 +106,9 @@ class Interface:
     them that `runs_apart`, in a process of their own, step at the same time.
 
     `trail` holds the measures of every wire since `begin`, a list for each evaluation that was
-    measured; `first` the root mean square of every wire's residual in the first of them.
+    measured; `first` the root mean square of every wire's residual in the first of them, where a
+    wire is measured by it. `spent` [s] is where the time goes: each participant's steps and
+    derivatives under its name, values and states carried to and fro under "transport".
     """
 
     def __init__(
@@ -64,6 +119,8 @@ class Interface:
     ):
         self.participants = participants
         self.wires = wires
+        self.spent = dict.fromkeys((*participants, "transport"), 0.0)
+        self.relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in wires)
         self.begin()
         sizes = [int(np.prod(wire.shape)) for wire in wires]
         self.parts = _slices(sizes)
@@ -84,6 +141,13 @@ class Interface:
             for name in participants
         }
 
+        self.ends = {
+            name: Ends(participant, self.inputs[name], self.outputs[name], self.feedback)
+            for name, participant in participants.items()
+        }
+        self.starts = [part.start for part in self.parts]
+        tolerance = np.array([wire.tolerance for wire in wires], float)
+        self.tolerance = np.repeat(tolerance, np.array(sizes, int))
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
@@ -110,9 +174,8 @@ class Interface:
     def read(self) -> np.ndarray:
         """Vector of what the sources say now."""
         y = np.empty(self.size)
-        for name, participant in self.participants.items():
-            for variable, part, _ in self.outputs[name]:
-                y[part] = np.ravel(participant.get(variable))
+        for ends in self.ends.values():
+            ends.collect(y)
         return y
 
     def evaluate(
@@ -147,23 +210,30 @@ class Interface:
         used = x.copy()
         y = np.empty(self.size)
         for stage in self.stages:
+            begun = perf_counter()
             for name in stage:
                 if saved is not None:
                     self.participants[name].restore(saved[name])
-                for variable, part, shape in self.inputs[name]:
-                    self.participants[name].set(variable, used[part].reshape(shape))
+                self.ends[name].feed(used)
+            fed = perf_counter()
             act(stage)
+            acted = perf_counter()
             for name in stage:
-                for variable, part, _ in self.outputs[name]:
-                    y[part] = np.ravel(self.participants[name].get(variable))
-                    if not self.feedback[part.start]:
-                        used[part] = y[part]
+                self.ends[name].hear(used, y)
+            self.spent["transport"] += fed - begun + perf_counter() - acted
         return Evaluation(used, y, np.where(self.feedback, y - used, used - x))
 
     def _step(self, stage: Sequence[str], time: float, step: float) -> None:
         """Step the participants of a stage, those apart while the others step here; every one is
         waited for before a refusal or fault of the first of them is raised.
         """
+        if len(stage) == 1 and stage[0] not in self.apart:
+            begun = perf_counter()
+            try:
+                self.participants[stage[0]].step(time, step)
+            finally:
+                self.spent[stage[0]] += perf_counter() - begun
+            return
         participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
         apart = [name for name in stage if name in self.apart]
         here = [name for name in stage if name not in self.apart]
@@ -176,10 +246,12 @@ class Interface:
         for name, call in calls:
             if name in failures:
                 continue  # it could not begin
+            begun = perf_counter()
             try:
                 call()
             except (Discard, ParticipantFault) as failure:
                 failures[name] = failure
+            self.spent[name] += perf_counter() - begun
         for name in stage:
             if name in failures:
                 raise failures[name]
@@ -203,7 +275,9 @@ class Interface:
             if not (self.inputs[name] and self.outputs[name]):
                 continue  # nothing depends on it, or it depends on nothing
             seeds = {end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]}
+            begun = perf_counter()
             products = participant.derivative(seeds, [end.variable for end in self.outputs[name]])
+            self.spent[name] += perf_counter() - begun
             for variable, part, _ in self.outputs[name]:
                 result[part] = np.ravel(products[variable])
                 if not self.feedback[part.start]:
@@ -223,12 +297,17 @@ class Interface:
         """Largest measure of a wire, see `Wire.measure`: converged at 1 and below, NaN if any
         element is not finite.
         """
-        if not self.trail:
+        if self.relative and not self.trail:
             self.first = [rms(residual[part]) for part in self.parts]
         self.trail.append(self._measures(residual, values))
-        return float(np.max(self.trail[-1], initial=0.0))
+        return largest(self.trail[-1])
 
     def _measures(self, residual: np.ndarray, values: np.ndarray) -> list[float]:
+        if not self.size:
+            return []
+        if not self.relative:
+            shares = np.abs(residual) / self.tolerance
+            return np.maximum.reduceat(shares, self.starts).tolist()
         return [
             wire.measure(residual[part], values[part], first)
             for wire, part, first in zip(self.wires, self.parts, self.first)
@@ -248,6 +327,17 @@ class Interface:
             f"{'.'.join(wire.target)}[{index}]: {r[element]:.3g} {wire.unit} "
             f"(allowed {allowed:.3g})"
         )
+
+
+def largest(measures: Sequence[float]) -> float:
+    """The largest of some numbers not below 0, NaN if one is."""
+    found = 0.0
+    for measure in measures:
+        if not measure <= found:
+            found = measure
+            if found != found:
+                break
+    return found
 
 
 def _slices(sizes: Sequence[int]) -> list[slice]:

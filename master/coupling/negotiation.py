@@ -28,7 +28,7 @@ def objections(system: System, method: Method) -> dict[str, str]:
         outputs = [w.source[1] for w in system.wires if w.source[0] == name]
         if participant.has_derivatives and participant.can_redo and inputs and outputs:
             reasons[name] = objection(
-                participant, inputs, list(dict.fromkeys(outputs)), system.step
+                participant, inputs, list(dict.fromkeys(outputs)), system.step, system.begin
             )
     return reasons
 

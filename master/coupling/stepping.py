@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
@@ -63,10 +64,13 @@ class Predictor:
 
     def __call__(self, time: float) -> np.ndarray:
         """Guess at `time` [s]; the last vector if there is no more to go by."""
-        guess = np.zeros_like(self.past[-1][1])
+        guess: Any = 0.0
         for time_a, x in self.past:
-            others = [time_b for time_b, _ in self.past if time_b != time_a]
-            guess += x * np.prod([(time - b) / (time_a - b) for b in others])
+            weight = 1.0
+            for time_b, _ in self.past:
+                if time_b != time_a:
+                    weight *= (time - time_b) / (time_a - time_b)
+            guess = guess + x * weight
         return guess
 
 
@@ -115,6 +119,8 @@ class Stepper:
         Divides what `advance` is asked for; without it every step is as long as asked.
     held : sequence of HeldWire
         Carried at the beginning of every macro step.
+    begin : float
+        Where the participants stand [s].
     """
 
     def __init__(
@@ -126,6 +132,8 @@ class Stepper:
         order: int = 2,
         control: StepControl | None = None,
         held: Sequence[HeldWire] = (),
+        *,
+        begin: float = 0.0,
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
@@ -141,7 +149,7 @@ class Stepper:
         self.failures: list[str] = []
         self.memory = method.memory()
         self.predictor = Predictor(order)
-        self.predictor.keep(0.0, self.interface.read())
+        self.predictor.keep(begin, self.interface.read())
 
     def advance(self, time: float, step: float) -> None:
         """Bring all participants from time to time + step [s]: in one macro step, or as step
@@ -191,12 +199,17 @@ class Stepper:
 
     def _save(self) -> dict[str, Any]:
         self.interface.begin()
+        begun = perf_counter()
         carry(self.interface.participants, self.held)
-        return {name: p.save() for name, p in self.interface.participants.items()}
+        saved = {name: p.save() for name, p in self.interface.participants.items()}
+        self.interface.spent["transport"] += perf_counter() - begun
+        return saved
 
     def _free(self, saved: Mapping[str, Any]) -> None:
+        begun = perf_counter()
         for name, p in self.interface.participants.items():
             p.free(saved[name])
+        self.interface.spent["transport"] += perf_counter() - begun
 
     def _accept(self, time: float, step: float, solution: Solution) -> None:
         self.observer.attempted(time, step, self.interface.trail, None)

@@ -91,9 +91,9 @@ class System:
     """Participants in the order they start, stepping order, wires, parameters in SI, times,
     folder of the case.
 
-    stop, step : stop time and macro step [s]; smallest_step : where step control divides macro
-    steps [s]; parallel : Jacobi's order, every participant reads what the others said in the
-    evaluation before; held : wires that carry no real numbers.
+    begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
+    divides macro steps [s]; parallel : Jacobi's order, every participant reads what the others said
+    in the evaluation before; held : wires that carry no real numbers.
     """
 
     participants: Mapping[str, Any]
@@ -106,6 +106,7 @@ class System:
     folder: str = ""
     parallel: bool = False
     held: tuple[HeldWire, ...] = ()
+    begin: float = 0.0
 
 
 def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:

@@ -44,6 +44,8 @@ class InterfaceWork:
     interface : Interface
     tables : sequence of WireTable
         The wires as the case says them.
+    begin : float
+        Where the participants stand [s].
 
     Raises
     ------
@@ -52,12 +54,14 @@ class InterfaceWork:
         power.
     """
 
-    def __init__(self, interface: Interface, tables: Sequence[WireWithConjugate]):
+    def __init__(
+        self, interface: Interface, tables: Sequence[WireWithConjugate], begin: float = 0.0
+    ):
         self.pairs = conjugates(interface.wires, tables)
         self.parts = interface.parts
         self.work = np.zeros(2)
         self.exchanged = 0.0
-        self.last = 0.0, interface.read(), interface.read()
+        self.last = begin, interface.read(), interface.read()
 
     def add(self, time: float, used: np.ndarray, y: np.ndarray) -> None:
         """Add the macro step that ends at `time` [s]: what inputs were set to and what outputs are

@@ -23,6 +23,12 @@ class Discard(RuntimeError):
     """
 
 
+class Finished(RuntimeError):
+    """A participant asks for the end of the simulation inside a step: what was accepted before
+    stands.
+    """
+
+
 class ParticipantFault(RuntimeError):
     """A bug inside a participant: its traceback, as it logged it; or its process has hung or
     ended.

@@ -8,17 +8,19 @@ from functools import cached_property
 
 import numpy as np
 
+LARGEST_EXTENT = 2**31
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 ELEMENT = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(,\d+)*)\]$")
 TYPES_3 = {
     "Float64": "Real",
-    "Int32": "Integer",
+    "Float32": "Real",
+    **{f"{sign}{bits}": "Integer" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64)},
     "Enumeration": "Enumeration",
     "Boolean": "Boolean",
     "String": "String",
     "Binary": "Binary",
 }
-"""FMI 3 types that can take part, by their FMI 2 names."""
+"""FMI 3 types that can take part, by their FMI 2 names: all but clocks."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Field:
     3 the array's one. `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first
     element ("1" and None where the FMU says nothing), `derivative_of` names the field whose time
     derivative this one is, `definition` is what the FMU says of its unit, `choices` are the items
-    of an enumeration: name -> value.
+    of an enumeration: name -> value; `native` is the type's name in FMI 3, where that says more.
     """
 
     name: str
@@ -73,18 +75,27 @@ class Field:
     derivative_of: str | None = None
     definition: UnitDefinition | None = None
     choices: dict[str, int] = field(default_factory=dict)
+    native: str | None = None
 
     @cached_property
     def size(self):
         return int(np.prod(self.shape))
 
+    @property
+    def is_double(self):
+        """Whether it is made of the numbers of 64 bits that move by pointer."""
+        return self.type == "Real" and self.native != "Float32"
 
-def gather_fields(description):
+
+def gather_fields(description, sizes=None):
     """Fields of an FMPy model description. The elements of an array are counted from 1 or from 0.
 
     Parameters
     ----------
     description : fmpy.model_description.ModelDescription
+    sizes : dict of str to int, optional
+        Values of structural parameters, by which arrays of FMI 3 are as large; start values for
+        the rest.
 
     Returns
     -------
@@ -98,7 +109,11 @@ def gather_fields(description):
     """
     units = {unit.name: _definition(unit.baseUnit) for unit in description.unitDefinitions}
     if description.fmiVersion.startswith("3"):
-        return {v.name: _array(v, units) for v in description.modelVariables if v.type in TYPES_3}
+        return {
+            v.name: _array(v, units, sizes or {})
+            for v in description.modelVariables
+            if v.type in TYPES_3
+        }
     groups = {}
     for variable in description.modelVariables:
         match = ELEMENT.match(variable.name)
@@ -148,15 +163,25 @@ def _field(base, members, units):
     return _described(base, shape, [v for _, v in members], members[0][1].type, units)
 
 
-def _array(variable, units):
+def _array(variable, units, sizes):
     """Field of an FMI 3 variable."""
-    return _described(
-        variable.name,
-        tuple(int(d.start) for d in variable.dimensions),
-        [variable],
-        TYPES_3[variable.type],
-        units,
-    )
+    shape = tuple(_extent(variable.name, dimension, sizes) for dimension in variable.dimensions)
+    field = _described(variable.name, shape, [variable], TYPES_3[variable.type], units)
+    return replace(field, native=variable.type)
+
+
+def _extent(name, dimension, sizes):
+    """Length of an array along one dimension: a number, or that of a structural parameter."""
+    start = dimension.start
+    if start is None and dimension.variable is not None:
+        start = sizes.get(dimension.variable.name, dimension.variable.start)
+    try:
+        extent = int(str(start))
+    except ValueError:
+        extent = -1
+    if not 0 <= extent <= LARGEST_EXTENT:
+        raise ValueError(f"{name}: a dimension of length {start}")
+    return extent
 
 
 def _described(name, shape, variables, kind, units):

@@ -6,7 +6,9 @@ fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
 local         a slave of this process, without FMI
 isolated      in a process of its own
 interpolated  inputs that move inside a step
+substeps      a step of its own, several to a macro step
+table         a CSV file of signals
+printf        log messages with their arguments
 derivatives   by differences; trial of what an FMU offers (P1)
-timing        under a stopwatch
 rollback      trial of saving and restoring
 """

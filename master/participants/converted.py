@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .participant import FieldByField
+
 
 class Conversion(NamedTuple):
     """From the wire's unit to the input's.
@@ -22,7 +24,7 @@ class Conversion(NamedTuple):
         return (value - self.offset) / self.gain
 
 
-class ConvertedParticipant:
+class ConvertedParticipant(FieldByField):
     """A participant some of whose inputs are fed in another unit; everything else is its own.
 
     Parameters

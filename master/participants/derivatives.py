@@ -147,7 +147,11 @@ class Differenced:
 
 
 def objection(
-    participant: Participant, inputs: Sequence[str], outputs: Sequence[str], step: float
+    participant: Participant,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    step: float,
+    begin: float = 0.0,
 ) -> str:
     """Why a participant's own derivative cannot stand for that of a step; empty if it can.
 
@@ -162,7 +166,9 @@ def objection(
     inputs, outputs : sequence of str
         Fields on wires, at least one of each.
     step : float
-        Macro step [s], from time 0.
+        Macro step [s].
+    begin : float
+        Where the participant stands [s].
 
     Returns
     -------
@@ -174,7 +180,7 @@ def objection(
         for k in range(INSTANTS):
             for moved in MOVED:
                 try:
-                    verdict = _tried(participant, (k * step, step), inputs, outputs, moved)
+                    verdict = _tried(participant, (begin + k * step, step), inputs, outputs, moved)
                 except Discard:
                     continue  # the step is refused for these inputs
                 if verdict:
@@ -182,7 +188,7 @@ def objection(
                 disagreed = disagreed or verdict is False
             if disagreed:
                 return DIFFERENT
-            participant.step(k * step, step)  # from here nothing responds
+            participant.step(begin + k * step, step)  # from here nothing responds
         return SILENT
     except Discard as refusal:
         return f"a step refused keeps it from being tried: {refusal}"

@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import warnings
 import zipfile
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -24,11 +24,15 @@ from fmpy.fmi1 import FMICallException
 from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
-from ..fmi.errors import BadInput, Discard, ParticipantFault
+from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import gather_fields
 from .derivatives import difference
+from .participant import read_each, write_each
+from .printf import Logger, printed
 
 REAL = ctypes.POINTER(ctypes.c_double)
+WHOLE = 1e-9
+"""Of a step: what is left of it counts as nothing."""
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -42,6 +46,8 @@ class FmuParticipant:
     path : Path
         The FMU; unpacked into a folder of the user's cache named by content, so that code compiled
         for it is kept.
+    sizes : dict of str to int, optional
+        Values of its structural parameters.
 
     Raises
     ------
@@ -51,8 +57,8 @@ class FmuParticipant:
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
 
-    def __init__(self, name, path):
-        self.name, self.path = name, Path(path)
+    def __init__(self, name, path, sizes=None):
+        self.name, self.path, self.sizes = name, Path(path), sizes or {}
         try:
             with zipfile.ZipFile(path) as archive:
                 check_archive(archive, self.path)
@@ -70,7 +76,7 @@ class FmuParticipant:
                 f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation"
             )
         try:
-            self.fields = gather_fields(self.description)
+            self.fields = gather_fields(self.description, self.sizes)
         except ValueError as error:
             raise BadInput(f"participant {name}: {path}: {error}") from None
         self.folder = unpack(self.path)
@@ -79,6 +85,7 @@ class FmuParticipant:
         self._vectors: dict[str, Block] = {}
         self._pairs: dict[tuple[str, ...], Block] = {}
         self._courses: dict[tuple[str, int], tuple] = {}
+        self._chosen: dict[tuple[str, ...], list[tuple]] = {}
         self._derivative = self._reserved_references(root)
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
@@ -86,6 +93,7 @@ class FmuParticipant:
         self._fmu: Any = None
         self._begun = False
         self._broken = False
+        self.ended = ""
 
     @property
     def has_derivatives(self):
@@ -98,6 +106,11 @@ class FmuParticipant:
     def can_redo(self):
         """Whether the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    @property
+    def can_vary_steps(self):
+        """Whether one step may be of another length than the one before."""
+        return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
     @property
     def can_serialise(self):
@@ -131,8 +144,10 @@ class FmuParticipant:
         self._begun = self._broken = False
         with self._refusing():
             self._instantiate(start_time, stop_time)
+            self._configure()
             for name, value in parameters.items():
-                self.set(name, value)
+                if name not in self.sizes:
+                    self.set(name, value)
             self._enter(start_time, stop_time)
 
     def leave(self):
@@ -163,11 +178,15 @@ class FmuParticipant:
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
         self._callbacks = fmi2.fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._note)
+        self._logger = Logger(self._note)
+        self._callbacks.logger = ctypes.cast(self._logger, fmi2.fmi2CallbackLoggerTYPE)
         self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+
+    def _configure(self):
+        """Give the FMU its `sizes`: FMI 2.0 has none."""
 
     def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode()
@@ -184,8 +203,8 @@ class FmuParticipant:
         ]
         return BadInput(lines) if lines else None
 
-    def _note(self, _environment, _instance, status, _category, message):
-        self.log.append((status, (message or b"").decode(errors="replace").replace("%%", "%")))
+    def _note(self, _environment, _instance, status, _category, message, *arguments):
+        self.log.append((status, printed(message, arguments)))
 
     def _vector(self, name):
         """ctypes references and a NumPy buffer with its pointer for a field, made once."""
@@ -196,7 +215,7 @@ class FmuParticipant:
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
         field = self.fields[name]
-        if field.type == "Real":
+        if field.is_double:
             block = self._vector(name)
             block.values[:] = np.ravel(value)
             self._write(block)
@@ -204,7 +223,7 @@ class FmuParticipant:
             values = (
                 np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
             )
-            self._access()[field.type][1](list(field.references), values)
+            self._access()[field.native or field.type][1](list(field.references), values)
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step.
@@ -228,7 +247,7 @@ class FmuParticipant:
     def get(self, name):
         """Value of a field: array of its shape, or a Python scalar."""
         field = self.fields[name]
-        if field.type != "Real":
+        if not field.is_double:
             values = self._listed(field)
             return np.array(values).reshape(field.shape) if field.shape else values[0]
         block = self._vector(name)
@@ -240,11 +259,40 @@ class FmuParticipant:
         values = self._access()[field.type][0](list(field.references))
         return [value.decode() if isinstance(value, bytes) else value for value in values]
 
+    def write(self, names, values):
+        """Set several real fields, one behind the other in `values`."""
+        if not self._are_double(names):
+            write_each(self, names, values)
+            return
+        block = self._pair(names)
+        block.values[:] = values
+        self._write(block)
+
+    def read(self, names):
+        """Several real fields, one behind the other; overwritten by the next reading of the
+        same.
+        """
+        if not self._are_double(names):
+            return read_each(self, names)
+        block = self._pair(names)
+        self._read(block)
+        return block.values
+
+    def _are_double(self, names):
+        """Whether one call can move several fields."""
+        return True
+
     def _write(self, block):
-        self._fmu.fmi2SetReal(self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2SetReal", self._fmu.component, block.references, block.count, block.pointer)
 
     def _read(self, block):
-        self._fmu.fmi2GetReal(self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2GetReal", self._fmu.component, block.references, block.count, block.pointer)
+
+    def _call(self, function, *arguments):
+        """Call the FMU without FMPy's own layers, which cost more than a small FMU."""
+        status = getattr(self._fmu.dll, function)(*arguments)
+        if status > fmi2.fmi2Warning:
+            raise FMICallException(function, status)
 
     def _access(self) -> dict[str, tuple]:
         """FMPy's getter and setter of lists, by type."""
@@ -260,26 +308,79 @@ class FmuParticipant:
     def get_many(self, names):
         """Values of several scalars, a call for each type: dict of name to number."""
         values = {}
-        for kind, (getter, _) in self._access().items():
-            chosen = [name for name in names if self.fields[name].type == kind]
-            if chosen:
-                values |= zip(chosen, getter([self.fields[name].references[0] for name in chosen]))
+        for kind, chosen, references in self._sorted(tuple(names)):
+            if kind in ("Real", "Float64"):
+                values |= zip(chosen, self.read(chosen).tolist())
+            else:
+                values |= zip(chosen, self._access()[kind][0](references))
         return values
+
+    def _sorted(self, names):
+        """Names and references of scalars by type, made once."""
+        if names not in self._chosen:
+            self._chosen[names] = [
+                (kind, chosen, [self.fields[name].references[0] for name in chosen])
+                for kind in self._access()
+                if (chosen := tuple(name for name in names if self._kind(name) == kind))
+            ]
+        return self._chosen[names]
+
+    def _kind(self, name):
+        """Type of a field in the FMU's version of the standard."""
+        return self.fields[name].native or self.fields[name].type
 
     def step(self, time, step):
         """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with
-        its traceback on a bug.
+        its traceback on a bug, Finished where it asks for the end.
         """
         self.log.clear()
+        self.ended = ""
         self._last_step = (time, step)
         try:
-            self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
+            self._do_step(time, step)
         except FMICallException as failure:
             text = self._words(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
                 self._broken = True
                 raise ParticipantFault(f"{self.name}: {text}") from None
+            if self._wants_to_end():
+                self._end(self._reached(time), time + step, step)
+                return
             raise Discard(f"{self.name}: {text}") from None
+
+    def _end(self, reached, end, step):
+        """The FMU asks for the end of the simulation: after this step if it is whole, else Finished
+        is raised.
+        """
+        self.ended = f"{self.name}: asks for the end at t = {reached:.6g} s"
+        if end - reached > WHOLE * step:
+            raise Finished(self.ended)
+
+    def _reached(self, time):
+        """Last instant [s] for which a discarded step was successful; its beginning where the FMU
+        does not say.
+        """
+        answer = ctypes.c_double(time)
+        kind, component = fmi2.fmi2LastSuccessfulTime, self._fmu.component
+        with suppress(FMICallException):
+            self._call("fmi2GetRealStatus", component, kind, ctypes.byref(answer))
+        return answer.value
+
+    def _wants_to_end(self):
+        """Whether the step was discarded because the FMU asks for the end of the simulation."""
+        answer = ctypes.c_int(0)
+        with suppress(FMICallException):
+            self._call(
+                "fmi2GetBooleanStatus",
+                self._fmu.component,
+                fmi2.fmi2Terminated,
+                ctypes.byref(answer),
+            )
+        return bool(answer.value)
+
+    def _do_step(self, time, step):
+        """The call itself; states before its beginning may be asked for again."""
+        self._call("fmi2DoStep", self._fmu.component, time, step, fmi2.fmi2False)
 
     def _words(self, failure):
         """What the FMU logged in the call that failed, or the call's name and status."""
@@ -287,7 +388,9 @@ class FmuParticipant:
 
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""
-        return self._fmu.getFMUstate()
+        state = ctypes.c_void_p()
+        self._call("fmi2GetFMUstate", self._fmu.component, ctypes.byref(state))
+        return state
 
     def restore(self, saved):
         """Go back to a saved state; the next step counts from it."""
@@ -295,10 +398,10 @@ class FmuParticipant:
         self._set_state(saved)
 
     def _set_state(self, saved):
-        self._fmu.setFMUstate(saved)
+        self._call("fmi2SetFMUstate", self._fmu.component, saved)
 
     def free(self, saved):
-        self._fmu.freeFMUstate(saved)
+        self._call("fmi2FreeFMUstate", self._fmu.component, ctypes.byref(saved))
 
     def serialise(self, saved):
         """The saved state as bytes."""

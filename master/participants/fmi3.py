@@ -2,9 +2,16 @@
 whole.
 """
 
+import ctypes
+from functools import cached_property
+
 from fmpy import fmi3
 
-from .fmi2 import FmuParticipant
+from ..fmi.errors import Discard
+from .fmi2 import WHOLE, FmuParticipant
+
+LARGEST_ITERATION = 1000
+"""Calls of fmi3UpdateDiscreteStates at one event."""
 
 
 class Fmu3Participant(FmuParticipant):
@@ -19,7 +26,12 @@ class Fmu3Participant(FmuParticipant):
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)
-        self._fmu.instantiate(loggingOn=True, logMessage=fmi3.fmi3LogMessageCallback(self._note_3))
+        self._fmu.instantiate(
+            loggingOn=True,
+            logMessage=fmi3.fmi3LogMessageCallback(self._note_3),
+            eventModeUsed=self._has_events,
+            earlyReturnAllowed=self._has_events,
+        )
 
     def _note_3(self, _environment, status, _category, message):
         self.log.append((status, (message or b"").decode(errors="replace")))
@@ -28,29 +40,118 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.enterInitializationMode(startTime=start_time, stopTime=stop_time)
 
     def _write(self, block):
-        self._fmu.fmi3SetFloat64(
-            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+        self._call(
+            "fmi3SetFloat64",
+            self._fmu.component,
+            block.references,
+            block.count,
+            block.pointer,
+            block.values.size,
         )
 
     def _read(self, block):
-        self._fmu.fmi3GetFloat64(
-            self._fmu.component, block.references, block.count, block.pointer, block.values.size
+        self._call(
+            "fmi3GetFloat64",
+            self._fmu.component,
+            block.references,
+            block.count,
+            block.pointer,
+            block.values.size,
         )
 
     def _access(self) -> dict[str, tuple]:
         one = self._fmu
+        integers = [f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64)]
+        kinds = ["Float64", "Float32", *integers, "Boolean", "String", "Binary"]
+        access = {kind: (getattr(one, f"get{kind}"), getattr(one, f"set{kind}")) for kind in kinds}
+        return access | {"Enumeration": access["Int64"]}
+
+    def _are_double(self, names):
+        """Whether one call can move several fields: there is one for each type."""
+        events = self._discrete if self._has_events else ()
+        return all(self.fields[name].is_double and name not in events for name in names)
+
+    def _configure(self):
+        """Give the FMU its `sizes`, in Configuration Mode."""
+        if not self.sizes:
+            return
+        self._fmu.enterConfigurationMode()
+        for name, value in self.sizes.items():
+            self.set(name, value)
+        self._fmu.exitConfigurationMode()
+
+    def leave(self):
+        """Leave Initialization Mode; an FMU with an Event Mode is then in it, and leaves it too."""
+        super().leave()
+        if self._has_events:
+            with self._refusing():
+                self._settle_events()
+                self._fmu.enterStepMode()
+
+    @cached_property
+    def _has_events(self):
+        """Whether the FMU is used with Event Mode; where clocks tick, which are not offered, it
+        sees to its events itself.
+        """
+        clocks = any(v.type == "Clock" for v in self.description.modelVariables)
+        return bool(self.description.coSimulation.hasEventMode) and not clocks
+
+    @cached_property
+    def _discrete(self):
+        """Inputs that the standard lets change in Event Mode alone."""
         return {
-            "Real": (one.getFloat64, one.setFloat64),
-            "Integer": (one.getInt32, one.setInt32),
-            "Enumeration": (one.getInt64, one.setInt64),
-            "Boolean": (one.getBoolean, one.setBoolean),
-            "String": (one.getString, one.setString),
-            "Binary": (one.getBinary, one.setBinary),
+            v.name
+            for v in self.description.modelVariables
+            if v.causality == "input" and v.variability == "discrete"
         }
+
+    def set(self, name, value):
+        """Set a field; a discrete input of an FMU with an Event Mode in that."""
+        event = self._begun and self._has_events and name in self._discrete
+        if event:
+            self._fmu.enterEventMode()
+        super().set(name, value)
+        if event:
+            self._settle_events()
+            self._fmu.enterStepMode()
+
+    def _settle_events(self):
+        """In Event Mode, update discrete states until there is nothing left to update; whether the
+        FMU asks for the end.
+        """
+        for _ in range(LARGEST_ITERATION):
+            again, end, *_ = self._fmu.updateDiscreteStates()
+            if end or not again:
+                return end
+        raise Discard(f"{self.name}: an event without end")
+
+    def _do_step(self, time, step):
+        """The call itself, again from where the FMU returned early, through Event Mode where it
+        met an event, until the step is whole.
+        """
+        end, at = time + step, time
+        flags = [ctypes.c_bool() for _ in range(3)]
+        reached = ctypes.c_double()
+        references = [ctypes.byref(answer) for answer in (*flags, reached)]
+        while True:
+            self._call("fmi3DoStep", self._fmu.component, at, end - at, False, *references)
+            event, finished, early = (flag.value for flag in flags)
+            if event and self._has_events and not finished:
+                self._fmu.enterEventMode()
+                finished = self._settle_events()
+                self._fmu.enterStepMode()
+            if finished:
+                self._end(reached.value, end, step)
+                return
+            if not early or end - reached.value <= WHOLE * step:
+                return
+            if not reached.value > at:
+                raise Discard(f"{self.name}: returns early at t = {at:.6g} s and does not go on")
+            at = reached.value
 
     def _listed(self, field):
         """Values of all elements of a field that is not real."""
-        return self._access()[field.type][0](list(field.references), field.size)
+        return self._access()[field.native][0](list(field.references), field.size)
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..fmi.fields import Field
 from .derivatives import difference
+from .participant import FieldByField
 from .plain import pack, unpack
 
 
@@ -55,7 +56,7 @@ def hermite(begin, end, begin_slope, end_slope, step):
     )  # Eq. (P3)
 
 
-class InterpolatedParticipant:
+class InterpolatedParticipant(FieldByField):
     """A participant some of whose inputs are interpolated; what is set is their value at the end of
     the step, as ever.
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput, Discard, ParticipantFault
+from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .open import open_fmu
 
 FAMILY = multiprocessing.get_context("spawn")
@@ -45,6 +45,8 @@ class IsolatedParticipant:
 
     def __init__(self, participant, timeout):
         self.description = participant.description
+        self.described = participant
+        self.ended = ""
         self.timeout = timeout
         self.name = participant.name
         self.fields = participant.fields
@@ -66,9 +68,9 @@ class IsolatedParticipant:
         memory = FAMILY.RawArray("d", 2 * sum(field.size for field in self.fields.values()))
         self._values, self._changes = _views(memory, self.fields)
         self._pipe, other = FAMILY.Pipe()
-        self._process = FAMILY.Process(
-            target=_serve, args=(other, memory, self.name, self.path), daemon=True
-        )
+        described = self.described
+        recipe = self.name, self.path, described.sizes, getattr(described, "length", None)
+        self._process = FAMILY.Process(target=_serve, args=(other, memory, recipe), daemon=True)
         self._process.start()
         other.close()
 
@@ -133,7 +135,7 @@ class IsolatedParticipant:
 
     def end_step(self):
         """Wait for the end of the step that was begun; raises what `step` raises."""
-        self._receive()
+        self.ended = self._receive()
         self._fresh = set(self._read_ahead)
 
     def save(self):
@@ -269,6 +271,7 @@ class _Server:
         self.participant.step(time, step)
         for name in self.read_ahead:
             self.values[name][...] = self.participant.get(name)
+        return self.participant.ended
 
     def save(self, number):
         self.saved[number] = self.participant.save()
@@ -293,21 +296,21 @@ class _Server:
         return list(derivatives)
 
 
-def _serve(pipe, memory, name, path):
+def _serve(pipe, memory, recipe):
     """Answer commands until the pipe closes or `close` is done; Ctrl-C is the master's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, daemon=True).start()
-    server = _Server(open_fmu(name, path), memory)
+    server = _Server(open_fmu(*recipe), memory)
     while True:
         queue = pipe.recv()
         answer = False, None
         try:
             for command in queue:
                 answer = False, server.run(*command)
-        except (Discard, BadInput, ParticipantFault) as error:
+        except (Discard, BadInput, Finished, ParticipantFault) as error:
             answer = True, error
         except Exception:
-            answer = True, ParticipantFault(f"{name}: {traceback.format_exc()}")
+            answer = True, ParticipantFault(f"{recipe[0]}: {traceback.format_exc()}")
         pipe.send(answer)
         if queue[-1][0] == "close":
             return

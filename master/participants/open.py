@@ -5,11 +5,30 @@ from contextlib import suppress
 
 from .fmi2 import FmuParticipant
 from .fmi3 import Fmu3Participant
+from .substeps import Substeps
 
 
-def open_fmu(name, path):
-    """Participant for an FMU of either version of the standard."""
+def open_fmu(name, path, sizes=None, step=None):
+    """Participant for an FMU of either version of the standard.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the system.
+    path : Path
+    sizes : dict of str to int, optional
+        Values of structural parameters.
+    step : float, optional
+        Longest step [s] that it takes inside a macro step.
+    """
+    participant = _kind(path)(name, path, sizes)
+    if step is None and participant.can_vary_steps:
+        return participant
+    return Substeps(participant, step, fixed=not participant.can_vary_steps)
+
+
+def _kind(path):
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
         if b'fmiVersion="3' in archive.open("modelDescription.xml").read(2000):
-            return Fmu3Participant(name, path)
-    return FmuParticipant(name, path)
+            return Fmu3Participant
+    return FmuParticipant

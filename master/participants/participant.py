@@ -2,7 +2,8 @@
 part.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from math import prod
 from typing import Any, Protocol
 
 import numpy as np
@@ -33,7 +34,9 @@ class DescribedVariable(Protocol):
 class Participant(Protocol):
     """One model under the master.
 
-    A saved state is whatever `save` returns; the master hands it back and looks at it never.
+    A saved state is whatever `save` returns; the master hands it back and looks at it never. One
+    that can move several real fields in one call has `write(names, values)` and `read(names)` too,
+    the fields one behind the other; for the others the master goes field by field.
     """
 
     @property
@@ -63,3 +66,30 @@ class Participant(Protocol):
         self, seeds: Mapping[str, np.ndarray], products: Iterable[str]
     ) -> dict[str, np.ndarray]: ...
     def close(self) -> None: ...
+
+
+class FieldByField:
+    """`write` and `read` by `set` and `get`, for a participant that changes what these do."""
+
+    def write(self, names: Sequence[str], values: np.ndarray) -> None:
+        """Set several real fields to what lies one behind the other in `values`."""
+        write_each(self, names, values)
+
+    def read(self, names: Sequence[str]) -> np.ndarray:
+        """Several real fields, one behind the other."""
+        return read_each(self, names)
+
+
+def write_each(participant: Any, names: Iterable[str], values: np.ndarray) -> None:
+    """Set real fields one after the other to what lies one behind the other in `values`."""
+    begin = 0
+    for name in names:
+        shape = participant.fields[name].shape
+        size = prod(shape)
+        participant.set(name, values[begin : begin + size].reshape(shape))
+        begin += size
+
+
+def read_each(participant: Any, names: Iterable[str]) -> np.ndarray:
+    """Real fields asked for one after the other, one behind the other."""
+    return np.concatenate([np.ravel(participant.get(name)) for name in names])

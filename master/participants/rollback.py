@@ -8,14 +8,16 @@ from fmpy.fmi1 import FMICallException
 from ..fmi.errors import Discard
 
 
-def rollback_faults(participant, step):
+def rollback_faults(participant, step, begin=0.0):
     """What is wrong with saving and restoring a started participant's state; it is left as it was.
 
     Parameters
     ----------
     participant : Participant
     step : float
-        Macro step [s] to try, from time 0.
+        Macro step [s] to try.
+    begin : float
+        Where the participant stands [s].
 
     Returns
     -------
@@ -26,8 +28,8 @@ def rollback_faults(participant, step):
     try:
         saved = participant.save()
         try:
-            first = _outcome(participant, saved, step)
-            second = _outcome(participant, saved, step)
+            first = _outcome(participant, saved, begin, step)
+            second = _outcome(participant, saved, begin, step)
         except Discard:
             return []
         finally:
@@ -44,10 +46,10 @@ def rollback_faults(participant, step):
     ]
 
 
-def _outcome(participant, saved, step):
+def _outcome(participant, saved, begin, step):
     """Bytes of every real output after a step from a saved state."""
     participant.restore(saved)
-    participant.step(0.0, step)
+    participant.step(begin, step)
     return {
         name: np.asarray(participant.get(name)).tobytes()
         for name, field in participant.fields.items()

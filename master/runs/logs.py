@@ -32,15 +32,13 @@ class CouplingLog:
         self.total = counters.residual_evaluations
         targets = [".".join(wire.target) for wire in wires]
         self.widths = [max(12, len(target)) for target in targets]
+        self.row = "{:>6} {:>9} " + " ".join(f"{{:>{width}.4e}}" for width in self.widths) + "\n"
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
-        self.convergence = _table(
-            log_path(output, "convergence"), self._line("Window", "Iteration", targets), windows
-        )
+        self.convergence = _table(log_path(output, "convergence"), self._header(targets), windows)
 
-    def _line(self, window, iteration, cells):
-        return f"{window:>6} {iteration:>9} " + " ".join(
-            f"{cell:>{width}}" for cell, width in zip(cells, self.widths)
-        )
+    def _header(self, targets):
+        named = (f"{target:>{width}}" for target, width in zip(targets, self.widths))
+        return f"{'Window':>6} {'Iteration':>9} " + " ".join(named)
 
     def attempt(self, time, step, trail, failure):
         """Note an attempt at the macro step from `time` over `step` [s].
@@ -51,15 +49,17 @@ class CouplingLog:
         self.total += len(trail)
         window = self.windows + 1
         for k, shares in enumerate(trail):
-            print(
-                self._line(window, k + 1, [f"{share:.4e}" for share in shares]),
-                file=self.convergence,
-            )
+            self.convergence.write(self.row.format(window, k + 1, *shares))
         line = ATTEMPT.format(
             window, repr(time), repr(step), len(trail), self.total, int(failure is None)
         )
-        print(f"{line}  {failure}" if failure else line, file=self.iterations)
+        self.iterations.write(f"{line}  {failure}\n" if failure else f"{line}\n")
         self.windows += failure is None
+
+    def flush(self):
+        """Bring all lines to the disk."""
+        self.iterations.flush()
+        self.convergence.flush()
 
     def close(self):
         """Close both; a line that a full disk did not take is lost, the run has heard of it."""
@@ -83,4 +83,4 @@ def _table(path, header, windows):
         head, *rows = [line for line in written if line.endswith("\n")]  # finished lines
         lines = [head, *(row for row in rows if int(row.split()[0]) <= windows)]
     path.write_text("".join(lines))
-    return open(path, "a", buffering=1)
+    return open(path, "a")

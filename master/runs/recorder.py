@@ -14,6 +14,7 @@ Layout
 
 import json
 import os
+import time as clock
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,19 @@ ROOM = 2**18
 """Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
 
 
+CHUNK = 1024
+"""Rows of a series that lie together in the file."""
+LONGEST_WAIT = 1.0
+"""Seconds that a row waits in memory at most while the run goes on."""
+
+
 class CannotWrite(RuntimeError):
     """A file of the run cannot be written: the disk is full, or it is not ours."""
+
+    @classmethod
+    def of(cls, path, error):
+        """What the system says of writing `path`, as a sentence."""
+        return cls(f"{path} cannot be written: {error.strerror or error}")
 
 
 @contextmanager
@@ -39,7 +51,7 @@ def writing(path):
     try:
         yield
     except OSError as error:
-        raise CannotWrite(f"{path} cannot be written: {error.strerror or error}") from error
+        raise CannotWrite.of(path, error) from error
 
 
 def reserve(path, size):
@@ -49,7 +61,8 @@ def reserve(path, size):
 
 
 class Recorder:
-    """Writes `<path>` as `<path>.partial` while the run goes on, `flush_every` rows at a time.
+    """Writes `<path>` as `<path>.partial` while the run goes on, a second's rows at a time, but
+    `flush_every` at most.
 
     Parameters
     ----------
@@ -62,12 +75,12 @@ class Recorder:
         So many rows of an interrupted run's partial file are kept.
     """
 
-    def __init__(self, path, participants, record, attributes, rows=0, flush_every=20):
+    def __init__(self, path, participants, record, attributes, rows=0):
         self.path = Path(path)
         self.partial = Path(f"{path}.partial")
         self.participants = participants
         self.record = record
-        self.flush_every = flush_every
+        self.flush_every = 20 if record.fields else CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
@@ -84,8 +97,9 @@ class Recorder:
             for name, p in participants.items()
         }
         self.rows = rows
+        self.names = {name: tuple(f.name for f in fields) for name, fields in self.scalars.items()}
         self._make_datasets()
-        self._waiting: dict[str, list] = {}
+        self._forget()
         self._reserved = 0
         self._need = ROOM + self._largest_growth()
         self._reserve(fresh, taken_over)
@@ -95,24 +109,29 @@ class Recorder:
         self.file.swmr_mode = True
 
     def _make_datasets(self):
-        self._series("time", "s", "end of the macro step")
+        self.columns, self.fields = [], []
+        self._series(self.columns, "time", "s", "end of the macro step")
         for name, fields in self.scalars.items():
             for field in fields:
-                self._series(dataset_path(f"{name}.{field.name}"), field.unit, field.description)
+                path = dataset_path(f"{name}.{field.name}")
+                self._series(self.columns, path, field.unit, field.description)
         for name, text in (
             ("iterations", "evaluations of the macro step"),
             ("derivative_products", "directional derivatives"),
             ("residual", "largest residual / tolerance of the accepted step"),
         ):
-            self._series(f"coupling/{name}", "1", text)
-        self._series("fields/time", "s", "instants of the recorded fields")
+            self._series(self.columns, f"coupling/{name}", "1", text)
+        self._series(self.fields, "fields/time", "s", "instants of the recorded fields")
         for port in self.record.fields:
             owner, name = port_of(port)
             field = self.participants[owner].fields[name]
-            self._series(f"fields/{dataset_path(port)}", field.unit, field.description, field.shape)
+            path = f"fields/{dataset_path(port)}"
+            self._series(self.fields, path, field.unit, field.description, field.shape)
 
-    def _series(self, name, unit, description, shape=()):
-        chunk = (1, *shape) if shape else (1024,)
+    def _series(self, names, name, unit, description, shape=()):
+        """Make a dataset, and add its name to `names`."""
+        names.append(name)
+        chunk = (1, *shape) if shape else (CHUNK,)
         dataset = self.file.create_dataset(
             name,
             (0, *shape),
@@ -156,7 +175,7 @@ class Recorder:
         self.file.visititems(
             lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None
         )
-        waiting = [self.flush_every + 1 if len(item.shape) > 1 else 1 for item in datasets]
+        waiting = [self.flush_every + 1 if len(item.shape) > 1 else 2 for item in datasets]
         return sum(
             count * item.dtype.itemsize * int(np.prod(item.chunks))
             for count, item in zip(waiting, datasets)
@@ -175,40 +194,39 @@ class Recorder:
         """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time
         are lost then.
         """
-        waiting = self._waiting
-        self._waiting = {}
+        rows, instants = self._waiting, self._instants
+        self._forget()
         self._reserve(self.partial)
-        for name, rows in waiting.items():
-            dataset = self.file[name]
-            dataset.resize(dataset.shape[0] + len(rows), axis=0)
-            dataset[-len(rows) :] = rows
+        for name, column in zip(self.columns, zip(*rows)):
+            _extend(self.file[name], column)
+        for name, column in zip(self.fields, zip(*instants)):
+            _extend(self.file[name], column)
         self.file.flush()
 
-    def _append(self, name, value):
-        self._waiting.setdefault(name, []).append(value)
+    def _forget(self):
+        """No row is waiting."""
+        self._waiting, self._instants = [], []
+        self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
     def write(self, time, solution=None):
         """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
         memory for the next `flush`.
         """
-        values = {
-            name: self.participants[name].get_many([f.name for f in fields])
-            for name, fields in self.scalars.items()
-        }
-        self._append("time", time)
-        for name, row in values.items():
-            for key, value in row.items():
-                self._append(dataset_path(f"{name}.{key}"), value)
-        self._append("coupling/iterations", solution.iterations if solution else 0)
-        self._append("coupling/derivative_products", solution.products if solution else 0)
-        self._append("coupling/residual", solution.history[-1] if solution else 0.0)
+        values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
+        row = [time]
+        for name, found in values.items():
+            row += [found[key] for key in self.names[name]]
+        row += (
+            (solution.iterations, solution.products, solution.history[-1])
+            if solution
+            else (0, 0, 0.0)
+        )
+        self._waiting.append(row)
         if self.rows % self.record.every == 0:
-            self._append("fields/time", time)
-            for port in self.record.fields:
-                owner, name = port_of(port)
-                self._append(f"fields/{dataset_path(port)}", self.participants[owner].get(name))
+            ports = [port_of(port) for port in self.record.fields]
+            self._instants.append([time, *(self.participants[a].get(b) for a, b in ports)])
         self.rows += 1
-        if self.rows % self.flush_every == 0:
+        if len(self._waiting) >= self.flush_every or clock.perf_counter() > self._flush_at:
             self.flush()
         return values
 
@@ -227,3 +245,9 @@ class Recorder:
                 self.flush()
             self.file.close()
             self.file = None
+
+
+def _extend(dataset, values):
+    """Add values at the end of a dataset."""
+    dataset.resize(dataset.shape[0] + len(values), axis=0)
+    dataset[-len(values) :] = values

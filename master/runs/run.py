@@ -5,7 +5,6 @@ what it did.
 import json
 import platform
 import time as clock
-from dataclasses import replace
 from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
@@ -21,17 +20,20 @@ from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Finished
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.rollback import rollback_faults
-from ..participants.timing import Timed, split
 from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
 from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, writing
 from .reductions import Reduction
 
+USUAL_CHECKPOINTS = 50
+"""Macro steps from one checkpoint to the next, where the case does not say ..."""
+CHECKPOINT_SHARE = 0.02
+"""... and where this is the largest share of the time that goes into writing them."""
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
@@ -78,7 +80,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
                 _check_resumable(begin_at, system, output)
             start(
                 system,
-                (lambda participant: []) if begin_at else partial(_trial, step=system.step),
+                (lambda participant: []) if begin_at else partial(_trial, system),
             )
             objected = objections(system, method_of(case.coupling))
             for line in sentences(objected):
@@ -110,9 +112,9 @@ def _check_resumable(checkpoint, system, output):
         raise BadInput(faults)
 
 
-def _trial(participant, step):
+def _trial(system, participant):
     """What is wrong with going back to a saved state, where the participant offers it."""
-    return rollback_faults(participant, step) if participant.can_redo else []
+    return rollback_faults(participant, system.step, system.begin) if participant.can_redo else []
 
 
 class March:
@@ -129,18 +131,15 @@ class March:
             output,
             watch,
         )
-        spent = begin_at.account.spent if begin_at else {"transport": 0.0, "recording": 0.0}
-        timed = replace(
-            system, participants={name: Timed(p, spent) for name, p in system.participants.items()}
-        )
         self.stepper = Stepper(
-            timed,
+            system,
             method_of(case.coupling),
             case.coupling.halvings,
             self,
             case.coupling.predictor,
-            step_control(timed.wires, system.smallest_step),
+            step_control(system.wires, system.smallest_step),
             system.held,
+            begin=system.begin,
         )
         if begin_at:
             try:
@@ -150,6 +149,7 @@ class March:
                     f"{Checkpoint.path(output)}: no checkpoint of this run: {error}"
                 ) from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
+            self.stepper.interface.spent = self.account.spent
         else:
             Checkpoint.path(output).unlink(
                 missing_ok=True
@@ -157,9 +157,12 @@ class March:
             self.account = Account(
                 self.stepper.counters,
                 [Reduction(name, text) for name, text in case.summary.items()],
-                InterfaceWork(self.stepper.interface, case.wires),
-                spent,
+                InterfaceWork(self.stepper.interface, case.wires, system.begin),
+                self.stepper.interface.spent,
             )
+            self.account.spent["recording"] = 0.0
+        self.monitors = monitors(case, system)
+        self.kept_until = 0.0
         self.begin = clock.perf_counter() - self.account.wall_time
         with writing(output):
             self.recorder = Recorder(
@@ -176,35 +179,57 @@ class March:
                 },
                 self.account.rows,
             )
-            self.log = CouplingLog(output, timed.wires, self.account.counters)
+            self.log = CouplingLog(output, system.wires, self.account.counters)
 
     def go(self, heard):
-        """March to the stop time, or to the end of the macro step in which a signal is `heard`; the
-        summary.
+        """March to the stop time, to the end of the macro step in which a signal is `heard`, or to
+        the last one before a participant asks for the end; the summary.
         """
-        stop, steps = self.system.stop, round(self.system.stop / self.system.step)
-        every = self.case.record.checkpoint_every
+        begin, whole = self.system.begin, self.system.stop - self.system.begin
+        steps = round(whole / self.system.step)
         if not self.account.rows:
-            self.recorder.write(0.0)
+            self.recorder.write(begin)
+        ended = ""
         for k in range(self.account.steps_done, steps):
-            before, after = stop * k / steps, stop * (k + 1) / steps
-            self.stepper.advance(before, after - before)
+            before, after = begin + whole * k / steps, begin + whole * (k + 1) / steps
+            if ended := self._advance(before, after - before):
+                break
             self.account.steps_done = k + 1
-            if heard.signal or (every and (k + 1) % every == 0):
+            if heard.signal or self.is_due(k + 1):
                 self.keep()
             if heard.signal and k + 1 < steps:
                 raise Interrupted(self.output, after)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        if ended:
+            summary["ended_early"] = ended
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
         self.recorder.finish(summary)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
 
+    def _advance(self, time, step):
+        """One macro step of the case; who asks for the end of the run then, or nothing."""
+        try:
+            self.stepper.advance(time, step)
+        except Finished as wish:
+            return str(wish)
+        wishes = (getattr(p, "ended", "") for p in self.system.participants.values())
+        return next(filter(None, wishes), "")
+
+    def is_due(self, steps):
+        """Whether a checkpoint is to be written after so many macro steps."""
+        every = self.case.record.checkpoint_every
+        if every is not None:
+            return bool(every) and steps % every == 0
+        return steps % USUAL_CHECKPOINTS == 0 and clock.perf_counter() >= self.kept_until
+
     def attempted(self, time, step, trail, failure):
         """Log an attempt at a macro step."""
-        with writing(self.output):
+        try:
             self.log.attempt(time, step, trail, failure)
+        except OSError as error:
+            raise CannotWrite.of(self.output, error) from error
 
     def accepted(self, time, solution):
         """Record an accepted step, and tell of it."""
@@ -215,7 +240,8 @@ class March:
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
             account.work.add(time, solution.inputs, self.stepper.interface.read())
-        self.watch(time, self.system.stop, solution, monitored(self.case, self.system, values))
+        monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
+        self.watch(time, self.system.stop, solution, monitored)
 
     def keep(self):
         """Write a checkpoint, if all participants can put their states into a file."""
@@ -223,6 +249,7 @@ class March:
             return
         begin = clock.perf_counter()
         self.recorder.flush()
+        self.log.flush()
         self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
         with writing(Checkpoint.path(self.output)):
             Checkpoint(
@@ -232,7 +259,9 @@ class March:
                 self.account,
                 self.fingerprints,
             ).write(self.output)
-        self.account.spent["recording"] += clock.perf_counter() - begin
+        end = clock.perf_counter()
+        self.kept_until = end + (end - begin) / CHECKPOINT_SHARE
+        self.account.spent["recording"] += end - begin
 
     @cached_property
     def fingerprints(self):
@@ -245,13 +274,21 @@ class March:
         self.log.close()
 
 
-def monitored(case, system, values):
-    """Monitor entries of the step just taken: name -> (value, unit)."""
-    shown = {}
-    for name, text in case.monitor.items():
-        owner, variable = port_of(reduced(text).port)
-        shown[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
-    return shown
+def monitors(case, system):
+    """Monitor entries: (name, port, unit) of each."""
+    ports = {name: port_of(reduced(text).port) for name, text in case.monitor.items()}
+    return [
+        (name, port, system.participants[port[0]].fields[port[1]].unit)
+        for name, port in ports.items()
+    ]
+
+
+def split(spent, whole):
+    """Summary entries [s]: what is in `spent`, and as acceleration the rest of the whole."""
+    return {
+        f"wall_time_{name}_s": seconds
+        for name, seconds in (spent | {"acceleration": whole - sum(spent.values())}).items()
+    }
 
 
 def summarise(account, control, wall_time):

@@ -110,8 +110,10 @@ def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> floa
     """
     share = 1.0
     for wire, part in zip(interface.wires, interface.parts):
+        if wire.largest_decrease is None:
+            continue
         down = change[part] < 0
-        if wire.largest_decrease is None or not down.any():
+        if not down.any():
             continue
         smallest = x[part].min()
         floor = smallest - wire.largest_decrease * max(smallest, wire.nominal / 10)

@@ -1,0 +1,78 @@
+"""Log messages of FMI 2.0 with their printf arguments.
+
+The standard's logger is variadic, which ctypes has no words for. On 64-bit Linux a callee that is
+passed more arguments than it declares finds integers and pointers in one sequence, floating point
+numbers in another; a callback that declares enough of both hears every argument of the message.
+"""
+
+import ctypes
+import platform
+import re
+import sys
+
+WORDS, DOUBLES = 24, 8
+"""Integers and pointers, and floating point numbers, that a message can have."""
+HEARD = sys.platform == "linux" and platform.machine() in ("x86_64", "aarch64")
+CONVERSION = re.compile(
+    r"%(?P<flags>[-+ #0]*)(?P<width>\*|\d+)?(?:\.(?P<precision>\*|\d*))?"
+    r"(?P<length>hh|h|ll|l|z|j|t)?(?P<kind>[diouxXcspeEfFgG%])"
+)
+SIZES = {"hh": 1, "h": 2, None: 4}
+
+Logger = ctypes.CFUNCTYPE(
+    None,
+    ctypes.c_void_p,  # environment
+    ctypes.c_char_p,  # instance
+    ctypes.c_int,  # status
+    ctypes.c_char_p,  # category
+    ctypes.c_char_p,  # message
+    *([ctypes.c_uint64] * WORDS if HEARD else []),
+    *([ctypes.c_double] * DOUBLES if HEARD else []),
+)
+"""fmi2CallbackLogger, its further arguments among its own."""
+
+
+def printed(message, arguments):
+    """The text of a message that `Logger` hears, `arguments` what comes after it."""
+    text = (message or b"").decode(errors="replace")
+    if not arguments:
+        return text.replace("%%", "%")
+    words, doubles = iter(arguments[:WORDS]), iter(arguments[WORDS:])
+    try:
+        return CONVERSION.sub(lambda found: _converted(found, words, doubles), text)
+    except StopIteration:
+        return text
+
+
+def _converted(found, words, doubles):
+    """One conversion with the arguments it takes."""
+    kind = found["kind"]
+    if kind == "%":
+        return "%"
+    width = _given(found["width"], words)
+    precision = _given(found["precision"], words)
+    sized = "" if precision is None else f".{precision}"
+    form = f"%{found['flags']}{'' if width is None else width}{sized}"
+    if kind in "eEfFgG":
+        return f"{form}{kind}" % next(doubles)
+    word = next(words)
+    if kind == "s":
+        given = ctypes.string_at(word) if word else b"(null)"
+        return f"{form}s" % given.decode(errors="replace")
+    if kind == "p":
+        return f"{form}s" % hex(word)
+    if kind == "c":
+        return f"{form}s" % chr(word & 0xFF)
+    bits = 8 * SIZES.get(found["length"], 8)
+    number = word & ((1 << bits) - 1)
+    if kind in "di" and number >> (bits - 1):
+        number -= 1 << bits
+    return f"{form}{kind}" % number
+
+
+def _given(text, words):
+    """A width or precision; `*` takes an argument of its own."""
+    if text != "*":
+        return text
+    number = next(words) & 0xFFFFFFFF
+    return number - (1 << 32) if number >> 31 else number

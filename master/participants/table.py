@@ -1,0 +1,219 @@
+"""A signal table as a participant: columns of a CSV file over time as outputs.
+
+The first line names the columns, units in brackets: `time [s], speed [rpm], lift [mm]`. The first
+column is the time. Outputs are in SI.
+"""
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..fmi.errors import BadInput
+from ..fmi.fields import Field
+from ..fmi.quantities import is_known, pint_unit, registry
+from .interpolated import slope_of
+from .plain import pack, unpack
+
+HEAD = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+KINDS = ("hold", "linear", "cubic")
+
+
+class TableParticipant:
+    """Outputs by interpolation in a table, at the end of every step.
+
+    hold : the value of the last row that is not later; linear : between rows; cubic : the cubic
+    spline through all rows (third derivative continuous at the second and the last but one), with
+    the slope of each column as an output `der(NAME)` beside it.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the system.
+    path : Path
+        The CSV file.
+    kind : {"hold", "linear", "cubic"}
+
+    Raises
+    ------
+    BadInput
+        With every fault of the file.
+    """
+
+    can_redo = can_serialise = declares_units = True
+    can_interpolate = has_derivatives = False
+
+    def __init__(self, name, path, kind):
+        self.name, self.path, self.kind = name, Path(path), kind
+        names, units, self.times, columns = read_table(self.path)
+        if kind == "cubic" and len(self.times) < 4:
+            raise BadInput(f"{path}: a cubic needs four rows, there are {len(self.times)}")
+        self.fields = {}
+        self.columns = {}
+        for column, unit, values in zip(names, units, columns):
+            self._add(column, unit, values, f"column {column} of {self.path.name}")
+        if kind == "cubic":
+            for column, unit in list(zip(names, units)):
+                spline = CubicSpline(self.times, self.columns[column])
+                self.columns[column] = spline
+                slope = _field(slope_of(column), f"{unit}/s", f"slope of {column}", column)
+                self.fields[slope.name] = slope
+                self.columns[slope.name] = spline.derivative()
+        self.now = 0.0
+
+    def _add(self, column, unit, values, description):
+        self.fields[column] = _field(column, unit, description)
+        self.columns[column] = values
+
+    def start(self, parameters, start_time, stop_time):
+        """Stand at the start time; BadInput if the table does not reach from start to stop."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`."""
+        first, last = self.times[0], self.times[-1]
+        spare = 1e-9 * (stop_time - start_time)
+        if start_time < first - spare or (self.kind != "hold" and stop_time > last + spare):
+            raise BadInput(
+                f"{self.name}: {self.path.name} reaches from {first:g} s to {last:g} s, "
+                f"the run from {start_time:g} s to {stop_time:g} s"
+            )
+        self.now = start_time
+
+    def leave(self):
+        """Second half of `start`."""
+
+    def set(self, name, value):
+        """Never asked for: it has no inputs."""
+        raise KeyError(name)
+
+    def get(self, name):
+        """An output now."""
+        values = self.columns[name]
+        if self.kind == "cubic":
+            return float(values(self.now))
+        if self.kind == "linear":
+            return float(np.interp(self.now, self.times, values))
+        row = np.searchsorted(self.times, self.now * (1 + 1e-12), side="right") - 1
+        return float(values[max(row, 0)])
+
+    def get_many(self, names):
+        """Values of several outputs: dict of name to number."""
+        return {name: self.get(name) for name in names}
+
+    def step(self, time, step):
+        """Go to the end of a step."""
+        self.now = time + step
+
+    def save(self):
+        """The time at which it stands."""
+        return self.now
+
+    def restore(self, saved):
+        """Go back to a saved time."""
+        self.now = saved
+
+    def free(self, saved):
+        """Nothing to free."""
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        return pack(saved)
+
+    def deserialise(self, data):
+        """The state that `serialise` made into bytes."""
+        return unpack(data)
+
+    def derivative(self, seeds, products):
+        """Nothing depends on an input."""
+        return {name: np.zeros(()) for name in products}
+
+    def close(self):
+        """Nothing to close."""
+
+
+def _field(name, unit, description, derivative_of=None):
+    """Field of an output."""
+    none = None, None, None, None
+    return Field(name, (), (), "Real", "output", unit, *none, description, derivative_of)
+
+
+def read_table(path):
+    """Names and SI units of the columns but the first, times [s], and the columns in SI.
+
+    Raises BadInput with every fault of the file.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path}: {error}") from None
+    rows = [row for row in csv.reader(lines) if row and not row[0].lstrip().startswith("#")]
+    if len(rows) < 3:
+        raise BadInput(f"{path}: needs a line of names and at least two rows")
+    head, *body = rows
+    faults = []
+    named = [_column(path, cell, faults) for cell in head]
+    names = [name for name, _ in named]
+    faults += [f"{path}: two columns are named {n!r}" for n in set(names) if names.count(n) > 1]
+    table = _numbers(path, body, len(head), faults)
+    if faults:
+        raise BadInput(faults)
+    columns = [(unit.m_from(values), unit) for values, (_, unit) in zip(table.T, named)]
+    times, unit = columns[0]
+    if unit.si not in ("s", "1"):
+        faults.append(f"{path}: the first column must be the time, it is in {unit.si}")
+    if not (np.diff(times) > 0).all():
+        faults.append(f"{path}: the times must increase from row to row")
+    if len(columns) < 2:
+        faults.append(f"{path}: there is no column beside the time")
+    if faults:
+        raise BadInput(faults)
+    others = columns[1:]
+    return names[1:], [u.si for _, u in others], times, [values for values, _ in others]
+
+
+class _Unit:
+    """A column's unit: `si` as FMI writes it, and its values in that."""
+
+    def __init__(self, text):
+        if not is_known(text):
+            raise ValueError(f"nothing is known of the unit {text}")
+        self.unit = registry().Unit(pint_unit(text))
+        self.base: Any = registry().Quantity(1.0, self.unit).to_base_units().units
+        units = self.base._units.items()
+        powers = {f"{registry().Unit(name):~}": int(power) for name, power in units}
+        self.si = ".".join(f"{n}{'' if p == 1 else p}" for n, p in sorted(powers.items())) or "1"
+
+    def m_from(self, values):
+        """The column in SI."""
+        return registry().Quantity(values, self.unit).to(self.base).magnitude
+
+
+def _column(path, cell, faults):
+    """Name and unit of a column."""
+    found = HEAD.fullmatch(cell)
+    if not found or not found["name"]:
+        faults.append(f"{path}: {cell!r} names no column; write NAME or NAME [unit]")
+        return "", _Unit("1")
+    try:
+        return found["name"], _Unit(found["unit"] or "1")
+    except ValueError as error:
+        faults.append(f"{path}: column {found['name']}: {error}")
+        return found["name"], _Unit("1")
+
+
+def _numbers(path, rows, width, faults):
+    """The rows as an array; faults of each row that is not."""
+    table = np.zeros((len(rows), width))
+    for k, row in enumerate(rows):
+        try:
+            table[k] = [float(cell) for cell in row]
+        except ValueError:
+            faults.append(f"{path}: row {k + 2} does not hold {width} numbers")
+    if not np.isfinite(table).all():
+        faults.append(f"{path}: there are values that are not finite")
+    return table

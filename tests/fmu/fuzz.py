@@ -1,0 +1,221 @@
+"""Model descriptions and case files with random damage: each is taken, or refused by a sentence.
+Run: python tests/fmu/fuzz.py 10000
+
+Nothing is executed: an FMU's code trusts its own description.
+"""
+
+import os
+import random
+import re
+import shutil
+import sys
+import tempfile
+import traceback
+import warnings
+import zipfile
+from collections import Counter
+from pathlib import Path
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.errors import BadInput
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.fmu.counter import description
+
+STRANGE = (
+    *("", "0", "-1", "1e999", "nan", "inf", "-0.5", "99999999999999999999", "true", "null", "é"),
+    *(
+        "a.b",
+        "x[1]",
+        "x[0]",
+        "x[2,3]",
+        "x[1",
+        "der(x)",
+        "../../x",
+        "[[]]",
+        "1 furlong",
+        "m",
+        "kg.m-1",
+    ),
+    *("Real", "Float64", "UInt8", "Clock", "Binary", "parameter", "input", "output", "local"),
+    *("2.0", "3.0", "1.0", "\x00", "&amp;", "&#x0;", "%s%n", "x" * 3000, '"', "<", "]]>"),
+)
+MILLIMETRE = '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+DESCRIPTION_3 = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="1">
+  <CoSimulation modelIdentifier="m" canHandleVariableCommunicationStepSize="true"
+    canGetAndSetFMUState="true" canSerializeFMUState="true" hasEventMode="true"/>
+  <UnitDefinitions>MILLIMETRE</UnitDefinitions>
+  <TypeDefinitions><EnumerationType name="Phase"><Item name="a" value="1"/></EnumerationType>
+  </TypeDefinitions>
+  <ModelVariables>
+    <Float64 name="u" valueReference="1" causality="input" start="0" unit="mm" nominal="1"/>
+    <Float64 name="x" valueReference="2" causality="output" unit="mm" min="-1" max="1"/>
+    <UInt64 name="n" valueReference="3" causality="structuralParameter" variability="tunable"
+      start="2"/>
+    <Float64 name="field" valueReference="4" causality="output"><Dimension valueReference="3"/>
+      <Dimension start="3"/></Float64>
+    <Float32 name="f" valueReference="5" causality="output" derivative="2"/>
+    <Int8 name="i" valueReference="6" causality="output"/>
+    <Enumeration name="e" valueReference="7" causality="input" start="1" declaredType="Phase"/>
+    <String name="s" valueReference="8" causality="output"><Start value="a"/></String>
+    <Binary name="b" valueReference="9" causality="input"><Start value="00"/></Binary>
+    <Boolean name="k" valueReference="10" causality="parameter" variability="fixed" start="true"/>
+  </ModelVariables>
+  <ModelStructure><Output valueReference="2"/></ModelStructure>
+</fmiModelDescription>
+""".replace("MILLIMETRE", MILLIMETRE)
+CASE = """title = "fuzz"
+[time]
+start = "0 s"
+stop = "1 s"
+step = "0.1 s"
+[participants.a]
+fmu = "a.fmu"
+step = "10 ms"
+[participants.a.parameters]
+u = "1 mm"
+[participants.b]
+fmu = "b.fmu"
+isolated = true
+timeout = "5 s"
+[participants.c]
+table = "table.csv"
+interpolation = "linear"
+[[wires]]
+from = "c.u"
+to = "a.u"
+interpolation = "linear"
+[[wires]]
+from = "a.x"
+to = "b.u"
+tolerance = "1 um"
+local_error = 1e-3
+[coupling]
+method = "newton"
+order = ["c", "a", "b"]
+max_iterations = 20
+[record]
+fields = ["a.x"]
+every = 2
+[summary]
+x = "max a.x"
+[[pictures]]
+file = "x.png"
+title = "x"
+kind = "lines"
+x = "a.x"
+y = [["a.x"]]
+[variants.other]
+"time.stop" = "2 s"
+"""
+TABLE = "time [s], u [mm]\n0, 1\n0.5, 2\n2, 3\n3, 4\n"
+
+
+def descriptions():
+    """Two FMUs, of FMI 2.0 and 3.0."""
+    units = {"u": "mm"}
+    return description(units=units, definitions=MILLIMETRE), DESCRIPTION_3
+
+
+def damaged(text, rng):
+    """The text with a few random changes."""
+    for _ in range(rng.choice((1, 1, 1, 2, 4))):
+        text = rng.choice((_value, _value, _piece, _character, _line))(text, rng)
+    return text
+
+
+QUOTED = re.compile(r'(?<=")[^"\n]*(?=")')
+ANY = re.compile(r"-?\d[\d.e-]*|\b[a-zA-Z]\w+\b")
+
+
+def _value(text, rng):
+    """Something strange, or another value, in place of a quoted text; at times of any word."""
+    places = list((QUOTED if rng.random() < 0.8 else ANY).finditer(text))
+    if not places:
+        return text
+    place, other = rng.choice(places), rng.choice(places)
+    new = rng.choice(STRANGE) if rng.random() < 0.6 else other.group()
+    return text[: place.start()] + new + text[place.end() :]
+
+
+def _piece(text, rng):
+    """A piece cut out, or put in elsewhere."""
+    begin = rng.randrange(len(text) + 1)
+    piece = text[begin : begin + rng.randint(1, 80)]
+    at = rng.randrange(len(text) + 1)
+    return text.replace(piece, "", 1) if rng.random() < 0.5 else text[:at] + piece + text[at:]
+
+
+def _character(text, rng):
+    """One character changed."""
+    at = rng.randrange(len(text) + 1)
+    return text[:at] + chr(rng.choice((rng.randrange(1, 128), 0xE9, 0x2028))) + text[at + 1 :]
+
+
+def _line(text, rng):
+    """A line twice, or not at all."""
+    lines = text.splitlines(keepends=True)
+    if not lines:
+        return text
+    k = rng.randrange(len(lines))
+    lines[k : k + 1] = [lines[k]] * rng.choice((0, 2))
+    return "".join(lines)
+
+
+def attempt(seed, folder, descriptions):
+    """What became of one damaged system: "taken" or "refused"; anything else is raised."""
+    rng = random.Random(seed)
+    files = {"a": DESCRIPTION_3, "b": rng.choice(descriptions)}
+    case, table = CASE, TABLE
+    target = rng.choice(("a", "b", "case", "case", "table"))
+    if target == "case":
+        case = damaged(case, rng)
+    elif target == "table":
+        table = damaged(table, rng)
+    else:
+        files[target] = damaged(files[target], rng)
+    for name, text in files.items():
+        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as archive:
+            archive.writestr("modelDescription.xml", text.encode(errors="replace"))
+    (folder / "table.csv").write_bytes(table.encode(errors="replace"))
+    path = folder / "case.toml"
+    path.write_bytes(case.encode(errors="replace"))
+    try:
+        open_system(check_case(read_tree(path), path), folder, lambda line: None)
+    except BadInput as refusal:
+        assert refusal.faults, "refused without a word"
+        return "refused"
+    return "taken"
+
+
+def fuzz(count, folder, descriptions, first=0):
+    """Outcomes of many attempts, and the tracebacks of those that came to neither."""
+    outcomes, bugs = Counter(), {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for seed in range(first, first + count):
+            try:
+                outcomes[attempt(seed, folder, descriptions)] += 1
+            except Exception:
+                bugs[seed] = traceback.format_exc()
+            if seed % 500 == 499:
+                shutil.rmtree(folder / "cache" / "unpacked", ignore_errors=True)
+    return outcomes, bugs
+
+
+def main():
+    folder = Path(tempfile.mkdtemp())
+    os.environ["PISTON_COSIM_CACHE"] = str(folder / "cache")
+    outcomes, bugs = fuzz(int(sys.argv[1]), folder, descriptions())
+    for seed, text in list(bugs.items())[:10]:
+        print(f"seed {seed}\n{text}")
+    last_lines = Counter(text.strip().splitlines()[-1][:150] for text in bugs.values())
+    print(dict(outcomes), f"{len(bugs)} by a traceback", *last_lines.most_common(), sep="\n")
+    shutil.rmtree(folder)
+    sys.exit(bool(bugs))
+
+
+if __name__ == "__main__":
+    main()

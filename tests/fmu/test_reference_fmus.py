@@ -1,0 +1,77 @@
+"""Modelica's Reference-FMUs alone under the master, against the results that they carry.
+
+The folder named by PISTON_COSIM_REFERENCE_FMUS holds them, of FMI 2.0 and 3.0, in any sub-folders;
+without it the test is skipped.
+"""
+
+import csv
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+FOLDER = os.environ.get("PISTON_COSIM_REFERENCE_FMUS", "")
+FMUS = sorted(Path(FOLDER).rglob("*.fmu")) if FOLDER else []
+WITHOUT = {
+    "Clocks": "is for scheduled execution alone",
+    "Roberts": "carries the results of BouncingBall",
+}
+TOLERANCE = 1e-12  # the same arithmetic: what the CSV rounds, 16 digits
+
+
+def reference(fmu):
+    """Columns of the CSV in an FMU: name -> list of texts; None without one."""
+    with zipfile.ZipFile(fmu) as archive:
+        names = [name for name in archive.namelist() if name.endswith("_out.csv")]
+        if not names:
+            return None
+        head, *rows = csv.reader(archive.read(names[0]).decode().splitlines())
+    return {name: list(column) for name, column in zip(head, zip(*rows))}
+
+
+def numbers(column):
+    """Values of a column: numbers, truth values, or arrays of numbers with spaces between."""
+    said = {"true": "1", "false": "0"}
+    return np.squeeze([[float(said.get(t, t)) for t in text.split(" ")] for text in column])
+
+
+@pytest.mark.skipif(not FMUS, reason="PISTON_COSIM_REFERENCE_FMUS names no folder of FMUs")
+@pytest.mark.parametrize("fmu", FMUS, ids=lambda path: str(path.relative_to(FOLDER)))
+def test_alone_to_its_own_reference(fmu, tmp_path):
+    if fmu.stem in WITHOUT:
+        pytest.skip(f"{fmu.stem} {WITHOUT[fmu.stem]}")
+    columns = reference(fmu)
+    assert columns, "the FMU carries no reference results"
+    time = numbers(columns.pop("time"))
+    fields = open_fmu("one", fmu).fields
+    wanted = [n for n in columns if n in fields and fields[n].type not in ("String", "Binary")]
+    assert wanted
+    tree = {
+        "title": fmu.stem,
+        "time": {
+            "start": f"{time[0]} s",
+            "stop": f"{time[-1]} s",
+            "step": f"{time[1] - time[0]} s",
+        },
+        "participants": {"one": {"fmu": str(fmu)}},
+        "wires": [],
+        "coupling": {"order": ["one"]},
+        "record": {"fields": [f"one.{name}" for name in wanted]},
+    }
+    case = check_case(tree, "case")
+    run(open_system(case, tmp_path, print), case, tree, tmp_path / "o.h5")
+    results = Results(tmp_path / "o.h5")
+    for name in wanted:
+        found = results.dataset(f"one.{name}")[:]
+        expected = numbers(columns[name])
+        np.testing.assert_allclose(
+            np.squeeze(found), expected, rtol=TOLERANCE, atol=TOLERANCE, err_msg=name
+        )
