@@ -437,7 +437,8 @@ class LubricationModel:
             if coating.has_converged(change, deflection):
                 solution = replace(solution, iterations=factorisations)
                 return StepFilm(inputs, flow, solution, deflection)
-            deflection = deflection + change
+            film = np.maximum(inputs.film_thickness, self.parameters.minimum_flow_film)
+            deflection = deflection + coating.limited(change, film)
             unknown = solution.unknown
             full = solution.full
             guess = solution.full
