@@ -28,6 +28,7 @@ from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
 from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load, save
+from .reduction.rigid import rigid_block, rigid_piston
 
 Say = Callable[[str], None]
 Given = TypeVar("Given")
@@ -142,6 +143,13 @@ def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: S
     """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
     checked.
     """
+    if options.rigid:
+        body = (
+            rigid_piston(options, grid)
+            if isinstance(options, Piston)
+            else rigid_block(options, grid)
+        )
+        return _carried(name, body)
     if options.reduced:
         path = Path(options.reduced)
         _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)

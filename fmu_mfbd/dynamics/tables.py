@@ -12,7 +12,6 @@ import numpy as np
 
 from ..geometry.profile import MeasuredShape
 
-
 WIDEST_GAP = 4.0
 """Of the angles of a profile, by the usual one: a spline across a wider one goes anywhere."""
 
