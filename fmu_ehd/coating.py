@@ -140,7 +140,7 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
 
 
 def limited(change: Array, film_thickness: Array) -> Array:
-    """A change of the deflection that leaves each film its size, but for `LARGEST_CHANGE` of it [m].
+    """A change of the deflection that leaves each film its size, but for a share of it [m].
 
     Far from the solution Newton's method closes films, which then carry pressures that no later
     iteration finds back from; near it nothing is cut.

@@ -37,6 +37,7 @@ from .bases import (
     orthonormal_modes,
     pressure_modes,
 )
+from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, interpolation, radial_and_axial
 from .reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
@@ -163,7 +164,11 @@ def reduce_piston(
         What is wrong with mesh, matrices, supports or number of modes.
     """
     mesh, K, M = full_model(options, ("skirt", "crown", "pin_bore"), progress)
+    east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
+    mass = float(east @ (M @ east))
+    _refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = _ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
     position = mesh.points - np.array([options.pin_offset, 0.0, 0.0])
     around, along = grid
     angle, height = cell_centres(around, along, lower, upper)
@@ -216,6 +221,7 @@ def reduce_block(
         As `reduce_piston`.
     """
     mesh, K, M = full_model(options, ("bore", "bolts"), progress)
+    _refuse(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
     lower, upper = _ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -238,6 +244,12 @@ def reduce_block(
         radius=surface.radius,
     )
     return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, around))
+
+
+def _refuse(faults: list[str], options: Piston | Block) -> None:
+    """Raise MeshFault with the faults, if there are any."""
+    if faults:
+        raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
 def _anatomy(mesh, position, M, shapes, options, angles):

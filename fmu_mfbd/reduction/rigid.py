@@ -1,4 +1,4 @@
-"""Bodies of a data sheet, without modes: mass, centre, inertia and a cylinder in place of a mesh."""
+"""Bodies of a data sheet, without modes: mass, centre, inertia, cylinder in place of a mesh."""
 
 import numpy as np
 

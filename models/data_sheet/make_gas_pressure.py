@@ -1,4 +1,4 @@
-"""Gas pressure of the data-sheet engine, which its paper does not tabulate: writes gas_pressure.csv.
+"""Gas pressure of the data-sheet engine, not tabulated in its paper: writes gas_pressure.csv.
 
 Compression and expansion are polytropes of the slider-crank's volume; heat is released by a Wiebe
 function, as a factor that the pressure gains beside the polytrope. Gauge, 0 deg: firing top dead

@@ -103,8 +103,8 @@ def test_profile_file_and_interpolation(tmp_path):
 
 @pytest.mark.parametrize("first", [0.0, 7.0])
 def test_a_coarse_table_is_as_good_as_a_dense_one(first):
-    """180 um of ovality by 24 angles, 20 um of barrel by 9 heights: 0.05 um, the fourth derivative of
-    720 um / 384 x (15 deg)^4; straight lines missed the thrust face by 0.8 um.
+    """180 um of ovality by 24 angles, 20 um of barrel by 9 heights: 0.01 um, the fourth derivative
+    of 720 um / 384 x (15 deg)^4; straight lines between the angles missed by 1.5 um.
     """
     angle = np.radians(first + np.arange(0.0, 360.0, 15.0))
     height = np.linspace(-14e-3, 13e-3, 9)
