@@ -10,6 +10,7 @@ from . import cavitation, reynolds
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
 from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
+from .openings import Openings
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
@@ -68,8 +69,8 @@ class FilmStep:
     model : str
         Name of the cavitation model, a key of `cavitation.CAVITATION`.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cells without a film (cut-outs), which hold the pressure and film fraction of the lower
-        edge.
+        Cells without a film, which hold the pressure and film fraction of the lower edge,
+        `openings`.
     solver : sparse.LinearSolver, optional
         `sparse.linear_solver` by default.
     """
@@ -88,6 +89,7 @@ class FilmStep:
         self._cells = grid.cells
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
+        self.openings = Openings(self.open_cells, grid.cells)
         self._right = np.empty(0)
         self._step: _Step | None = None
         self._solution: FilmSolution | None = None
@@ -130,7 +132,11 @@ class FilmStep:
         """
         model = self.model
         ring = self.grid.ring
+        if self._has_openings:
+            film = self.openings.without_resistance(film)
         faces = reynolds.faces(film, entrainment, self._cells)
+        if self._has_openings:
+            self.openings.close(faces)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
         held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
@@ -212,6 +218,8 @@ class FilmStep:
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
+        if self._has_openings:
+            film = self.openings.without_resistance(film)
         stencil = reynolds.linearise(
             film,
             film_slopes,

@@ -158,8 +158,8 @@ def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
     body = sheet(tmp_path, monkeypatch, pin_offset="0.5 mm")
     assert body["S"] == pytest.approx([1.39e-3, 36.835e-3])
     assert body["I0"] == pytest.approx(0.003 + 1.39 * 703.25e-6)
-    assert body["mass"] == 1.39 and body["radius"] == 54.95e-3
-    assert (body["skirt_lower"], body["skirt_upper"]) == (-45.5e-3, 37.3e-3)
+    assert (body["mass"], body["radius"]) == pytest.approx((1.39, 54.95e-3))
+    assert (body["skirt_lower"], body["skirt_upper"]) == pytest.approx((-45.5e-3, 37.3e-3))
     assert body["omega"].size == body["radial"].size == 0
 
 
