@@ -1,8 +1,8 @@
 """Cells without a film: windows, pin holes, where there is no skirt.
 
 They hold the pressure and the film fraction of what is around the skirt, up to their edge. For the
-film beside them that is an edge, half a cell from its centre, with its own film alone (Eq. (E3) with
-g -> inf behind the face); what is given inside an opening is looked at nowhere.
+film beside them that is an edge, half a cell from its centre, with its own film alone, Eq. (E3)
+with g -> inf behind the face; what is given inside an opening is looked at nowhere.
 """
 
 import numpy as np
@@ -39,7 +39,7 @@ class Openings:
         return np.ascontiguousarray(field[self._beside])
 
     def without_resistance(self, film: Array) -> Array:
-        """Quantities of `films`, shape (6, n_c, n_a), with openings that oil runs freely through."""
+        """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""
         film = film.copy()
         for row in (CONDUCTIVITY_C, CONDUCTIVITY_A):
             film[row][self.open_cells] = FREE

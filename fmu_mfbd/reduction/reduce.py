@@ -38,11 +38,11 @@ from .bases import (
     pressure_modes,
 )
 from .geometry import block_faults, piston_faults
-from .interpolation import SurfaceReading, interpolation, radial_and_axial
+from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
 
-VERSION = 10  # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 11  # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
 FILES = ("mesh", "stiffness", "mass")
@@ -173,6 +173,12 @@ def reduce_piston(
     around, along = grid
     angle, height = cell_centres(around, along, lower, upper)
     surface = _film_surface(mesh, "skirt", angle, height)
+    there = covered(mesh.points, mesh.faces["skirt"], angle, height, surface.radius)
+    if not there.all():
+        progress(
+            f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
+            "under them, and no film"
+        )
     gas = face_load(mesh.points, mesh.faces["crown"])
     gas /= -gas[:, 1].sum()  # unit resultant along -y
     inertia = [
@@ -198,7 +204,7 @@ def reduce_piston(
         skirt_lower=lower,
         skirt_upper=upper,
     )
-    return Reduced(body, _anatomy(mesh, position, M, shapes, options, around))
+    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there))
 
 
 def reduce_block(
@@ -243,7 +249,8 @@ def reduce_block(
         heights=heights,
         radius=surface.radius,
     )
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, around))
+    nowhere = np.zeros((around, 0), dtype=bool)
+    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere))
 
 
 def _refuse(faults: list[str], options: Piston | Block) -> None:
@@ -252,7 +259,7 @@ def _refuse(faults: list[str], options: Piston | Block) -> None:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
-def _anatomy(mesh, position, M, shapes, options, angles):
+def _anatomy(mesh, position, M, shapes, options, skirt):
     rigid = rigid_motions(position)
     return Anatomy(
         points=position,
@@ -262,7 +269,8 @@ def _anatomy(mesh, position, M, shapes, options, angles):
         young=options.young or np.nan,
         poisson=np.nan if options.poisson is None else options.poisson,
         rigid_mass=rigid.T @ (M @ rigid),  # Eq. (J8)
-        angles=angles,
+        angles=len(skirt),
+        skirt=skirt,
     )
 
 

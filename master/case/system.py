@@ -16,6 +16,7 @@ from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
 from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
+from .given import build_options
 from .schema import reduced, times
 
 TOLERANCE = 1e-6
@@ -33,9 +34,10 @@ def open_system(case, folder, progress):
     """
     faults: list[str] = []
     participants = {}
-    for name in case.participants:
+    builds = build_options(case, folder, progress)
+    for name, table in case.participants.items():
         try:
-            participants[name] = _participant(name, case.participants[name], folder, progress)
+            participants[name] = _participant(name, table, builds[name], folder, progress)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
@@ -81,8 +83,8 @@ def open_system(case, folder, progress):
     )
 
 
-def _participant(name, table, folder, progress):
-    participant = open_fmu(name, _fmu(table, folder, progress))
+def _participant(name, table, build, folder, progress):
+    participant = open_fmu(name, _fmu(table, build, folder, progress))
     if not table.isolated:
         return participant
     try:
@@ -94,11 +96,11 @@ def _participant(name, table, folder, progress):
     return IsolatedParticipant(participant, timeout)
 
 
-def _fmu(table, folder, progress):
+def _fmu(table, build, folder, progress):
     if table.package:
-        return build_fmu(table.package, table.build, folder, progress)
+        return build_fmu(table.package, build, folder, progress)
     if table.file:
-        return build_fmu_of_file(str(folder / table.file), table.build, progress)
+        return build_fmu_of_file(str(folder / table.file), build, progress)
     path = folder / table.fmu
     if not path.is_file():
         raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
