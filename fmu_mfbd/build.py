@@ -161,7 +161,7 @@ def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: S
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:
-    """Cells of the film grid with the skirt under them; None if all, or if the file does not say."""
+    """Cells of the film grid with the skirt under them; None if all, or where it is not known."""
     try:
         skirt = load(Anatomy, piston).skirt
     except ValueError:  # no mesh: a data sheet, or a file without its anatomy
