@@ -34,9 +34,10 @@ class CaseOptions(BaseModel):
         Name in the oil library; its numbers become the start values of the oil's parameters.
     oil_library : str
         TOML file, relative to the case's folder; the one shipped by default.
-    mask : str
-        CSV file relative to the case's folder, one row a circumferential cell: 1 = film, 0 =
-        cut-out without a film.
+    mask : str or list of list of int
+        CSV file relative to the case's folder, or its rows, one a circumferential cell: 1 = film,
+        0 = cut-out without a film; "none": film everywhere. By default a case's body FMU gives it,
+        from its mesh.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -45,7 +46,7 @@ class CaseOptions(BaseModel):
     inputs: list[str] = []
     oil: str | None = None
     oil_library: str | None = None
-    mask: str | None = None
+    mask: str | list[list[int]] | None = None
 
     @field_validator("grid")
     @classmethod
@@ -172,10 +173,14 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
 
 def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int]] | None:
     """Rows of the mask, None without one."""
-    if chosen.mask is None:
+    if chosen.mask is None or chosen.mask == "none":
         return None
     try:
-        mask = np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
+        mask = (
+            np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
+            if isinstance(chosen.mask, str)
+            else np.array(chosen.mask, dtype=float)
+        )
     except (OSError, ValueError) as error:
         faults.append(f"mask = {chosen.mask!r}: {error}")
         return None

@@ -29,6 +29,7 @@ from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 LIMIT = 40  # Newton iterations
 TOLERANCE = 1e-11  # last change over the deflection: what is left is second order in it
 NEGLIGIBLE = 1e-19  # [m]
+LARGEST_CHANGE = 0.3  # of a film in one iteration
 
 
 class PressureTangent(NamedTuple):
@@ -136,6 +137,16 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
                 if full[a, b]:
                     stencil[k, i, j] += slopes[k, i, j] * weight[a, b]
                 right[i, j] -= slopes[k, i, j] * offset[a, b]
+
+
+def limited(change: Array, film_thickness: Array) -> Array:
+    """A change of the deflection that leaves each film its size, but for a share of it [m].
+
+    Far from the solution Newton's method closes films, which then carry pressures that no later
+    iteration finds back from; near it nothing is cut.
+    """
+    most = LARGEST_CHANGE * film_thickness
+    return np.clip(change, -most, most)
 
 
 def has_converged(change: Array, deflection: Array) -> bool:

@@ -10,6 +10,7 @@ from . import cavitation, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
 from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
+from .openings import Openings
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
@@ -73,8 +74,8 @@ class FilmStep:
     model : str
         Name of the cavitation model, a key of `cavitation.CAVITATION`.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cells without a film (cut-outs), which hold the pressure and film fraction of the lower
-        edge.
+        Cells without a film, which hold the pressure and film fraction of the lower edge,
+        `openings`.
     solver : sparse.LinearSolver, optional
         `sparse.linear_solver` by default.
     """
@@ -93,6 +94,7 @@ class FilmStep:
         self._cells = grid.cells
         self._everywhere = np.ones(grid.shape, dtype=bool)
         self._has_openings = bool(self.open_cells.any())
+        self.openings = Openings(self.open_cells, grid.cells)
         self._right = np.empty(0)
         self._step: _Step | None = None
         self._solution: FilmSolution | None = None
@@ -138,7 +140,11 @@ class FilmStep:
         """
         model = self.model
         ring = self.grid.ring
+        if self._has_openings:
+            film = self.openings.without_resistance(film)
         faces = reynolds.faces(film, entrainment, self._cells)
+        if self._has_openings:
+            self.openings.close(faces)
         lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
@@ -241,6 +247,8 @@ class FilmStep:
         -------
         ndarray, shape (2, 5, n_c, n_a)
         """
+        if self._has_openings:
+            film = self.openings.without_resistance(film)
         stencil = reynolds.linearise(
             film,
             film_slopes,

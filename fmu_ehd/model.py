@@ -213,7 +213,9 @@ class LubricationModel:
         outputs : dict
             As from `advance`.
         """
-        around = surroundings(self.parameters, conditions)
+        around = self._surroundings(conditions)
+        film_thickness = self._filled(film_thickness)
+        sliding_velocity = self._filled(sliding_velocity)
         inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         shape = self.grid.shape
         _, n_axial = shape
@@ -278,16 +280,15 @@ class LubricationModel:
         """
         self._last = None  # a refused step has no tangent
         self._linear = None
-        lubricated = film_thickness
-        if self._has_openings:
-            lubricated = np.where(self.film_step.open_cells, -np.inf, film_thickness)
-        if not lubricated.max() > 0.0:
-            i, j = np.unravel_index(np.argmax(lubricated), lubricated.shape)
+        film_thickness = self._filled(film_thickness)
+        sliding_velocity = self._filled(sliding_velocity)
+        if not film_thickness.max() > 0.0:
+            i, j = np.unravel_index(np.argmax(film_thickness), film_thickness.shape)
             raise NotConverged(
                 f"film_thickness[{i + 1},{j + 1}] = {film_thickness[i, j]:g} m, and nowhere above "
                 "0 m: there is no film"
             )
-        around = surroundings(self.parameters, conditions) if conditions else self._given
+        around = self._surroundings(conditions) if conditions else self._given
         inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
@@ -350,8 +351,8 @@ class LubricationModel:
             self._linear = self._linearise(last)
         linear = self._linear
         shape = (-1, *self.grid.shape)
-        dfilm = np.ascontiguousarray(dfilm_thickness).reshape(shape)
-        dvelocity = np.ascontiguousarray(dsliding_velocity).reshape(shape)
+        dfilm = self._filled(np.ascontiguousarray(dfilm_thickness).reshape(shape))
+        dvelocity = self._filled(np.ascontiguousarray(dsliding_velocity).reshape(shape))
         # in one piece: malloc gives two back to the system and asks again each time
         normal, shear = np.empty((2, *dfilm.shape))
         for k in range(0, len(dfilm), BATCH):
@@ -486,7 +487,8 @@ class LubricationModel:
             if coating.has_converged(change, deflection):
                 solution = replace(solution, iterations=factorisations)
                 return StepFilm(inputs, flow, solution, deflection)
-            deflection = deflection + change
+            film = np.maximum(inputs.film_thickness, self.parameters.minimum_flow_film)
+            deflection = deflection + coating.limited(change, film)
             unknown = solution.unknown
             full = solution.full
             guess = solution.full
@@ -528,6 +530,17 @@ class LubricationModel:
             sliding_velocity,
         )
         return FlowFilm(quantities, slopes)
+
+    def _surroundings(self, conditions: dict[str, Any]) -> Surroundings:
+        """What is around the skirt, whatever the temperature in cells without a film."""
+        field = conditions.get("oil_temperature")
+        if field is not None:
+            conditions = conditions | dict(oil_temperature=self._filled(field))
+        return surroundings(self.parameters, conditions)
+
+    def _filled(self, field: Array) -> Array:
+        """A field (..., n_c, n_a), whatever it says in cells without a film."""
+        return self.film_step.openings.filled(field) if self._has_openings else field
 
     def _where_film(self, film_thickness: Array) -> Array:
         """Film thickness, inf in cells without a film."""

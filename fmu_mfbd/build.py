@@ -27,7 +27,8 @@ from .finite_elements.mesh import MeshFault
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
 from .reduction.reduce import cached, reduce_block, reduce_piston
-from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load, save
+from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, load, save
+from .reduction.rigid import rigid_block, rigid_piston
 
 Say = Callable[[str], None]
 Given = TypeVar("Given")
@@ -97,6 +98,7 @@ def prepare(
         speed=tables.speed,
         start=tables.start,
         damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
+        skirt=_skirt(bodies["piston"]),
     )
     return prepared.to_json(), [piston_file, block_file]
 
@@ -142,6 +144,13 @@ def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: S
     """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
     checked.
     """
+    if options.rigid:
+        body = (
+            rigid_piston(options, grid)
+            if isinstance(options, Piston)
+            else rigid_block(options, grid)
+        )
+        return _carried(name, body)
     if options.reduced:
         path = Path(options.reduced)
         _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
@@ -149,6 +158,15 @@ def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: S
     reduce = reduce_piston if isinstance(options, Piston) else reduce_block
     folder = cache_folder("bodies")
     return cached(reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"))
+
+
+def _skirt(piston: Path) -> list[list[int]] | None:
+    """Cells of the film grid with the skirt under them; None if all, or where it is not known."""
+    try:
+        skirt = load(Anatomy, piston).skirt
+    except ValueError:  # no mesh: a data sheet, or a file without its anatomy
+        return None
+    return None if skirt.all() else skirt.astype(int).tolist()
 
 
 def _check_own(

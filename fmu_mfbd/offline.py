@@ -14,7 +14,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
-from .reduction.mode_pictures import draw_modes
+from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
 from .reduction.reduce import Reduced
@@ -90,7 +90,8 @@ def reduce(
 
     Into `output`, for each body: `NAME.npz`, which a case file may name as `reduced`;
     `NAME-modes.csv`, the table of modes; `NAME-modes.vtu`, all mode shapes; `NAME-modes.png`, the
-    twelve with the largest share in film thickness.
+    twelve with the largest share in film thickness; of a piston `piston-skirt.csv`, where the film
+    grid has the skirt under it (1) and where not (0), and `piston-skirt.png`, the same developed.
 
     Parameters
     ----------
@@ -170,8 +171,13 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
     if table:
         write_modes(anatomy, shapes_file)
         draw_modes(anatomy, table, picture)
+    mask_file = output / f"{name}-skirt.csv"
+    developed = output / f"{name}-skirt.png"
+    if anatomy.skirt.size:
+        np.savetxt(mask_file, anatomy.skirt, "%d", ",")
+        draw_skirt(anatomy.skirt, developed)
     mass, centre, inertia = mass_properties(anatomy)
-    files = [reduced, table_file, shapes_file, picture]
+    files = [reduced, table_file, shapes_file, picture, mask_file, developed]
     return BodyReport(
         name=name,
         files=[file for file in files if file.exists()],

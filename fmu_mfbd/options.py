@@ -1,7 +1,7 @@
 """What a case file may say about the bodies: the `[participants.X.build]` table."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
@@ -16,6 +16,7 @@ Pressure = Annotated[float, in_unit("Pa")]
 Density = Annotated[float, in_unit("kg/m^3")]
 Stiffness = Annotated[float, in_unit("N/m")]
 Mass = Annotated[float, in_unit("kg")]
+Inertia = Annotated[float, in_unit("kg*m^2")]
 Time = Annotated[float, in_unit("s")]
 AngularSpeed = Annotated[float, in_unit("rad/s")]
 Frequency = Annotated[float, in_unit("Hz")]
@@ -56,6 +57,25 @@ class Surface(BaseModel):
         return regions[self.shape](**given)
 
 
+class RigidPiston(BaseModel):
+    """A piston of a data sheet: mass, centre of mass [x, y] from the skirt's axis at the height of
+    pin point A, moment of inertia about it and the pin axis' direction, radius of the skirt.
+    """
+
+    model_config = STRICT
+    mass: Annotated[Mass, Field(gt=0)]
+    centre: tuple[Length, Length]
+    inertia: Annotated[Inertia, Field(gt=0)]
+    radius: Annotated[Length, Field(gt=0)]
+
+
+class RigidBlock(BaseModel):
+    """A block of a data sheet: radius of its bore."""
+
+    model_config = STRICT
+    radius: Annotated[Length, Field(gt=0)]
+
+
 class Body(BaseModel):
     """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the
     file's directions that are thrust (x), towards the head (y) and pin (z); `origin` is where this
@@ -65,12 +85,16 @@ class Body(BaseModel):
     `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of
     density, young and poisson; `mesh` then gives the nodes and their surfaces, or a CSV file does
     (`point_cloud.read_nodes`). `reduced` names a body that is reduced already (.npz as
-    `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes.
+    `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes; so does
+    `rigid`, a data sheet (`RigidPiston`, `RigidBlock`), together with the surface's ends.
     """
+
+    ENDS: ClassVar[tuple[str, str]]
 
     model_config = STRICT
     mesh: str | None = None
     reduced: str | None = None
+    rigid: RigidPiston | RigidBlock | None = None
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
@@ -90,8 +114,11 @@ class Body(BaseModel):
 
     @model_validator(mode="after")
     def _source(self):
-        if (self.mesh is None) == (self.reduced is None):
-            raise ValueError("give either mesh or reduced")
+        sources = (self.mesh, self.reduced, self.rigid)
+        if sum(source is not None for source in sources) != 1:
+            raise ValueError("give one of mesh, reduced and rigid")
+        if self.rigid:
+            self._complete_sheet()
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
@@ -102,6 +129,14 @@ class Body(BaseModel):
         if self.mesh is not None and missing:
             raise ValueError(f"{what} needs {', '.join(missing)}")
         return self
+
+    def _complete_sheet(self) -> None:
+        """Raise ValueError unless a data sheet has what it needs, and no modes."""
+        missing = [key for key in self.ENDS if getattr(self, key) is None]
+        if missing:
+            raise ValueError(f"a rigid body needs {', '.join(missing)}")
+        if "modes" in self.model_fields_set and self.modes:
+            raise ValueError(f"modes = {self.modes}: a rigid body has none")
 
 
 class ShapeTable(BaseModel):
@@ -176,7 +211,9 @@ class Piston(Body):
     rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
     """
 
+    ENDS = ("skirt_lower", "skirt_upper")
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
+    rigid: RigidPiston | None = None
 
     skirt_lower: Length | None = None
     skirt_upper: Length | None = None
@@ -192,7 +229,9 @@ class Block(Body):
     in each direction, spread over all bolt faces.
     """
 
+    ENDS = ("bore_lower", "bore_upper")
     tie: Literal["rbe2", "springs"] = "rbe2"
+    rigid: RigidBlock | None = None
     spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
 
     bore_lower: Length | None = None

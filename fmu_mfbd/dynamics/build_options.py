@@ -80,6 +80,9 @@ class BuildOptions:
     damping_bands : tuple of DampingBand
         In place of the parameters damping_ratio, high_frequency_damping_ratio and
         damping_transition_frequency, unless empty; the first begins at 0 Hz.
+    skirt : list of list of int, optional
+        Cells of the film grid with the skirt under them (1) and without (0), one row a
+        circumferential cell, for who builds a film to it; None where it is not known, or whole.
     """
 
     grid: tuple[int, int]
@@ -89,6 +92,7 @@ class BuildOptions:
     speed: SpeedTable | None = None
     start: StartState | None = None
     damping_bands: tuple[DampingBand, ...] = ()
+    skirt: list[list[int]] | None = None
 
     def to_json(self) -> dict[str, Any]:
         """As build.json holds it: numbers, texts, lists and tables of them."""
@@ -114,6 +118,7 @@ class BuildOptions:
             speed=SpeedTable(**_arrays(speed)) if speed else None,
             start=StartState(**_arrays(start)) if start else None,
             damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
+            skirt=content["skirt"],
         )
 
 

@@ -12,6 +12,9 @@ import numpy as np
 
 from ..geometry.profile import MeasuredShape
 
+WIDEST_GAP = 4.0
+"""Of the angles of a profile, by the usual one: a spline across a wider one goes anywhere."""
+
 
 class TableFault(ValueError):
     """A table that cannot be used; the message names file, row and value."""
@@ -251,4 +254,10 @@ def profile_table(
             raise TableFault(f"{path}: {name} do not rise")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
         raise TableFault(f"{path}: angles span a full turn or more; leave the repeated one out")
+    gaps = np.diff(angle, append=angle[0] + 2 * np.pi)
+    if gaps.max() > WIDEST_GAP * np.median(gaps):
+        raise TableFault(
+            f"{path}: angles leave {np.degrees(gaps.max()):g} deg out, elsewhere "
+            f"{np.degrees(np.median(gaps)):g} deg; a shape closes all around"
+        )
     return MeasuredShape(angle, height, np.array([values[1:] for values in body]) * value_unit)

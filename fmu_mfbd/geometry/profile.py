@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
+from scipy.interpolate import CubicSpline
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,11 @@ def ovality(angle: np.ndarray, difference: float) -> np.ndarray:
 
 
 def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Measured shape, linear between its points, periodic in angle, its outermost rows held beyond
-    its ends.
+    """Measured shape, cubic splines between its points, periodic in angle, its outermost rows held
+    beyond its ends.
+
+    Straight lines between 24 points around cut off 0.3 um of the thrust face for each 40 um of
+    ovality, more than a film may be thick.
 
     Parameters
     ----------
@@ -98,19 +101,18 @@ def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> 
     ndarray, shape (c, a)
         [m]
     """
-    first, last = table.angle[:1], table.angle[-1:]
-    around = np.concatenate([last - 2 * np.pi, table.angle, first + 2 * np.pi])
-    value = np.hstack([table.value[:, -1:], table.value, table.value[:, :1]])
+    values = table.value
+    if table.angle.size > 1:
+        closed = np.append(table.angle, table.angle[0] + 2 * np.pi)
+        around = CubicSpline(closed, np.hstack([values, values[:, :1]]), axis=1, bc_type="periodic")
+        values = around(angle)
+    else:
+        values = np.repeat(values, angle.size, axis=1)
     rows = table.height
-    if len(rows) == 1:
-        rows = np.array([rows[0], rows[0] + 1.0])
-        value = np.vstack([value, value])
-    wanted = np.meshgrid(
-        np.clip(height, rows[0], rows[-1]),
-        np.remainder(angle - first, 2 * np.pi) + first,
-        indexing="ij",
-    )
-    return RegularGridInterpolator((rows, around), value)(np.stack(wanted, axis=-1)).T
+    if rows.size == 1:
+        return np.repeat(values.T, height.size, axis=1)
+    along = CubicSpline(rows, values)
+    return along(np.clip(height, rows[0], rows[-1])).T
 
 
 def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:

@@ -2,7 +2,9 @@
 
 reduce         a mesh and a material in, a body out
 reduced_body   the body as its file holds it
+rigid          a data sheet in, a body without modes out (J)
 bases          which shapes a body keeps (J)
+geometry       whether a mesh lies as it should (M)
 symmetry       modes even or odd about two planes (J)
 interpolation  from nodes to the film's grid (I)
 mode_tables    modes, shapes, recovered fields (J)

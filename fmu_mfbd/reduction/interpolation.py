@@ -10,13 +10,19 @@ import scipy.sparse as sp
 from ..finite_elements.element import Sparse
 from ..finite_elements.faces import triangle_functions
 
+BESIDE = 1e-3
+"""How far, in radii, a point may lie beside a surface whose faces have straight edges."""
+
 
 class SurfacePoints(NamedTuple):
-    """Points on triangles: number of the triangle and s, t in it, each of shape (p,)."""
+    """Points on triangles: number of the triangle, s, t in it, and the distance to the points that
+    were looked for [m], each of shape (p,).
+    """
 
     triangle: np.ndarray
     s: np.ndarray
     t: np.ndarray
+    distance: np.ndarray
 
 
 class SurfaceReading(NamedTuple):
@@ -57,6 +63,30 @@ def interpolation(
     scipy.sparse.csr_matrix, shape (len(angle) * len(height), n)
         Rows add up to 1.
     """
+    at = _nearest_points(points, triangles, angle, height, radius)
+    shape = triangle_functions(at.s, at.t, triangles.shape[1])
+    rows = np.repeat(np.arange(len(at.s)), triangles.shape[1])
+    ij = rows, triangles[at.triangle].ravel()
+    values = shape.value.ravel()  # Eq. (I1)
+    return sp.csr_matrix((values, ij), shape=(len(at.s), len(points)))
+
+
+def covered(
+    points: np.ndarray,
+    triangles: np.ndarray,
+    angle: np.ndarray,
+    height: np.ndarray,
+    radius: float,
+) -> np.ndarray:
+    """Which grid points (angle_i, height_j) have the surface under them, but for `BESIDE`, (angles,
+    heights); arguments as of `interpolation`.
+    """
+    at = _nearest_points(points, triangles, angle, height, radius)
+    return (at.distance <= BESIDE * radius).reshape(len(angle), len(height))
+
+
+def _nearest_points(points, triangles, angle, height, radius):
+    """Nearest point of the surface to each grid point, on the developed surface, j fastest."""
     theta = np.repeat(angle, len(height))
     y = np.tile(height, len(angle))
     corner = points[triangles[:, :3]]
@@ -66,18 +96,11 @@ def interpolation(
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
     centre = turn.mean(axis=1)
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
-    rows = []
-    columns = []
-    values = []
+    found = []
     for chunk in np.array_split(np.arange(len(theta)), max(1, len(theta) // 400)):
         branch = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
-        at = _nearest(flat, radius * branch, y[chunk])
-        rows.append(np.repeat(chunk, triangles.shape[1]))
-        columns.append(triangles[at.triangle].ravel())
-        shape = triangle_functions(at.s, at.t, triangles.shape[1])
-        values.append(shape.value.ravel())  # Eq. (I1)
-    ij = np.concatenate(rows), np.concatenate(columns)
-    return sp.csr_matrix((np.concatenate(values), ij), shape=(len(theta), len(points)))
+        found.append(_nearest(flat, radius * branch, y[chunk]))
+    return SurfacePoints(*map(np.concatenate, zip(*found)))
 
 
 def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints:
@@ -100,7 +123,7 @@ def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints
     gap = np.hypot(dx - s * ux - t * vx, dy - s * uy - t * vy)
     best = gap.argmin(axis=1)
     point = np.arange(len(y))
-    return SurfacePoints(best, s[point, best], t[point, best])
+    return SurfacePoints(best, s[point, best], t[point, best], gap[point, best])
 
 
 def _clamp(s, t, u, v):

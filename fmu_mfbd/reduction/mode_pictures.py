@@ -1,5 +1,5 @@
-"""Mode shapes as pictures: the body's skin, deformed, coloured by the displacement along its
-normal.
+"""Pictures of a body: mode shapes, its skin deformed and coloured by the displacement along its
+normal; and where the skirt is.
 """
 
 import matplotlib
@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from ..geometry.grid import cell_centres
 from .mode_tables import ModeRow
 from .reduced_body import Anatomy
 
@@ -75,3 +76,24 @@ def _normals(corner):
     first, second, third = corner.swapaxes(0, 1)
     normal = np.cross(second - first, third - first)
     return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+
+def draw_skirt(skirt: np.ndarray, path: Path | str) -> None:
+    """One PNG of the developed film grid: where the skirt is (dark) and where it is not.
+
+    Parameters
+    ----------
+    skirt : ndarray of bool, shape (angles, rows)
+    path : Path
+    """
+    angles, rows = skirt.shape
+    theta, _ = cell_centres(angles, rows, 0.0, 1.0)
+    first = np.degrees(theta[0]) - 180.0 / angles
+    figure, axes = plt.subplots(figsize=(8, 3), layout="constrained")
+    extent = (first, first + 360.0, 0.0, 1.0)
+    axes.imshow(skirt.T, origin="lower", aspect="auto", extent=extent, cmap="Greys", vmin=0, vmax=1)
+    axes.set_xticks([0, 90, 180, 270], ["0", "90\nthrust", "180", "270\nanti-thrust"])
+    axes.set(xlabel="angle from the pin axis [deg]", ylabel="height / film length")
+    axes.set_title(f"{skirt.mean():.0%} of the film grid has the skirt under it")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

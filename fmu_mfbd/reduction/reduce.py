@@ -37,11 +37,12 @@ from .bases import (
     orthonormal_modes,
     pressure_modes,
 )
-from .interpolation import SurfaceReading, interpolation, radial_and_axial
+from .geometry import block_faults, piston_faults
+from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
 
-VERSION = 10  # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 11  # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
 FILES = ("mesh", "stiffness", "mass")
@@ -163,11 +164,21 @@ def reduce_piston(
         What is wrong with mesh, matrices, supports or number of modes.
     """
     mesh, K, M = full_model(options, ("skirt", "crown", "pin_bore"), progress)
+    east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
+    mass = float(east @ (M @ east))
+    _refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
     position = mesh.points - np.array([options.pin_offset, 0.0, 0.0])
     around, along = grid
     angle, height = cell_centres(around, along, lower, upper)
     surface = film_surface(mesh, "skirt", angle, height)
+    there = covered(mesh.points, mesh.faces["skirt"], angle, height, surface.radius)
+    if not there.all():
+        progress(
+            f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
+            "under them, and no film"
+        )
     gas = face_load(mesh.points, mesh.faces["crown"])
     gas /= -gas[:, 1].sum()  # unit resultant along -y
     inertia = [
@@ -193,7 +204,7 @@ def reduce_piston(
         skirt_lower=lower,
         skirt_upper=upper,
     )
-    return Reduced(body, _anatomy(mesh, position, M, shapes, options, around))
+    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there))
 
 
 def reduce_block(
@@ -216,6 +227,7 @@ def reduce_block(
         As `reduce_piston`.
     """
     mesh, K, M = full_model(options, ("bore", "bolts"), progress)
+    _refuse(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -237,10 +249,17 @@ def reduce_block(
         heights=heights,
         radius=surface.radius,
     )
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, around))
+    nowhere = np.zeros((around, 0), dtype=bool)
+    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere))
 
 
-def _anatomy(mesh, position, M, shapes, options, angles):
+def _refuse(faults: list[str], options: Piston | Block) -> None:
+    """Raise MeshFault with the faults, if there are any."""
+    if faults:
+        raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
+
+
+def _anatomy(mesh, position, M, shapes, options, skirt):
     rigid = rigid_motions(position)
     return Anatomy(
         points=position,
@@ -250,7 +269,8 @@ def _anatomy(mesh, position, M, shapes, options, angles):
         young=options.young or np.nan,
         poisson=np.nan if options.poisson is None else options.poisson,
         rigid_mass=rigid.T @ (M @ rigid),  # Eq. (J8)
-        angles=angles,
+        angles=len(skirt),
+        skirt=skirt,
     )
 
 

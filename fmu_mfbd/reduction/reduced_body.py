@@ -98,6 +98,8 @@ class Anatomy:
         [kg], [kg m], [kg m2]
     angles : int
         Of the film grid.
+    skirt : ndarray of bool, shape (angles, rows)
+        Which cells of the film grid have the skirt under them; empty for a block.
     seconds : float
         What the reduction took [s].
     peak_memory : int
@@ -112,6 +114,7 @@ class Anatomy:
     poisson: float
     rigid_mass: np.ndarray
     angles: int
+    skirt: np.ndarray
     seconds: float = 0.0
     peak_memory: int = 0
 

@@ -49,6 +49,7 @@ class Role:
     reported: Variables
     model_parameter: str | None = None
     curves: tuple[Curve, ...] = field(default=())
+    build: dict[str, str] = field(default_factory=dict)
 
 
 @cache

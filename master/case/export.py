@@ -13,6 +13,7 @@ from ..fmi.builder import pack_fmu, slave_of
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
+from .given import build_options
 from .system import open_system
 
 COUPLED = "master.coupling.coupled"
@@ -66,11 +67,10 @@ def export_fmu(case, folder, progress):
                 for wire in system.held
             ]
         )
+    builds = build_options(case, folder, progress)
     packages = {name: table.package for name, table in case.participants.items()}
     prepared = {
-        name: import_part(f"{package}.build").prepare(
-            case.participants[name].build, Path(folder), progress
-        )
+        name: import_part(f"{package}.build").prepare(builds[name], Path(folder), progress)
         for name, package in packages.items()
     }
     exposed = _exposed(

@@ -20,6 +20,7 @@ from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
+from .given import build_options
 from .schema import reduced, start_time, times
 
 SETTABLE = ("parameter", "input", "structuralParameter")
@@ -39,9 +40,10 @@ def open_system(case, folder, progress):
     """
     faults: list[str] = []
     participants = {}
-    for name in case.participants:
+    builds = build_options(case, folder, progress)
+    for name, table in case.participants.items():
         try:
-            participants[name] = _participant(name, case, folder, progress)
+            participants[name] = _participant(name, table, builds[name], folder, progress)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
@@ -94,11 +96,10 @@ def open_system(case, folder, progress):
     )
 
 
-def _participant(name, case, folder, progress):
-    table = case.participants[name]
+def _participant(name, table, build, folder, progress):
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _fmu(table, folder, progress)
+    path = _fmu(table, build, folder, progress)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
     return (
@@ -140,11 +141,11 @@ def _sizes(participant, given):
     return sizes
 
 
-def _fmu(table, folder, progress):
+def _fmu(table, build, folder, progress):
     if table.package:
-        return build_fmu(table.package, table.build, folder, progress)
+        return build_fmu(table.package, build, folder, progress)
     if table.file:
-        return build_fmu_of_file(str(folder / table.file), table.build, progress)
+        return build_fmu_of_file(str(folder / table.file), build, progress)
     path = folder / table.fmu
     if not path.is_file():
         raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")

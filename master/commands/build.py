@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from ..case.given import build_options
 from ..case.schema import check_case, find_case, read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
@@ -52,7 +53,8 @@ def command(
         table.build["grid"] = parse_grid(grid)
     if no_fields:
         table.build["no_fields"] = True
-    fmu = build_fmu(table.package, table.build, path.parent, say, fmi)
+    options = build_options(checked, path.parent, say)[name]
+    fmu = build_fmu(table.package, options, path.parent, say, fmi)
     if output:
         output.write_bytes(fmu.read_bytes())
     console.print(str(output or fmu), soft_wrap=True, highlight=False)

@@ -237,7 +237,7 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
             tmp_path,
             lambda text: None,
         )
-    with pytest.raises(BadInput, match="either mesh or reduced"):
+    with pytest.raises(BadInput, match="one of mesh, reduced and rigid"):
         prepare(small | {"piston": {"modes": 3}}, folder, print)
 
 

@@ -136,3 +136,42 @@ def test_bore_ends_and_stations(reduce):
     assert body["heights"] == pytest.approx(np.linspace(60e-3, 148e-3, 12), rel=1e-12)
     with pytest.raises(BadInput, match="surface 'bore' reaches from"):
         reduce("block", modes=0, bore_lower="40 mm")
+
+
+SHEET = dict(
+    mass="1.39 kg", centre=["1.5 mm", "26.5 mm"], inertia="0.003 kg*m^2", radius="54.95 mm"
+)
+ENDS = dict(skirt_lower="-45.5 mm", skirt_upper="37.3 mm")
+
+
+def sheet(tmp_path, monkeypatch, **piston):
+    """Arrays of a piston of a data sheet."""
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    table = {"grid": [8, 4], "piston": {"rigid": SHEET} | ENDS | piston}
+    return dict(np.load(reduced_bodies(table, tmp_path, lambda text: None)["piston"]))
+
+
+def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
+    """m = 1.39 kg, centre at (1.5, 26.5) mm from the axis, A at 0.5 mm: S = 1.39 (1, 26.5) mm kg,
+    I0 = 0.003 + 1.39 (1^2 + 26.5^2) mm2.
+    """
+    body = sheet(tmp_path, monkeypatch, pin_offset="0.5 mm")
+    assert body["S"] == pytest.approx([1.39e-3, 36.835e-3])
+    assert body["I0"] == pytest.approx(0.003 + 1.39 * 703.25e-6)
+    assert (body["mass"], body["radius"]) == pytest.approx((1.39, 54.95e-3))
+    assert (body["skirt_lower"], body["skirt_upper"]) == pytest.approx((-45.5e-3, 37.3e-3))
+    assert body["omega"].size == body["radial"].size == 0
+
+
+@pytest.mark.parametrize(
+    "piston, words",
+    [
+        (dict(skirt_upper=None), "a rigid body needs skirt_upper"),
+        (dict(modes=20), "modes = 20: a rigid body has none"),
+        (dict(mesh="piston.msh"), "give one of mesh, reduced and rigid"),
+        (dict(rigid=SHEET | {"mass": "0 kg"}), "greater than 0"),
+    ],
+)
+def test_a_data_sheet_that_is_not_whole_is_refused(piston, words, tmp_path, monkeypatch):
+    with pytest.raises(BadInput, match=words):
+        sheet(tmp_path, monkeypatch, **piston)

@@ -1,0 +1,156 @@
+"""Whether a mesh lies as this project's axes want it: what would else be wrong without a word.
+
+x thrust, y towards the head, z pin; a piston's origin on the skirt's axis at the height of the pin,
+a block's on the bore's axis at the height of the crank. Swapped or turned axes, a body upside down,
+off its axis, too high or too low, or in another unit shows in its surfaces.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..finite_elements.mesh import Mesh
+
+SMALLEST_RADIUS, LARGEST_RADIUS = 5e-3, 0.6  # [m], from models to ships
+LEAST_DENSITY, MOST_DENSITY = 100.0, 9000.0  # of a piston's mass in the cylinder around it [kg/m3]
+OFF_AXIS = 0.01  # of the radius: how far a cylinder's axis may lie beside y
+OUT_OF_ROUND = 0.02  # of the radius: profiles belong into the film
+TILTED = np.radians(1.0)
+PIN_HEIGHT = 0.02  # of the skirt's radius: of the pin bore's axis above the origin
+PIN_OFFSET = 0.05  # likewise beside `pin_offset`, which may differ from the mesh in a study
+PIN_BY_CENTROID = 0.1  # likewise where the pin bore is no cylinder
+
+
+class Circle(NamedTuple):
+    """Circle through points of a plane: its centre, radius, and largest distance of a point [m]."""
+
+    first: float
+    second: float
+    radius: float
+    scatter: float
+
+
+def circle_through(first: np.ndarray, second: np.ndarray) -> Circle:
+    """Circle of least squares through points, in the squares of their distances.
+
+    Eq. (M12):  u^2 + v^2 = 2 a u + 2 b v + c,   R^2 = c + a^2 + b^2
+    """
+    matrix = np.column_stack([2 * first, 2 * second, np.ones_like(first)])
+    (a, b, c), *_ = np.linalg.lstsq(matrix, first**2 + second**2, rcond=None)  # Eq. (M12)
+    radius = np.sqrt(c + a**2 + b**2)
+    scatter = np.abs(np.hypot(first - a, second - b) - radius).max()
+    return Circle(float(a), float(b), float(radius), float(scatter))
+
+
+def area_normals(mesh: Mesh, name: str) -> np.ndarray:
+    """Outward normals of a surface's faces, as long as their area [m2], (t, 3)."""
+    corner = mesh.points[mesh.faces[name][:, :3]].swapaxes(0, 1)
+    first, second, third = corner
+    return np.cross(second - first, third - first) / 2
+
+
+def axis_of(mesh: Mesh, name: str) -> np.ndarray:
+    """Direction that a cylindrical surface's normals are all across, of length 1, (3,)."""
+    normal = area_normals(mesh, name)
+    spread = (normal / np.linalg.norm(normal, axis=1)[:, None]).T @ normal
+    _, directions = np.linalg.eigh(spread)
+    return directions[:, 0]
+
+
+def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
+    """What is wrong with skirt or bore as a cylinder about y."""
+    axis = axis_of(mesh, name)
+    if abs(axis[1]) < np.cos(TILTED):
+        along = ", ".join(f"{part:.2f}" for part in axis)
+        return [
+            f"surface '{name}': its axis lies along ({along}), not along y: axes must name the "
+            "file's directions of thrust, head and pin"
+        ]
+    x, y, z = mesh.points[mesh.nodes(name)].T
+    circle = circle_through(x, z)
+    radius = circle.radius
+    faults = []
+    if np.hypot(circle.first, circle.second) > OFF_AXIS * radius:
+        faults.append(
+            f"surface '{name}': its axis lies at x = {1e3 * circle.first:.3g} mm, z = "
+            f"{1e3 * circle.second:.3g} mm, not at 0: origin must name a point of it"
+        )
+    if circle.scatter > OUT_OF_ROUND * radius:
+        faults.append(
+            f"surface '{name}': nodes lie up to {1e3 * circle.scatter:.3g} mm beside a cylinder of "
+            f"radius {1e3 * radius:.4g} mm"
+        )
+    if not SMALLEST_RADIUS <= radius <= LARGEST_RADIUS:
+        faults.append(
+            f"surface '{name}': radius {radius:.3g} m; mesh_unit must say what a length of 1 in "
+            "the file means (e.g. '1 mm')"
+        )
+    return faults
+
+
+def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
+    """What is wrong with a piston's pin bores; `radius`: of the skirt [m]."""
+    x, y, z = mesh.points[mesh.nodes("pin_bore")].T
+    if max(np.ptp(x), np.ptp(y)) > np.ptp(z):
+        return [
+            f"surface 'pin_bore': reaches over {1e3 * np.ptp(x):.3g} mm of x and "
+            f"{1e3 * np.ptp(z):.3g} mm of z; the pin lies along z: axes must name thrust, head, pin"
+        ]
+    circle = circle_through(x, y)
+    height = PIN_HEIGHT
+    beside = PIN_OFFSET
+    if circle.scatter > 0.1 * circle.radius:
+        circle = circle._replace(first=x.mean(), second=y.mean())
+        height = beside = PIN_BY_CENTROID
+    faults = []
+    if abs(circle.second) > height * radius:
+        faults.append(
+            f"surface 'pin_bore': its axis lies at y = {1e3 * circle.second:.3g} mm, not at 0: "
+            "origin must lie at the height of the pin"
+        )
+    if abs(circle.first - pin_offset) > beside * radius:
+        faults.append(
+            f"surface 'pin_bore': its axis lies at x = {1e3 * circle.first:.3g} mm, not at "
+            f"pin_offset = {1e3 * pin_offset:.3g} mm"
+        )
+    return faults
+
+
+def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:
+    """What is wrong with the place, the direction and the mass [kg] of a piston.
+
+    Returns
+    -------
+    list of str
+        One sentence a fault.
+    """
+    faults = cylinder_faults(mesh, "skirt")
+    radius = circle_through(*mesh.points[mesh.nodes("skirt")][:, [0, 2]].T).radius
+    _, up, _ = area_normals(mesh, "crown").sum(axis=0)
+    crown = float(mesh.points[mesh.nodes("crown"), 1].mean())
+    skirt = float(mesh.points[mesh.nodes("skirt"), 1].mean())
+    if up <= 0.0 or crown <= skirt:
+        faults.append(
+            f"surface 'crown': faces {'down' if up <= 0.0 else 'up'} at y = {1e3 * crown:.3g} mm, "
+            f"the skirt's middle at {1e3 * skirt:.3g} mm: y must point to the head"
+        )
+    faults += pin_faults(mesh, radius, pin_offset)
+    density = mass / (np.pi * radius**2 * np.ptp(mesh.points[:, 1]))
+    if not LEAST_DENSITY <= density <= MOST_DENSITY:
+        faults.append(
+            f"the piston weighs {mass:.4g} kg, {density:.3g} kg/m^3 of the cylinder around it: "
+            "units of length, density or mass do not fit"
+        )
+    return faults
+
+
+def block_faults(mesh: Mesh) -> list[str]:
+    """What is wrong with the place and the direction of a block: one sentence a fault."""
+    faults = cylinder_faults(mesh, "bore")
+    lowest = float(mesh.points[mesh.nodes("bore"), 1].min())
+    if lowest <= 0.0:
+        faults.append(
+            f"surface 'bore': begins at y = {1e3 * lowest:.3g} mm; the crank axis is y = 0 and y "
+            "points to the head: the bore must lie above"
+        )
+    return faults

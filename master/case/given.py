@@ -1,0 +1,42 @@
+"""Build options that one participant gives another, by the contract: a film has no cells where the
+mesh has no skirt.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ..fmi.errors import BadInput
+from ..fmi.tree import import_part
+from .contract import contract
+
+
+def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
+    """Build options of each participant: its own, and what the contract lets it have of others
+    where it says nothing itself.
+
+    Parameters
+    ----------
+    case : schema.Case
+    folder : Path
+        Of the case.
+    progress : callable
+        Takes a sentence now and then.
+    """
+    roles = contract()
+    builds = {name: dict(table.build) for name, table in case.participants.items()}
+    for name, table in case.participants.items():
+        if not table.package or table.role not in roles:
+            continue
+        for key, source in roles[table.role].build.items():
+            role, _, option = source.partition(".")
+            giver = next((one for one in case.participants.values() if one.role == role), None)
+            if key in table.build or giver is None or not giver.package:
+                continue
+            try:
+                prepare = import_part(f"{giver.package}.build").prepare
+                given, _ = prepare(giver.build, Path(folder), progress)
+            except BadInput:
+                continue  # told where the giver is built
+            if given.get(option) is not None:
+                builds[name][key] = given[option]
+    return builds

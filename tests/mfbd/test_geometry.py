@@ -1,0 +1,107 @@
+"""Meshes that lie wrong are refused, with every fault; the shipped ones are not."""
+
+import meshio
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.build import reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.reduction.geometry import block_faults, circle_through, piston_faults
+from piston_cosim.fmu_mfbd.reduction.interpolation import covered
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.models import MODELS
+
+SURFACES = dict.fromkeys(("skirt", "crown", "pin_bore"))
+TURNS = {
+    "upside down": np.diag([1.0, -1.0, -1.0]),
+    "swapped": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+    "lying": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+}
+MASS = 0.2  # [kg]
+
+
+@pytest.fixture(scope="module")
+def piston():
+    """Mesh of the shipped fired piston."""
+    return read_mesh(MODELS / "fired_motorcycle/piston.msh.gz", SURFACES, say=lambda text: None)
+
+
+UNTURNED = np.eye(3)
+
+
+def moved(mesh, turn=UNTURNED, by=(0.0, 0.0, 0.0), scale=1.0):
+    return type(mesh)(scale * mesh.points @ turn.T + by, mesh.tets, mesh.faces)
+
+
+def test_circle_of_three_points():
+    """(4, 2), (2, 4), (0, 2): centre (2, 2), radius 2."""
+    circle = circle_through(np.array([4.0, 2.0, 0.0]), np.array([2.0, 4.0, 2.0]))
+    assert circle == pytest.approx((2.0, 2.0, 2.0, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("case", ["fired_motorcycle", "numerical_example"])
+def test_shipped_meshes_lie_right(case):
+    folder = MODELS / case
+    mesh = read_mesh(folder / "piston.msh.gz", SURFACES, say=lambda text: None)
+    assert piston_faults(mesh, MASS, 0.0) == []
+    bore = dict.fromkeys(("bore", "bolts"))
+    assert block_faults(read_mesh(folder / "block.msh.gz", bore, say=lambda text: None)) == []
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (dict(turn=TURNS["upside down"]), ["crown"]),
+        (dict(turn=TURNS["swapped"]), ["pin lies along z"]),
+        (dict(turn=TURNS["lying"]), ["not along y"]),
+        (dict(by=(0.0, -8e-3, 0.0)), ["at y = -8 mm, not at 0"]),
+        (dict(by=(3e-3, 0.0, 0.0)), ["lies at x = 3 mm", "not at pin_offset = 0 mm"]),
+        (dict(by=(0.0, 0.0, 3e-3)), ["z = 3 mm"]),
+        (dict(scale=1.0 / 0.0254), ["mesh_unit"]),
+    ],
+)
+def test_each_fault_is_told(piston, change, words):
+    told = "\n".join(piston_faults(moved(piston, **change), MASS, 0.0))
+    assert all(word in told for word in words), told
+
+
+def test_a_pin_offset_of_the_mesh_must_be_that_of_the_case(piston):
+    assert "pin_offset = 4 mm" in piston_faults(piston, MASS, 4e-3)[0]
+
+
+@pytest.mark.parametrize("mass", [0.01, 4658.0])
+def test_a_mass_that_cannot_be_is_told(piston, mass):
+    (fault,) = piston_faults(piston, mass, 0.0)
+    assert f"weighs {mass:.4g} kg" in fault
+
+
+def test_all_faults_of_both_bodies_are_one_answer(coarse, tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    folder, options = coarse
+    for name, by in (("piston", (3e-3, 8e-3, 0.0)), ("block", (0.0, -60e-3, 0.0))):
+        mesh = meshio.read(folder / f"{name}.msh")
+        mesh.points = mesh.points + by
+        meshio.write(tmp_path / f"{name}.msh", mesh, file_format="gmsh22", binary=True)
+    table = {"grid": options["grid"]}
+    table |= {name: options[name] | {"modes": 0} for name in ("piston", "block")}
+    with pytest.raises(BadInput) as refused:
+        reduced_bodies(table, tmp_path, lambda text: None)
+    told = str(refused.value)
+    for words in ("'skirt': its axis", "not at 0: origin must lie", "'bore': begins at y = -10 mm"):
+        assert words in told
+
+
+def test_a_window_in_the_skirt_is_seen(coarse):
+    """A skirt whose faces from theta = 22.5 to 67.5 deg are gone, two of sixteen around."""
+    folder, _ = coarse
+    mesh = read_mesh(folder / "piston.msh", SURFACES, say=lambda text: None)
+    faces = mesh.faces["skirt"]
+    middle = mesh.points[faces[:, :3]].mean(axis=1)
+    theta = np.degrees(np.arctan2(middle[:, 0], middle[:, 2])) % 360.0
+    kept = faces[(theta < 22.5) | (theta > 67.5)]
+    angle, height = cell_centres(48, 6, -16e-3, 8e-3)
+    there = covered(mesh.points, kept, angle, height, 28e-3)
+    turn = np.degrees(angle) % 360.0
+    gone = (turn > 22.6) & (turn < 67.4)
+    assert np.array_equal(there, np.repeat(~gone[:, None], 6, axis=1))
