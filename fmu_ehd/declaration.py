@@ -39,8 +39,7 @@ def declared(
 def choice(description: str, allowed: Iterable[str]) -> Any:
     """A law by its name; the first of those allowed is the default."""
     names = tuple(allowed)
-    text = f"{description}: {', '.join(names)}"
-    variable = Variable("", "1", "parameter", text, names[0])
+    variable = Variable("", "1", "parameter", description, names[0], choices=names)
     return field(default=names[0], metadata={VARIABLE: variable, ALLOWED: names, CONDITION: False})
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import cavitation, reynolds
+from . import cavitation, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
 from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
@@ -14,6 +14,7 @@ from .openings import Openings
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
+from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 
@@ -29,6 +30,8 @@ class FilmSolution:
         [m].
     full : ndarray of bool, shape (n_c, n_a)
         True where the film is full.
+    axial_flow : ndarray, shape (n_c, n_a + 1)
+        Flow through the axial faces, positive with ascending j [m3/s].
     edge_flow : ndarray, shape (4,)
         Flow into the film over lower, upper, first, last edge [m3/s].
     mass_imbalance : float
@@ -43,6 +46,7 @@ class FilmSolution:
     film_fraction: Array
     content: Array
     full: Flags
+    axial_flow: Array
     edge_flow: Array
     mass_imbalance: float
     iterations: int
@@ -58,6 +62,7 @@ class _Step:
     storage: Storage
     edges: Edges
     full: Flags
+    lift: Array
 
 
 class FilmStep:
@@ -104,6 +109,7 @@ class FilmStep:
         start: EulerStep,
         full: Flags,
         softness: Softness | None = None,
+        lift: Lift | None = None,
     ) -> FilmSolution:
         """Solve Eqs. (E1)-(E5) for one step.
 
@@ -121,6 +127,8 @@ class FilmStep:
         full : ndarray of bool, shape (n_c, n_a)
             Guess of the full cells.
         softness : coating.Softness, optional
+        lift : transport.Lift, optional
+            Of the film fraction at the axial faces; none by default.
 
         Returns
         -------
@@ -137,6 +145,7 @@ class FilmStep:
         faces = reynolds.faces(film, entrainment, self._cells)
         if self._has_openings:
             self.openings.close(faces)
+        lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
         held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
@@ -145,7 +154,7 @@ class FilmStep:
 
         def assemble(pattern):
             full_of_oil = pattern if model.conserving else self._everywhere
-            stencil, right = reynolds.assemble(full_of_oil, faces, storage, edges, ring)
+            stencil, right = reynolds.assemble(full_of_oil, faces, lift_a, storage, edges, ring)
             if model.switching and not model.conserving:
                 cavitation.without_pressure(pattern, stencil)
             if softness is not None:
@@ -157,7 +166,16 @@ class FilmStep:
         unknown, full, iterations = cavitation.full_cells(
             model, assemble, self.solver, model.first_guess(full), self.open_cells
         )
-        step = self._step = _Step(film, entrainment, faces, storage, edges, full)
+        while lift_a.any():
+            owing = transport.owing(unknown, full) & lift_a.any(axis=1)
+            if not owing.any():
+                break
+            lift_a[owing] = 0.0  # film or velocity jumped: those rows go on without
+            unknown, full, more = cavitation.full_cells(
+                model, assemble, self.solver, full, self.open_cells
+            )
+            iterations += more
+        step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift_a)
         pressure, balance = self._balance(step, unknown)
         if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
             unknown = unknown + self.solver.solve(balance.residual[None])[0]
@@ -168,6 +186,7 @@ class FilmStep:
             balance.film_fraction,
             balance.content,
             full,
+            reynolds.axial_flow(Filling(pressure, balance.film_fraction, lift_a), faces, edges),
             balance.edge_flow,
             balance.imbalance,
             iterations,
@@ -176,6 +195,15 @@ class FilmStep:
         self._solved_pressure = unknown if model.clipping else pressure
         return self._solution
 
+    def lift_along(self, lift: Lift | None, entrainment: Entrainment) -> Array:
+        """Lift of the film fraction at the axial faces for the velocity at the end of a step, shape
+        (n_c, n_a + 1); none without cavities that hold oil.
+        """
+        if lift is None or not self.model.conserving:
+            n_c, n_a = self.grid.shape
+            return np.zeros((n_c, n_a + 1))
+        return transport.along(lift, entrainment.axial)
+
     def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
         """Pressure, and what `reynolds.balance` says, for a signed unknown."""
         pressure, deficit = self.model.interpret(unknown, step.full)
@@ -183,10 +211,11 @@ class FilmStep:
             pressure,
             deficit,
             step.faces,
+            step.lift,
             step.storage,
             step.edges,
-            self.grid.ring,
             self.open_cells,
+            self.grid.ring,
         )
 
     def slopes(
@@ -256,7 +285,7 @@ class FilmStep:
             film_slopes,
             step.entrainment,
             dentrainment,
-            Filling(self._solved_pressure, solution.film_fraction),
+            Filling(self._solved_pressure, solution.film_fraction, step.lift),
             step.edges,
             self.grid.cell_area / step.storage.area_per_step,
         )

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, coating, friction, storage
+from . import asperity, coating, friction, storage, transport
 from .asperity import ContactConstants
 from .cavitation import NotConverged
 from .coating import PressureTangent, Softness
@@ -21,6 +21,7 @@ from .roughness import factor_table
 from .storage import EulerStep, Past
 from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
+from .transport import Lift, Pace, PastTransport
 
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
@@ -41,6 +42,11 @@ class State:
         Of the coating [m].
     step_before : float
         Length of the last step [s]; 0 at the start.
+    film, film_before : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at the end of the last two steps.
+    passed, travel : ndarray, shape (n_c, n_a + 1)
+        Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
+        last step, `transport`.
     """
 
     unknown: Array
@@ -50,6 +56,10 @@ class State:
     growth_before: Array
     deflection: Array
     step_before: float
+    film: Array
+    film_before: Array
+    passed: Array
+    travel: Array
 
     @property
     def past(self) -> Past:
@@ -220,7 +230,21 @@ class LubricationModel:
         )
         content = flow.quantities[STORED].copy()
         still = self._zero
-        return State(unknown, unknown, content, still, still, np.zeros(shape), 0.0), outputs
+        no_flow = np.zeros((shape[0], n_axial + 1))
+        state = State(
+            unknown,
+            unknown,
+            content,
+            still,
+            still,
+            np.zeros(shape),
+            0.0,
+            flow.quantities,
+            flow.quantities,
+            no_flow,
+            no_flow,
+        )
+        return state, outputs
 
     def advance(
         self,
@@ -270,7 +294,9 @@ class LubricationModel:
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
         begin = storage.euler_step(state.past, step)
         step_film = self._coated if self._compliance > 0.0 else self._bare
-        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess)
+        pace = transport.pace(step, state.step_before, begin.length)
+        lift = self._lift(state, pace, around)
+        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
         self._last, outputs = self._outputs(film)
         lower, upper = solution.edge_flow[BOTH_AXIAL_EDGES]
@@ -290,6 +316,10 @@ class LubricationModel:
             state.growth,
             deflection,
             step,
+            flow.quantities,
+            state.film,
+            pace.share * state.passed + begin.length * solution.axial_flow,
+            transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
         )
         return state, outputs
 
@@ -388,7 +418,22 @@ class LubricationModel:
         """In the frame of the grid, which rides on the skirt."""
         return Entrainment(self._zero, -0.5 * inputs.sliding_velocity)
 
-    def _bare(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+    def _lift(self, state: State, pace: Pace, around: Surroundings) -> Lift:
+        """Lift of the film fraction at the axial faces, from the past alone."""
+        past = PastTransport(
+            state.film,
+            state.film_before,
+            state.content,
+            (state.unknown > 0.0) | self.film_step.open_cells,
+            state.growth * state.step_before + np.diff(state.passed, axis=1) / self.grid.cell_area,
+            state.passed,
+            state.travel,
+        )
+        return transport.lift(past, pace, around.edges.film_fraction, self.grid.cells)
+
+    def _bare(
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+    ) -> StepFilm:
         """Film of hard surfaces."""
         flow = self._flow_film(inputs)
         solution = self.film_step.solve(
@@ -397,10 +442,13 @@ class LubricationModel:
             inputs.surroundings.edges,
             begin,
             guess,
+            lift=lift,
         )
         return StepFilm(inputs, flow, solution, state.deflection)
 
-    def _coated(self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags) -> StepFilm:
+    def _coated(
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+    ) -> StepFilm:
         """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
         edges = inputs.surroundings.edges
         entrainment = self._entrainment(inputs)
@@ -413,7 +461,8 @@ class LubricationModel:
             inputs = inputs._replace(deflection=deflection)
             flow = self._flow_film(inputs)
             reduced, deficit = self.film_step.model.interpret(unknown, full)
-            filling = Filling(reduced, 1.0 + deficit)
+            lift_a = self.film_step.lift_along(lift, entrainment)
+            filling = Filling(reduced, 1.0 + deficit, lift_a)
             slopes = self.film_step.slopes(
                 flow.quantities,
                 flow.slopes,
@@ -431,7 +480,7 @@ class LubricationModel:
             )
             softness = Softness(slopes[BY_FILM], weight, offset)
             solution = self.film_step.solve(
-                flow.quantities, entrainment, edges, begin, guess, softness
+                flow.quantities, entrainment, edges, begin, guess, softness, lift
             )
             factorisations += solution.iterations
             change = weight * solution.pressure + offset

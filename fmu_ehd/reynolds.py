@@ -6,7 +6,7 @@ Eq. (E1):  A (f s - c_e) / H_e + sum of outward face flows = 0
 
 Flow from cell a to its neighbour b [m3/s]:
 
-Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b
+Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b + T l
 Eq. (E3):  K = (w/d) 2 g_a g_b / (g_a + g_b),   T = w U (t_a g_b + t_b g_a) / (g_a + g_b)
 
 One signed unknown u a cell:
@@ -15,7 +15,7 @@ Eq. (E4):  u > 0: p = u, f = 1;   u <= 0: p = 0, f = 1 + u
 
 which makes the flow linear, c = K or T by whether a (or b) is full or cavitated:
 
-Eq. (E5):  q = c_a u_a + c_b u_b + T,   c_a = K or max(T, 0),   c_b = -K or min(T, 0)
+Eq. (E5):  q = c_a u_a + c_b u_b + T (1 + l),   c_a = K or max(T, 0),   c_b = -K or min(T, 0)
 
 Tangent with the matrix M of the step:
 
@@ -25,7 +25,8 @@ A cell area [m2], H_e length of the backward Euler step [s] that starts from the
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
 centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
 film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
-h^3 / (12 mu).
+h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
+without one, `transport`.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where
@@ -107,13 +108,17 @@ class Storage(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """What a film is filled with, Eq. (E4), each ndarray of shape (n_c, n_a).
+    """What a film is filled with, Eq. (E4).
 
-    pressure : p above cavitation pressure [Pa]; film_fraction : f [-].
+    pressure, film_fraction : ndarray, shape (n_c, n_a)
+        p above cavitation pressure [Pa], f [-].
+    lift : ndarray, shape (n_c, n_a + 1)
+        l at the axial faces [-].
     """
 
     pressure: Array
     film_fraction: Array
+    lift: Array
 
 
 class Outflow(NamedTuple):
@@ -257,7 +262,7 @@ def _outflow_part(k, t, pressure, fraction):
 
 
 @compiled
-def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bool):
+def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, ring: bool):
     """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq.
     (E5).
 
@@ -266,6 +271,8 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
     full : ndarray of bool, shape (n_c, n_a)
         Pattern: True where u is pressure.
     faces : Faces
+    lift : ndarray, shape (n_c, n_a + 1)
+        As in `Filling`.
     storage : Storage
     edges : grid.Edges
     ring : bool
@@ -321,10 +328,10 @@ def assemble(full: Flags, faces: Faces, storage: Storage, edges: Edges, ring: bo
             c_b = -k if full[i, j] else min(t, 0.0)
             stencil[CENTRE, i, j - 1] += c_a
             stencil[NORTH, i, j - 1] += c_b
-            right[i, j - 1] -= t
+            right[i, j - 1] -= t * (1.0 + lift[i, j])
             stencil[CENTRE, i, j] -= c_b
             stencil[SOUTH, i, j] -= c_a
-            right[i, j] += t
+            right[i, j] += t * (1.0 + lift[i, j])
         k = k_a[i, n_a]
         t = t_a[i, n_a]
         stencil[CENTRE, i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
@@ -373,7 +380,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     -------
     Outflow
     """
-    p, f = filling
+    p, f, lift = filling
     k_c, t_c, k_a, t_a = faces
     edge_p, edge_f = edges
     n_c, n_a = p.shape
@@ -387,6 +394,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
         out[i, 0] -= q
         for j in range(1, n_a):
             q = _flow(k_a[i, j], t_a[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
+            q += t_a[i, j] * lift[i, j]
             out[i, j - 1] += q
             out[i, j] -= q
         q = _flow(k_a[i, n_a], t_a[i, n_a], p[i, last], edge_p[UPPER], f[i, last], edge_f[UPPER])
@@ -417,14 +425,53 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
 
 
 @compiled
+def axial_flow(filling: Filling, faces: Faces, edges: Edges):
+    """Flow through all axial faces, Eq. (E2), positive with ascending j.
+
+    Parameters
+    ----------
+    filling : Filling
+    faces : Faces
+    edges : grid.Edges
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+        [m3/s].
+    """
+    p, f, lift = filling
+    k, t = faces.conductance_a, faces.transport_a
+    n_c, n_a = p.shape
+    flow = np.empty((n_c, n_a + 1))
+    last = n_a - 1
+    for i in range(n_c):
+        flow[i, 0] = _flow(
+            k[i, 0], t[i, 0], edges.pressure[LOWER], p[i, 0], edges.film_fraction[LOWER], f[i, 0]
+        )
+        for j in range(1, n_a):
+            flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
+            flow[i, j] += t[i, j] * lift[i, j]
+        flow[i, n_a] = _flow(
+            k[i, n_a],
+            t[i, n_a],
+            p[i, last],
+            edges.pressure[UPPER],
+            f[i, last],
+            edges.film_fraction[UPPER],
+        )
+    return flow
+
+
+@compiled
 def balance(
     pressure: Array,
     deficit: Array,
     faces: Faces,
+    lift: Array,
     storage: Storage,
     edges: Edges,
-    ring: bool,
     open_cells: Flags,
+    ring: bool,
 ):
     """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of
     the whole film.
@@ -434,11 +481,13 @@ def balance(
     pressure, deficit : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction - 1 [-].
     faces : Faces
+    lift : ndarray, shape (n_c, n_a + 1)
+        As in `Filling`.
     storage : Storage
     edges : grid.Edges
-    ring : bool
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film; what flows out of them counts as inflow over an edge.
+    ring : bool
 
     Returns
     -------
@@ -446,7 +495,7 @@ def balance(
     """
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
-    out, edge_flow, gross = outflow(Filling(pressure, fraction), faces, edges, ring)
+    out, edge_flow, gross = outflow(Filling(pressure, fraction, lift), faces, edges, ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -486,10 +535,10 @@ def _side(conductivity, transport, velocity, pressure, fraction, i, j):
 
 
 @compiled(inline="always")
-def _flow_slopes(a, b, aspect, width):
+def _flow_slopes(a, b, aspect, width, lift=0.0):
     """Derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
     velocity = 0.5 * (a.velocity + b.velocity)
-    upstream = a.film_fraction if velocity > 0.0 else b.film_fraction
+    upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
     inverse = 1.0 / (a.conductivity + b.conductivity)
     share_a = a.conductivity * inverse
     share_b = b.conductivity * inverse
@@ -531,7 +580,7 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
     g = film[CONDUCTIVITY_A]
     t = film[TRANSPORT]
     u = entrainment.axial
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     aspect = 2.0 * cells.dx / cells.dy
     for i in range(n_c):
@@ -553,7 +602,7 @@ def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cel
     t = film[TRANSPORT]
     u = entrainment.circumferential
     du = dentrainment.circumferential
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     aspect = 2.0 * cells.dy / cells.dx
     for j in range(n_a):
@@ -607,7 +656,7 @@ def linearise(
     """
     by_film, by_velocity = slopes
     dx, dy, ring = cells
-    pressure, fraction = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     stencil = np.empty((2, 5, n_c, n_a))
     stencil[:, SOUTH, :, 0] = 0.0  # no neighbour beyond an edge
@@ -629,6 +678,7 @@ def linearise(
                 _side(g, t, u, pressure, fraction, i, k),
                 dx / dy,
                 dx,
+                lift[i, j + 1],
             )
             stencil[BY_FILM, SOUTH, i, k] = (
                 -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]

@@ -12,7 +12,6 @@ from .oil import Oil
 from .options import BuildOptions
 from .parameters import Parameters, faults
 from .variables import (
-    CHOICES,
     CONDITION_VARIABLES,
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
@@ -42,13 +41,6 @@ class Ehd(FieldSlave):
 
     def start(self, values: Mapping[str, Any]) -> tuple[State, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
-        unknown_laws = [
-            f"{name} = {values[name]!r}: allowed are {', '.join(allowed)}"
-            for name, allowed in CHOICES.items()
-            if values[name] not in allowed
-        ]
-        if unknown_laws:
-            raise BadInput(unknown_laws)
         built = BuildOptions.read(self.options)
         parameters = Parameters(
             built.grid,

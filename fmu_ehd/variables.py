@@ -59,19 +59,21 @@ def variables(
         replace(v, start=starts[v.name]) if starts and v.name in starts else v
         for v in FILM_VARIABLES + OIL_VARIABLES
     ]
-    diagnostic = [
-        output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
-        output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
-        output_variable(
-            "film_fraction", "1", "Share of the film filled with oil", 1.0, shape, start=1.0
-        ),
-    ]
     return [
         constant("n_circumferential", shape[0], "Cells around the skirt"),
         constant("n_axial", shape[1], "Cells along the skirt"),
         constant("contract_version", CONTRACT_VERSION, "Version of the lubrication contract"),
         *parameters,
         *conditions,
+        *_interface(shape),
+        *(_diagnostics(shape) if fields else []),
+        *SUMMARY,
+    ]
+
+
+def _interface(shape):
+    """What film and bodies exchange."""
+    return [
         input_variable(
             "film_thickness",
             "m",
@@ -102,71 +104,86 @@ def variables(
             0.1,
             shape,
         ),
-        *(diagnostic if fields else []),
-        output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
-        output_variable("maximum_pressure", "Pa", "Highest hydrodynamic pressure, gauge", 1e6),
-        output_variable(
-            "friction_force_hydrodynamic",
-            "N",
-            "Axial force of the film on the skirt; its opposite acts on the bore",
-            10.0,
-        ),
-        output_variable(
-            "friction_force_asperity",
-            "N",
-            "Axial force of asperities on the skirt; its opposite acts on the bore",
-            10.0,
-        ),
-        output_variable(
-            "friction_power", "W", "Power that sliding costs, - axial force x velocity", 100.0
-        ),
-        output_variable(
-            "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
-        ),
-        output_variable(
-            "radial_force_thrust_side",
-            "N",
-            "Force across the thrust plane, pushing apart, of the thrust half",
-            100.0,
-        ),
-        output_variable(
-            "friction_force_thrust_side", "N", "Axial force on the skirt of the thrust half", 10.0
-        ),
-        output_variable(
-            "minimum_film_thickness_anti_thrust_side",
-            "m",
-            "Thinnest film of the anti-thrust half",
-            1e-5,
-        ),
-        output_variable(
-            "radial_force_anti_thrust_side",
-            "N",
-            "Force across the thrust plane, pushing apart, of the anti-thrust half",
-            100.0,
-        ),
-        output_variable(
-            "friction_force_anti_thrust_side",
-            "N",
-            "Axial force on the skirt of the anti-thrust half",
-            10.0,
-        ),
-        output_variable(
-            "flow_lower_edge",
-            "m3/s",
-            "Oil flow into the film over the lower edge at the end of the step",
-            1e-6,
-        ),
-        output_variable(
-            "flow_upper_edge",
-            "m3/s",
-            "Oil flow into the film over the upper edge at the end of the step",
-            1e-6,
-        ),
-        output_variable(
-            "mass_imbalance",
-            "1",
-            "|inflow - growth of film content| / throughput, rates at the end of the step",
-        ),
-        output_variable("contact_area_fraction", "1", "Real contact area / skirt area"),
-        output_variable("solver_iterations", "1", "Factorisations in the last step", start=0),
     ]
+
+
+def _diagnostics(shape):
+    """The fields of `DIAGNOSTIC_FIELDS`."""
+    return [
+        output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
+        output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
+        output_variable(
+            "film_fraction", "1", "Share of the film filled with oil", 1.0, shape, start=1.0
+        ),
+    ]
+
+
+SUMMARY = (
+    output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
+    output_variable("maximum_pressure", "Pa", "Highest hydrodynamic pressure, gauge", 1e6),
+    output_variable(
+        "friction_force_hydrodynamic",
+        "N",
+        "Axial force of the film on the skirt; its opposite acts on the bore",
+        10.0,
+    ),
+    output_variable(
+        "friction_force_asperity",
+        "N",
+        "Axial force of asperities on the skirt; its opposite acts on the bore",
+        10.0,
+    ),
+    output_variable(
+        "friction_power", "W", "Power that sliding costs, - axial force x velocity", 100.0
+    ),
+    output_variable(
+        "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
+    ),
+    output_variable(
+        "radial_force_thrust_side",
+        "N",
+        "Force across the thrust plane, pushing apart, of the thrust half",
+        100.0,
+    ),
+    output_variable(
+        "friction_force_thrust_side", "N", "Axial force on the skirt of the thrust half", 10.0
+    ),
+    output_variable(
+        "minimum_film_thickness_anti_thrust_side",
+        "m",
+        "Thinnest film of the anti-thrust half",
+        1e-5,
+    ),
+    output_variable(
+        "radial_force_anti_thrust_side",
+        "N",
+        "Force across the thrust plane, pushing apart, of the anti-thrust half",
+        100.0,
+    ),
+    output_variable(
+        "friction_force_anti_thrust_side",
+        "N",
+        "Axial force on the skirt of the anti-thrust half",
+        10.0,
+    ),
+    output_variable(
+        "flow_lower_edge",
+        "m3/s",
+        "Oil flow into the film over the lower edge at the end of the step",
+        1e-6,
+    ),
+    output_variable(
+        "flow_upper_edge",
+        "m3/s",
+        "Oil flow into the film over the upper edge at the end of the step",
+        1e-6,
+    ),
+    output_variable(
+        "mass_imbalance",
+        "1",
+        "|inflow - growth of film content| / throughput, rates at the end of the step",
+    ),
+    output_variable("contact_area_fraction", "1", "Real contact area / skirt area"),
+    output_variable("solver_iterations", "1", "Factorisations in the last step", start=0),
+)
+"""Outputs that sum the film up."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
+from ..master.fmi.checks import Check, at_most
 from ..models import MODELS
 from .dynamics.assembly import assemble
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
@@ -50,9 +51,7 @@ STEEL = dict(young=210e9, poisson=0.3)
 
 
 def checks():
-    """Quick figures, as dicts: case, quantity, computed, reference, tolerance, kind (relative,
-    absolute, at most), source, reason.
-    """
+    """Quick figures."""
     yield from slider_crank_checks()
     yield from element_checks()
     yield from bar_checks()
@@ -65,20 +64,6 @@ def slow_checks():
     yield from deflection_checks()
     yield from step_checks()
     yield from exudyn_checks()
-
-
-def figure(case, quantity, computed, reference, tolerance, kind, source, reason):
-    """One row of the table."""
-    return dict(
-        case=case,
-        quantity=quantity,
-        computed=float(computed),
-        reference=float(reference),
-        tolerance=tolerance,
-        kind=kind,
-        source=source,
-        reason=reason,
-    )
 
 
 def slider_crank_checks():
@@ -98,7 +83,7 @@ def slider_crank_checks():
     for degrees, row in references.items():
         for name, reference, computed in zip(names, row, guided_piston(np.radians(degrees))):
             if reference is not None:
-                yield figure(
+                yield Check(
                     f"Slider-crank {degrees} deg",
                     name,
                     computed,
@@ -149,7 +134,7 @@ def element_checks():
         ("first moment along x [kg m]", integrals.S[0], mass * 0.05),
         ("moment of inertia about the corner [kg m2]", integrals.I0, mass * (0.1**2 + 0.2**2) / 3),
     ):
-        yield figure(
+        yield Check(
             "Box of TET10",
             name,
             computed,
@@ -161,18 +146,16 @@ def element_checks():
         )
     points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
     K = stiffness(points, tets, **STEEL)
-    yield figure(
+    yield at_most(
         "Warped TET10",
         "force of rigid-body motions / norm of K [-]",
         np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
-        0.0,
         1e-12,
-        "at most",
         "closed form",
         "round-off",
     )
     eigenvalues = np.linalg.eigvalsh(K.toarray())
-    yield figure(
+    yield Check(
         "Warped TET10",
         "rigid-body modes",
         np.sum(eigenvalues < 1e-10 * eigenvalues[-1]),
@@ -183,13 +166,11 @@ def element_checks():
         "a count",
     )
     for name, difference in felupe_difference(points, tets):
-        yield figure(
+        yield at_most(
             "Warped TET10",
             f"{name} against FElupe [-]",
             difference,
-            0.0,
             1e-12,
-            "at most",
             "independent code",
             "same quadrature, sums in another order",
         )
@@ -275,7 +256,7 @@ def bar_checks():
     body = Elastic(K, M, np.concatenate(ends))
     fixed = orthonormal_modes(body, craig_bampton(body, 8))[1] / (2 * np.pi)
     for computed, reference in zip(fixed, (213.041, 422.001, 585.289, 1142.306)):
-        yield figure(
+        yield Check(
             "Bar, both ends held",
             "fixed-interface frequency [Hz]",
             computed,
@@ -287,7 +268,7 @@ def bar_checks():
         )
     exact = craig_bampton_free(points, K, M, ends, 120)[6:9]
     for computed, reference in zip(exact, (212.374, 422.909, 583.981)):
-        yield figure(
+        yield Check(
             "Bar, free",
             "free-free frequency, full model [Hz]",
             computed,
@@ -300,7 +281,7 @@ def bar_checks():
     reduced = craig_bampton_free(points, K, M, ends, 8)[6:9]
     for k, bound in enumerate((0.043e-2, 0.053e-2, 0.10e-2)):
         excess = reduced[k] / exact[k] - 1
-        yield figure(
+        yield Check(
             "Bar, 12 + 8 coordinates",
             f"f{k + 7} above the full model [-]",
             excess,
@@ -422,13 +403,11 @@ def pendulum_checks():
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
     levels = np.array([energy(body, now) for now in swing(body, 30.0, 2e-3, period / 100, 2000)])
-    yield figure(
+    yield at_most(
         "Flexible pendulum, 20 periods",
         "energy drift [-]",
         np.ptp(levels) / levels[0],
-        0.0,
         1e-10,
-        "at most",
         "conservation",
         "spectral radius 1 keeps the energy; what is left falls with the fourth power of the step",
     )
@@ -445,7 +424,7 @@ def order_check():
         last = swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1]
         ends.append(last.position[1:])
     order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[-1]))
-    return figure(
+    return Check(
         "Flexible pendulum, steps halved",
         "observed order [-]",
         order,
@@ -546,13 +525,11 @@ def deflection_checks():
                     if basis in nested
                     else pressure_modes(body, read, expected_pressure(angle, 40), modes, extra)
                 )
-                yield figure(
+                yield at_most(
                     f"{name}, {modes} {basis}",
                     "deflection under film patches, error [-]",
                     deflection_error(body, read, shapes, loads, full),
-                    0.0,
                     bound,
-                    "at most",
                     "full model",
                     "truncation of the basis",
                 )
@@ -584,13 +561,11 @@ def load_checks(body, mesh, read, shapes, extra):
         full, reduced = body.solve(load), modes @ ((modes.T @ load) / omega**2)
         for part, choose in (("crown", lambda u: u[pick]), ("skirt", lambda u: read @ u)):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
-            yield figure(
+            yield at_most(
                 f"piston, {name}",
                 f"deflection of the {part}, error [-]",
                 error,
-                0.0,
                 1e-6,
-                "at most",
                 "full model",
                 "the load's own static shape is in the basis",
             )
@@ -632,13 +607,11 @@ def step_checks():
     for _ in range(20):
         state, out = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)
         errors.append(out["interface_work_error"])
-    yield figure(
+    yield at_most(
         "60 + 60 modes, 20 steps",
         "work of the interface forces, difference [-]",
         max(errors),
-        0.0,
         1e-10,
-        "at most",
         "conservation",
         "round-off",
     )
@@ -649,18 +622,16 @@ def step_checks():
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
     for name, product in model.directional_derivative(drag, push)._asdict().items():
         difference = (ends[0][name] - ends[1][name]) / 2
-        yield figure(
+        yield at_most(
             "60 + 60 modes, one step",
             f"derivative of {name} against differences [-]",
             np.abs(product - difference).max() / np.abs(difference).max(),
-            0.0,
             1e-7,
-            "at most",
             "central differences",
             "the step is nearly affine in the forces",
         )
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    yield figure(
+    yield Check(
         "60 + 60 modes, one step redone",
         "bytes that differ",
         np.sum(first.position.tobytes() != again.position.tobytes()),
@@ -713,13 +684,11 @@ def exudyn_checks():
         difference = np.abs(own - other)
         case = f"Piston against Exudyn, {step * 1e6:g} us"
         apart.append(difference[:, 0].max())
-        yield figure(
+        yield at_most(
             case,
             f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]",
             apart[-1],
-            0.0,
             bound,
-            "at most",
             "independent code",
             "differences that two such codes had before at these steps",
         )
@@ -730,17 +699,15 @@ def exudyn_checks():
             sizes = [
                 np.linalg.norm(values[:, columns], axis=1).max() for values in (difference, own)
             ]
-            yield figure(
+            yield at_most(
                 case,
                 f"{name}, relative difference [-]",
                 sizes[0] / sizes[1],
-                0.0,
                 2e-4 * (step / 1e-5) ** 2,
-                "at most",
                 "independent code",
                 "both integrators err with the square of the step, not alike",
             )
-    yield figure(
+    yield Check(
         "Piston against Exudyn, steps quartered",
         "order of the difference",
         np.log2(apart[0] / apart[-1]) / 2,

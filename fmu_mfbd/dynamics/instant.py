@@ -177,9 +177,7 @@ def end_of_step(
     guided_velocity = guided.lever * crank.speed
     window = window_at(bore.lowest, bore.spacing, guided.height, skirt.height)
     film_forces = generalised(skirt, bore, window, forces)
-    push = film_forces.piston.copy()
-    for k in range(len(push)):
-        push[k] += gas * system.gas_force[k]
+    push = _piston_push(system, film_forces, gas)
     load = Load(
         lateral=film_forces.lateral,
         axial=film_forces.axial - gas,
@@ -200,12 +198,9 @@ def end_of_step(
     end = _moving(system, c, predicted, own.acceleration, film_forces.block)
     _follow_statically(system, c, before.position, end, push, film_forces.block, crank)
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
-    piston = system.piston
-    inertia = Inertia(piston.mass + mechanism.pin_mass, piston.S[1], piston.I0)
-    first = RIGID + len(film_forces.piston)
-    moving = Moving(piston, inertia, first, system.block.stiffness)
+    moving = _moving_bodies(system)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-    impact = limit_memory(inertia, before, kept, predicted.auxiliary, c.step)
+    impact = limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
     now = height(mechanism, end.position[LATERAL], crank.angle)
     axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
@@ -213,10 +208,11 @@ def end_of_step(
         skirt, bore, window, forces, axial_velocity, guided_velocity, end.position, end.velocity
     )
     axial_power = film_forces.axial * axial_velocity + film.axial_force * guided_velocity
+    axial_work = c.step * axial_power
     ledger = Ledger(
         kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
         elastic=elastic_energy(moving, end.position),
-        film_work=film_work(film_forces, before.position, end.position, c.step * axial_power),
+        film_work=film_work(film_forces, before.position, end.position, axial_work),
         error=energy_error(moving, before, kept, end),
     )
     return Instant(
@@ -243,6 +239,24 @@ def end_of_step(
         tangents=own.tangents,
         change=own.change,
     )
+
+
+@compiled
+def _piston_push(system, film_forces, gas):
+    """Modal forces of film and gas on the piston, of all its modes."""
+    push = film_forces.piston.copy()
+    for k in range(len(push)):
+        push[k] += gas * system.gas_force[k]
+    return push
+
+
+@compiled
+def _moving_bodies(system):
+    """What has inertia across the bore."""
+    piston = system.piston
+    rigid = Inertia(piston.mass + system.mechanism.pin_mass, piston.S[1], piston.I0)
+    first = RIGID + len(piston.stiffness) + len(system.piston_static.stiffness)
+    return Moving(piston, rigid, first, system.block.stiffness)
 
 
 @compiled

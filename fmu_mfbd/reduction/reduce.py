@@ -167,12 +167,12 @@ def reduce_piston(
     east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
     mass = float(east @ (M @ east))
     _refuse(piston_faults(mesh, mass, options.pin_offset), options)
-    lower, upper = _ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
     position = mesh.points - np.array([options.pin_offset, 0.0, 0.0])
     around, along = grid
     angle, height = cell_centres(around, along, lower, upper)
-    surface = _film_surface(mesh, "skirt", angle, height)
+    surface = film_surface(mesh, "skirt", angle, height)
     there = covered(mesh.points, mesh.faces["skirt"], angle, height, surface.radius)
     if not there.all():
         progress(
@@ -230,9 +230,9 @@ def reduce_block(
     _refuse(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
-    lower, upper = _ends(mesh, "bore", options.bore_lower, options.bore_upper)
+    lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     heights = np.linspace(lower, upper, options.stations)
-    surface = _film_surface(mesh, "bore", angle, heights)
+    surface = film_surface(mesh, "bore", angle, heights)
     faults_of_modes(mesh, options, "bolts", "bore", len(angle) * len(heights))
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
@@ -312,7 +312,7 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
     return FullModel(mesh, K, M)
 
 
-def _film_surface(mesh, name, angle, height):
+def film_surface(mesh, name, angle, height):
     """A cylindrical surface and how it is read at the points of a grid."""
     x, _, z = mesh.points[mesh.nodes(name)].T
     radius = float(np.hypot(x, z).mean())
@@ -320,7 +320,7 @@ def _film_surface(mesh, name, angle, height):
     return FilmSurface(radius, radial_and_axial(interpolate, angle, len(height)))
 
 
-def _ends(mesh, name, lower, upper):
+def ends(mesh, name, lower, upper):
     """Lowest and highest height of a surface [m], unless given; those must lie on it, but for a
     hundredth of its length.
     """

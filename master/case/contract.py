@@ -138,7 +138,7 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
         raise BadInput(f"{path}: has the outputs of no role of the contract ({wanted})")
     terms = contract()[role]
     breaches, remarks = _capabilities(participant)
-    _compare(participant, {"scalar": terms.parameters}, ("parameter",), breaches)
+    _compare(participant, {"scalar": terms.parameters}, ("local", "parameter"), breaches)
     _compare(participant, terms.inputs, ("input", "parameter"), breaches)
     _compare(participant, terms.outputs, ("output",), breaches)
     _compare(participant, terms.reported, ("output",), remarks)

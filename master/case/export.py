@@ -3,12 +3,15 @@ a step.
 """
 
 import json
+import re
 from collections import Counter
 from dataclasses import asdict, replace
+from math import inf, isfinite
 from pathlib import Path
 
 from ..fmi.builder import pack_fmu, slave_of
 from ..fmi.errors import BadInput
+from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
 from .given import build_options
 from .system import open_system
@@ -74,7 +77,11 @@ def export_fmu(case, folder, progress):
         {name: _variables(packages[name], options) for name, (options, _) in prepared.items()},
         system,
     )
+    name = re.sub(r"\W", "_", Path(folder).resolve().name, flags=re.ASCII)
     options = {
+        "name": name if name.isidentifier() else f"engine_{name}",
+        "title": case.title,
+        "experiment": asdict(experiment(system)),
         "participants": {name: slave_of(package) for name, package in packages.items()},
         "order": list(system.order),
         "step": system.step,
@@ -87,13 +94,22 @@ def export_fmu(case, folder, progress):
         },
     }
     return pack_fmu(
-        "coupled",
+        options["name"],
         f"{COUPLED}:Coupled",
         [*packages.values(), COUPLED],
         options,
         _resources(prepared),
         progress,
     )
+
+
+def experiment(system):
+    """The case's own run: its stop, its longest step, and the tightest wire's tolerance over its
+    nominal value.
+    """
+    shares = [wire.tolerance / wire.nominal for wire in system.wires if wire.tolerance > 0.0]
+    tightest = min(shares, default=inf)
+    return Experiment(system.stop, system.step, tightest if isfinite(tightest) else None)
 
 
 def _variables(package, options):
@@ -113,7 +129,8 @@ def _exposed(tables, system):
     shared = Counter(v.name for _, v in chosen)
     exposed = []
     for owner, v in chosen:
-        start = type(v.start)(system.parameters[owner].get(v.name, v.start))
+        given = system.parameters[owner].get(v.name, v.number(v.start))
+        start = v.choices[given - 1] if v.choices else type(v.start)(given)
         name = v.name if shared[v.name] == 1 else f"{owner}.{v.name}"
         exposed.append((replace(v, name=name, start=start), (owner, v.name)))
     return exposed
@@ -122,8 +139,7 @@ def _exposed(tables, system):
 def _is_exposed(variable, is_fed):
     if variable.causality == "output":
         return not variable.shape
-    constant = variable.minimum is not None and variable.minimum == variable.maximum
-    return not constant and not is_fed
+    return variable.causality != "constant" and not is_fed
 
 
 def _resources(prepared):

@@ -81,7 +81,12 @@ def _has_arrays(participant):
     return any(field.shape and len(field.references) == 1 for field in participant.fields.values())
 
 
-TYPES_3 = {"Real": "Float64", "Integer": "Int32", "String": "String"}
+TYPES_3 = {
+    "Real": "Float64",
+    "Integer": "Int32",
+    "String": "String",
+    "Enumeration": "Enumeration",
+}
 
 
 def _type(participant, field):
@@ -187,8 +192,14 @@ def _parameters(participant, values, version):
         field = participant.fields[name]
         node = SubElement(parameters, _q("ssv:Parameter"), {"name": name})
         unit = {"unit": field.unit} if field.type == "Real" and field.unit != "1" else {}
-        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": str(value), **unit})
+        shown = _item(field, value) if field.choices else str(value)
+        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": shown, **unit})
     return root
+
+
+def _item(field, number):
+    """Name of an enumeration's item."""
+    return next(name for name, value in field.choices.items() if value == number)
 
 
 def read_ssp(path):
@@ -260,6 +271,7 @@ def _read_parameters(component, folder):
             (value,) = node
             unit = pint_unit(value.get("unit", ""))
             text = f"{value.get('value')} {unit}".strip()
-            is_number = value.tag != _q("ssv:String") and not unit
+            is_text = value.tag in (_q("ssv:String"), _q("ssv:Enumeration"))
+            is_number = not is_text and not unit
             values[node.get("name")] = float(text) if is_number else text
     return values

@@ -139,6 +139,11 @@ def _value(field, text):
         if not isinstance(text, bool):
             raise ValueError(f"{text!r} must be true or false")
         return text
+    if field.type == "Enumeration" and isinstance(text, str):
+        if text not in field.choices:
+            near = _near(text, field.choices)
+            raise ValueError(f"{text!r}: allowed are {', '.join(field.choices)}{near}")
+        return field.choices[text]
     value = _quantity(text, field)
     low = float("-inf") if field.minimum is None else field.minimum
     high = float("inf") if field.maximum is None else field.maximum
@@ -399,7 +404,7 @@ def _slope_output(participant, name):
 
 
 def _slopes(case, participants, wires, step):
-    """Connections that carry the slopes of cubic inputs; they may be off by a tolerance of the
+    """Wires that carry the slopes of cubic inputs; they may be off by a tolerance of the
     value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}

@@ -50,35 +50,29 @@ def command(
     with sweeps.local_executor(workers) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     runs = studies.open_points(points, rows, folder)
-    table = studies.study_table(chosen, checked, rows, runs)
-    distances = [key for row in table for key in row if key.startswith("rms ")]
-    console.print(_shown(table, f"{chosen.title}: cost", studies.COST))
-    if distances:
-        console.print(
-            _shown(
-                table,
-                f"rms distance from {chosen.reference} / its range",
-                list(dict.fromkeys(distances)),
-            )
-        )
+    said = studies.study_rows(chosen, checked, rows, runs)
+    costs = {row.run: row.cost._asdict() if row.cost else {} for row in said}
+    console.print(_shown(costs, f"{chosen.title}: cost", studies.Cost._fields))
+    if chosen.curves:
+        distances = {row.run: row.distances for row in said}
+        title = f"rms distance from {chosen.reference} / its range"
+        console.print(_shown(distances, title, chosen.curves))
     console.print(
-        f"table    {studies.write_table(table, folder / 'study.csv')}",
+        f"table    {studies.write_table(said, folder / 'study.csv')}",
         highlight=False,
         soft_wrap=True,
     )
-    drawn = [studies.draw_cost(chosen.title, table, folder / "cost.png")]
+    drawn = [studies.draw_cost(chosen.title, said, folder / "cost.png")]
     if chosen.curves:
-        drawn.append(studies.draw_study(chosen, checked, table, runs, folder / "study.png"))
+        drawn.append(studies.draw_study(chosen, checked, said, runs, folder / "study.png"))
     for picture in (*drawn, *draw(checked, runs, folder)):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
 
 
-def _shown(table, title, keys):
-    shown = Table(
-        "", *(key.split(".")[-1].replace("_", " ") for key in keys), box=None, title=title
-    )
-    for row in table:
-        shown.add_row(
-            row["run"], *(f"{row[key]:.4g}" if row.get(key, "") != "" else "" for key in keys)
-        )
+def _shown(values, title, names):
+    """Table of the named values of every run; empty where a run has none."""
+    heads = [name.split(".")[-1].replace("_", " ") for name in names]
+    shown = Table("", *heads, box=None, title=title)
+    for run, row in values.items():
+        shown.add_row(run, *(f"{row[name]:.4g}" if row else "" for name in names))
     return shown

@@ -62,7 +62,7 @@ def command(
         variant_trees(path, changes, only)
         changes += list(tree.get("variants", {}).get(only, {}).items())
     axes = [sweeps.parse_axis(text, tree) for text in vary]
-    points = sweeps.points(path, changes, axes)
+    points = sweeps.all_points(path, changes, axes)
     folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"

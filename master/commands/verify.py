@@ -23,9 +23,9 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
     Parameters
     ----------
     parts
-        ehd, mfbd, master; all of them by default. Or importers: what each independent importer that
-        is installed sees of the FMUs, here and in the Pythons that PISTON_COSIM_PYTHONS names,
-        separated by colons.
+        ehd, mfbd, master, coupled; all of them by default. Or importers: what each independent
+        importer that is installed sees of the FMUs, here and in the Pythons that
+        PISTON_COSIM_PYTHONS names, separated by colons.
     all_
         The slow studies too (minutes).
     """

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard
-from ..fmi.slave import FieldSlave
+from ..fmi.slave import Experiment, FieldSlave
 from ..fmi.tree import slave_class
 from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
@@ -49,6 +49,9 @@ class Coupling:
 class Options:
     """What build.json of a coupled FMU holds; `case.export` writes it.
 
+    name         : model identifier
+    title        : the case's
+    experiment   : the case's run
     participants : slave ("module:class") by name, in the order of their start
     order        : stepping order
     step         : longest macro step [s]
@@ -58,6 +61,9 @@ class Options:
     parameter, input, output : (participant, variable) inside by the name outside
     """
 
+    name: str
+    title: str
+    experiment: Experiment
     participants: dict[str, str]
     order: tuple[str, ...]
     step: float
@@ -72,13 +78,17 @@ class Options:
     def read(tree: Mapping[str, Any]) -> "Options":
         """Options from JSON, which knows no tuples."""
         return Options(
+            tree["name"],
+            tree["title"],
+            Experiment(**tree["experiment"]),
             tree["participants"],
             tuple(tree["order"]),
             tree["step"],
             tuple(_read_wire(entry) for entry in tree["wires"]),
             Coupling(**{f.name: tree["coupling"][f.name] for f in fields(Coupling)}),
             tuple(
-                Variable(**entry | {"shape": tuple(entry["shape"])}) for entry in tree["variables"]
+                Variable(**entry | {key: tuple(entry[key]) for key in ("shape", "choices")})
+                for entry in tree["variables"]
             ),
             *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
         )
@@ -105,6 +115,13 @@ class Coupled(FieldSlave):
     description = "Participants of a co-simulation, coupled inside"
     state_type = State
 
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.inside = Options.read(self.options)
+        self.name = self.modelName = self.inside.name
+        self.description = self.inside.title
+        self.experiment = self.inside.experiment
+
     @staticmethod
     def variables(options):
         """The exposed variables, as chosen at export."""
@@ -112,13 +129,13 @@ class Coupled(FieldSlave):
 
     def start(self, values):
         """Start every participant; BadInput with what the first of them refuses."""
-        self.inside = options = Options.read(self.options)
+        options = self.inside
         parameters: dict[str, dict] = {name: {} for name in options.participants}
         for exposed, (owner, name) in (options.parameter | options.input).items():
             parameters[owner][name] = values[exposed]
         participants = {
-            name: LocalParticipant(name, self._slave(name, place))
-            for name, place in options.participants.items()
+            name: LocalParticipant(name, self._slave(name, path))
+            for name, path in options.participants.items()
         }
         coupling = options.coupling
         self.system = System(
@@ -137,8 +154,8 @@ class Coupled(FieldSlave):
         self.standing = self._state()
         return self.standing, self._outputs()
 
-    def _slave(self, name, place):
-        return slave_class(place)(instance_name=name, resources=str(self.resources / name))
+    def _slave(self, name, path):
+        return slave_class(path)(instance_name=name, resources=str(self.resources / name))
 
     def advance(self, state, values, time, step):
         """Macro steps up to time + step; discarded, everything as before, if one of them fails."""

@@ -21,14 +21,16 @@ def objections(system: System, method: Method) -> dict[str, str]:
     """
     if not isinstance(method, Newton) or method.differences:
         return {}
-    found = {}
+    reasons = {}
     for name in system.order:
         participant = system.participants[name]
         inputs = [w.target[1] for w in system.wires if w.target[0] == name]
         outputs = [w.source[1] for w in system.wires if w.source[0] == name]
         if participant.has_derivatives and participant.can_redo and inputs and outputs:
-            found[name] = objection(participant, inputs, list(dict.fromkeys(outputs)), system.step)
-    return found
+            reasons[name] = objection(
+                participant, inputs, list(dict.fromkeys(outputs)), system.step
+            )
+    return reasons
 
 
 def by_differences(system: System, objected: dict[str, str]) -> System:

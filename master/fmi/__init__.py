@@ -3,6 +3,7 @@
 slave         the slave every FMU is made of
 variables     one declaration a variable
 description   modelDescription.xml, 2.0 (and 3: 3.0)
+documentation the page and the licences that an FMU carries
 builder       FMUs from parts, cached by content
 compiler      the C front in front/
 tree          the project, or its copy in an FMU
@@ -10,6 +11,7 @@ requirements  what an FMU needs of Python
 fields        scalars of an FMU gathered to arrays
 quantities    units, at the edge alone
 errors        bad input, discard, fault
+checks        computed figures beside what they should be
 compiled      how kernels are compiled
 cache         where the user's cache lies
 """

@@ -13,6 +13,8 @@ import os
 import sys
 import tempfile
 import zipfile
+from contextlib import suppress
+from importlib.metadata import version as version_of
 from inspect import getfile
 from pathlib import Path
 from xml.dom.minidom import parseString
@@ -24,13 +26,14 @@ from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
+from .documentation import documentation
 from .errors import BadInput
 from .tree import ROOT, import_part, reached
 
 EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
-PACKING = ("builder.py", "compiler.py", "description.py", "description3.py")
+PACKING = ("builder.py", "compiler.py", "description.py", "description3.py", "documentation.py")
 """What else has a say in an FMU's content."""
 
 STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
@@ -188,9 +191,10 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     sources = _sources(packages)
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
     code = f"code_{_digest(sources | {'entry': (ENTRY + slave).encode()})}"
-    contents["python.txt"] = sys.executable.encode()
     front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
+    packing["version"] = version_of("piston-cosim").encode()
+    _remember_python()
     fmu = (
         cache_folder("fmus")
         / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
@@ -207,6 +211,12 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
         }
         _pack(contents, f"{code}_entry", fmu, version)
     return fmu
+
+
+def _remember_python():
+    """Tell the fronts of this machine, in the user's cache, which Python has what an FMU needs."""
+    with suppress(OSError):
+        (cache_folder("") / "python.txt").write_text(sys.executable)
 
 
 def _sources(packages):
@@ -281,9 +291,12 @@ def _members_2(slave):
             for path in STOCK.rglob("*.*")
         }
     )
+    any_host = compiler() is not None
     return {
-        "modelDescription.xml": _xml(model_description(slave, any_host=compiler() is not None))
-    } | binaries
+        "modelDescription.xml": _xml(model_description(slave, any_host)),
+        **documentation(slave, any_host),
+        **binaries,
+    }
 
 
 def _members_3(slave):
@@ -292,6 +305,7 @@ def _members_3(slave):
         "modelDescription.xml": _xml(model_description_3(slave)),
         f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
         "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
+        **documentation(slave, any_host=True),
     }
 
 

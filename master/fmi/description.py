@@ -3,6 +3,7 @@ leaves out.
 """
 
 import hashlib
+from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
@@ -14,6 +15,12 @@ VENDOR = "piston-cosim"
 """Name of the VendorAnnotations tool entry that lists the reserved directional-derivative
 references.
 """
+
+AUTHOR = "the piston-cosim developers"
+COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
+LICENCE = "BSD-3-Clause"
+DATE = "2026-11-22T00:00:00Z"
+"""Of the version: what is built of the same content is the same file whenever it is built."""
 
 BASE_UNITS = {
     "m": {"m": 1},
@@ -66,14 +73,7 @@ def model_description(slave, any_host):
     """
     root = Element(
         "fmiModelDescription",
-        {
-            "fmiVersion": "2.0",
-            "modelName": slave.name,
-            "guid": "",
-            "description": slave.description,
-            "generationTool": "piston-cosim",
-            "variableNamingConvention": "structured",
-        },
+        {"fmiVersion": "2.0", "guid": "", **head(slave)},
     )
     SubElement(
         root,
@@ -99,6 +99,24 @@ def model_description(slave, any_host):
     return root
 
 
+def head(slave):
+    """Attributes of the root, equal in FMI 2 and 3."""
+    return {
+        "modelName": slave.name,
+        "description": slave.description,
+        "author": AUTHOR,
+        "version": version("piston-cosim"),
+        "copyright": COPYRIGHT,
+        "license": LICENCE,
+        "generationTool": f"piston-cosim {version('piston-cosim')}",
+        "generationDateAndTime": DATE,
+        "variableNamingConvention": "structured",
+    }
+
+
+NO_DEPENDENCIES = {"dependencies": ""}
+
+
 def content_guid(root):
     """The same description has the same identifier in every build."""
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
@@ -107,24 +125,43 @@ def content_guid(root):
 def common_parts(root, slave):
     """Units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
+    _types(root, slave.table)
     categories = SubElement(root, "LogCategories")
     for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
-    SubElement(
-        root,
-        "DefaultExperiment",
-        {
-            "startTime": "0.0",
-            "stopTime": repr(100 * slave.usual_step),
-            "stepSize": repr(slave.usual_step),
-        },
-    )
+    usual = slave.experiment
+    attributes = {"startTime": 0.0, "stopTime": usual.stop, "stepSize": usual.step}
+    if usual.tolerance is not None:
+        attributes["tolerance"] = usual.tolerance
+    given = {name: repr(float(value)) for name, value in attributes.items()}
+    SubElement(root, "DefaultExperiment", given)
 
 
 def _units(parent, table):
     for unit in sorted({v.unit for v in table if v.type == "Real" and v.unit != "1"}):
         node = SubElement(parent, "Unit", {"name": unit})
         SubElement(node, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[unit].items()})
+
+
+def _types(root, table):
+    """A type of its own for every choice."""
+    chosen = [v for v in table if v.choices]
+    if not chosen:
+        return
+    parent = SubElement(root, "TypeDefinitions")
+    third = root.get("fmiVersion") == "3.0"
+    for v in chosen:
+        if third:
+            node = SubElement(parent, "EnumerationType", {"name": _type_name(v)})
+        else:
+            simple = SubElement(parent, "SimpleType", {"name": _type_name(v)})
+            node = SubElement(simple, "Enumeration")
+        for number, name in enumerate(v.choices, 1):
+            SubElement(node, "Item", {"name": name, "value": str(number)})
+
+
+def _type_name(v):
+    return f"{v.name}_choice"
 
 
 def _vendor_annotations(parent, slave, any_host):
@@ -181,6 +218,7 @@ def causality_attributes(v):
             "causality": "input",
             "variability": "continuous" if v.type == "Real" else "discrete",
         },
+        "constant": {"causality": "local", "variability": "constant", "initial": "exact"},
         "output": {
             "causality": "output",
             "variability": "continuous" if v.type == "Real" else "discrete",
@@ -194,20 +232,23 @@ def type_attributes(v):
     """Start, unit, nominal and range."""
     attributes = {}
     if v.causality != "output":
-        attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.start)
+        attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.number(v.start))
+    if v.choices:
+        attributes["declaredType"] = _type_name(v)
     if v.type == "Real" and v.unit != "1":
         attributes["unit"] = v.unit
     if v.type == "Real" and v.nominal is not None:
         attributes["nominal"] = repr(float(v.nominal))
     for key, limit in (("min", v.minimum), ("max", v.maximum)):
-        if limit is not None and np.isfinite(limit):
+        if v.causality != "constant" and limit is not None and np.isfinite(limit):
             attributes[key] = repr(float(limit)) if v.type == "Real" else str(limit)
     return attributes
 
 
 def _structure(parent, table):
-    """Outputs and initial unknowns, both with empty dependencies: no output follows an input
-    without a step.
+    """Outputs depend on nothing: none follows an input without a step. Initial unknowns depend on
+    all that is set, which leaving dependencies out says; importers that draw every pair of two
+    fields would take minutes, so with fields in the table they are not told.
     """
     index = 1
     outputs = []
@@ -217,5 +258,6 @@ def _structure(parent, table):
         index += v.size
     for section in ("Outputs", "InitialUnknowns"):
         node = SubElement(parent, section)
+        untold = section == "InitialUnknowns" and not any(v.shape for v in table)
         for k in outputs:
-            SubElement(node, "Unknown", {"index": str(k), "dependencies": ""})
+            SubElement(node, "Unknown", {"index": str(k)} | ({} if untold else NO_DEPENDENCIES))

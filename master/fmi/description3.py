@@ -4,10 +4,18 @@ reference, terminals.
 
 from xml.etree.ElementTree import Element, SubElement
 
-from .description import VENDOR, causality_attributes, common_parts, content_guid, type_attributes
+from .description import (
+    NO_DEPENDENCIES,
+    VENDOR,
+    causality_attributes,
+    common_parts,
+    content_guid,
+    head,
+    type_attributes,
+)
 from .requirements import PACKAGES
 
-TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String"}
+TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration": "Enumeration"}
 
 
 def model_description_3(slave):
@@ -16,14 +24,7 @@ def model_description_3(slave):
     """
     root = Element(
         "fmiModelDescription",
-        {
-            "fmiVersion": "3.0",
-            "modelName": slave.name,
-            "instantiationToken": "",
-            "description": slave.description,
-            "generationTool": "piston-cosim",
-            "variableNamingConvention": "structured",
-        },
+        {"fmiVersion": "3.0", "instantiationToken": "", **head(slave)},
     )
     SubElement(
         root,
@@ -40,10 +41,11 @@ def model_description_3(slave):
     common_parts(root, slave)
     _variables(SubElement(root, "ModelVariables"), slave.table)
     structure = SubElement(root, "ModelStructure")
-    for section in ("Output", "InitialUnknown"):
-        for k, v in enumerate(slave.table):
-            if v.causality == "output":
-                SubElement(structure, section, {"valueReference": str(k), "dependencies": ""})
+    outputs = [str(k) for k, v in enumerate(slave.table) if v.causality == "output"]
+    for k in outputs:  # none follows an input without a step
+        SubElement(structure, "Output", {"valueReference": k} | NO_DEPENDENCIES)
+    for k in outputs:  # of all that is set
+        SubElement(structure, "InitialUnknown", {"valueReference": k})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
     SubElement(
         annotation,

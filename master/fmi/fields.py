@@ -3,7 +3,7 @@ gathered into arrays.
 """
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,7 +55,8 @@ class Field:
     `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI
     3 the array's one. `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first
     element ("1" and None where the FMU says nothing), `derivative_of` names the field whose time
-    derivative this one is, `definition` is what the FMU says of its unit.
+    derivative this one is, `definition` is what the FMU says of its unit, `choices` are the items
+    of an enumeration: name -> value.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Field:
     description: str
     derivative_of: str | None = None
     definition: UnitDefinition | None = None
+    choices: dict[str, int] = field(default_factory=dict)
 
     @cached_property
     def size(self):
@@ -183,7 +185,14 @@ def _described(name, shape, variables, kind, units):
         first.description or "",
         _derivative_of(first),
         definition,
+        _choices(first) if kind == "Enumeration" else {},
     )
+
+
+def _choices(variable):
+    """Items of an enumeration: name -> value; nothing where the FMU has no type for it."""
+    items = variable.declaredType.items if variable.declaredType else ()
+    return {item.name: int(item.value) for item in items or ()}
 
 
 def _derivative_of(variable):

@@ -9,10 +9,11 @@ where:
   index into it, and each declared array is a view of it. Seeds and products are the reserved
   references of the directional derivative. A course is what fmi2SetRealInputDerivatives said of an
   input, its first three derivatives at the beginning of the step to come.
-- `integer`, `string`: likewise for the two other types. The front reads and writes `real` and
-  `integer` in place: they are allocated once and stay where they are.
-- `state`: the participant's own frozen dataclass. The FMU state is (real variables, strings,
-  state); Integer outputs count work done, which no rollback undoes, so they are not part of it.
+- `integer`, `string`: likewise for the other types; a choice is its number. The front reads and
+  writes `real` and `integer` in place: they are allocated once and stay where they are.
+- `state`: the participant's own frozen dataclass. The FMU state is (real variables, texts and
+  choices, state); Integer outputs count work done, which no rollback undoes, so they are not part
+  of it.
 
 Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host
 later. A step that cannot be taken is logged, leaves the state as it was, and sets `status` to
@@ -21,7 +22,7 @@ discard (a bug: to error).
 
 import json
 import traceback
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,17 @@ and product.
 def reserved(kind: str, name: str) -> str:
     """Key of the reserved storage of a variable."""
     return f"{kind}:{name}"
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What an importer does unless told otherwise: stop and communication step [s], and where
+    results are iterated the error of what is exchanged over its nominal value [-].
+    """
+
+    stop: float
+    step: float
+    tolerance: float | None = None
 
 
 class FieldSlave(Fmi2Slave):
@@ -63,7 +75,7 @@ class FieldSlave(Fmi2Slave):
     name = "slave"
     description = ""
     state_type: Any = None
-    usual_step = 5e-5
+    experiment = Experiment(stop=5e-3, step=5e-5)
     interpolates_inputs = False
     derivative_inputs = ()
     derivative_outputs = ()
@@ -130,7 +142,8 @@ class FieldSlave(Fmi2Slave):
         extra += [(reserved(SEED, n), shapes[n]) for n in self.derivative_inputs]
         extra += [(reserved(PRODUCT, n), shapes[n]) for n in self.derivative_outputs]
         self.real = np.zeros(self.real_count + sum(int(np.prod(s)) for _, s in extra))
-        integer = [v for v in self.table if v.type == "Integer"]
+        integer = [v for v in self.table if v.type in ("Integer", "Enumeration")]
+        self.enumerations = [v for v in self.table if v.type == "Enumeration"]
         self.integer = np.zeros(sum(v.size for v in integer), dtype=np.int64)
         self._lay_into(self.real, [(v.name, v.shape) for v in real] + extra)
         self._lay_into(self.integer, [(v.name, v.shape) for v in integer])
@@ -139,7 +152,7 @@ class FieldSlave(Fmi2Slave):
             v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")
         }
         for v in real + integer:
-            self.views[v.name][...] = v.start
+            self.views[v.name][...] = v.number(v.start)
         self.first_product = (
             self.references.get(reserved(PRODUCT, self.derivative_outputs[0]), len(self.real))
             if self.derivative_outputs
@@ -173,11 +186,13 @@ class FieldSlave(Fmi2Slave):
         strings = {
             v.name: self.string[self.references[v.name]] for v in self.table if v.type == "String"
         }
-        return strings | {
+        numbers = {
             v.name: self.views[v.name].copy() if v.shape else self.views[v.name].item()
             for v in self.table
             if v.causality != "output" and v.type != "String"
         }
+        chosen = {v.name: v.choices[numbers[v.name] - 1] for v in self.enumerations}
+        return strings | numbers | chosen
 
     def _publish(self, outputs):
         for name, value in outputs.items():
@@ -202,7 +217,7 @@ class FieldSlave(Fmi2Slave):
                 (PRODUCT, self.derivative_outputs),
             )
         ]
-        kinds = ("Real", "Integer", "String")
+        kinds = ("Real", "Integer", "String", "Enumeration")
         entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
         head = [
             real,
@@ -297,7 +312,11 @@ class FieldSlave(Fmi2Slave):
         """What `start` depends on, comparable: a state that carries other parameters needs a new
         start.
         """
-        return self.real[self.parameter_elements].tobytes(), tuple(self.string)
+        return self.real[self.parameter_elements].tobytes(), self._settings()
+
+    def _settings(self):
+        """All texts, then the numbers of all choices."""
+        return (*self.string, *(self.views[v.name].item() for v in self.enumerations))
 
     def _refuse(self, text):
         self.fault = text
@@ -315,6 +334,9 @@ class FieldSlave(Fmi2Slave):
         for v in self.table:
             if v.causality == "output" or v.type == "String":
                 continue
+            if v.choices:
+                faults += self._choice_faults(v)
+                continue
             values = np.atleast_1d(self.views[v.name]).ravel()
             low = -np.inf if v.minimum is None else v.minimum
             high = np.inf if v.maximum is None else v.maximum
@@ -324,6 +346,14 @@ class FieldSlave(Fmi2Slave):
                     v.fault(values[bad[0]]) or f"{v.name} = {values[bad[0]]}: must be finite"
                 )
         return faults
+
+    def _choice_faults(self, v):
+        """A sentence where a choice has a number that none of them has."""
+        number = self.views[v.name].item()
+        if 1 <= number <= len(v.choices):
+            return []
+        known = ", ".join(f"{k} {name}" for k, name in enumerate(v.choices, 1))
+        return [f"{v.name} = {number}: allowed are {known}"]
 
     def do_step(self, current_time, step_size):
         """One step; False (fmi2Discard) with a log line where it cannot be taken, the state
@@ -396,11 +426,14 @@ class FieldSlave(Fmi2Slave):
     # state
 
     def _get_fmu_state(self):  # pyright: ignore[reportIncompatibleMethodOverride]
-        return self.real[: self.real_count].copy(), tuple(self.string), self.state
+        return self.real[: self.real_count].copy(), self._settings(), self.state
 
     def _set_fmu_state(self, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
-        real, strings, state = saved
-        self.string[:] = strings
+        real, settings, state = saved
+        texts = len(self.string)
+        self.string[:] = settings[:texts]
+        for v, number in zip(self.enumerations, settings[texts:]):
+            self.views[v.name][...] = number
         self.fault = None
         self.real[: self.real_count] = real
         if state is not None and self._parameters() != self.started_with:
@@ -410,7 +443,7 @@ class FieldSlave(Fmi2Slave):
 
     @staticmethod
     def _fmu_state_to_bytes(saved):  # pyright: ignore[reportIncompatibleMethodOverride]
-        real, strings, state = saved
+        real, settings, state = saved
         members = (
             {}
             if state is None
@@ -418,7 +451,7 @@ class FieldSlave(Fmi2Slave):
         )
         arrays = {"": real} | members
         header = {
-            "strings": strings,
+            "settings": settings,
             "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
             "started": state is not None,
         }
@@ -441,7 +474,7 @@ class FieldSlave(Fmi2Slave):
             end += array.nbytes
             arrays[name] = array if shape else array.item()
         real = arrays.pop("")
-        return real, tuple(header["strings"]), arrays if header["started"] else None
+        return real, tuple(header["settings"]), arrays if header["started"] else None
 
 
 def element_names(variable):

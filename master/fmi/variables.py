@@ -21,14 +21,14 @@ class Variable:
     unit : str
         SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1"
         for none.
-    causality : {"parameter", "input", "output"}
-        Parameters are read once, when initialisation ends; a property of the built FMU (grid sizes)
-        is one with minimum = maximum = start.
+    causality : {"parameter", "input", "output", "constant"}
+        Parameters are read once, when initialisation ends; a constant is a property of the built
+        FMU (grid sizes).
     description : str
         One sentence.
     start : float, int or str
         Start value (every element of an array). Its type makes the FMI type: float Real, int
-        Integer, str String.
+        Integer, str String, or with `choices` Enumeration.
     nominal : float, optional
         Typical magnitude [unit], used to scale residuals.
     minimum, maximum : float, optional
@@ -37,6 +37,8 @@ class Variable:
         () for a scalar.
     derivative_of : str, optional
         Name of the variable whose time derivative this one is.
+    choices : tuple of str
+        What a text may be; an importer sees their numbers, from 1 on.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Variable:
     maximum: float | None = None
     shape: tuple[int, ...] = ()
     derivative_of: str | None = None
+    choices: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -57,13 +60,18 @@ class Variable:
 
     @property
     def type(self) -> str:
-        """FMI type name: Real, Integer or String."""
+        """FMI type name: Real, Integer, String or Enumeration."""
+        if self.choices:
+            return "Enumeration"
         return {float: "Real", int: "Integer", str: "String"}[type(self.start)]
 
     def fault(self, value: Any) -> str | None:
         """Sentence saying why `value` [unit] is not allowed, or None."""
         if self.type == "String":
             return None
+        if self.choices:
+            allowed = ", ".join(self.choices)
+            return None if value in self.choices else f"{self.name} = {value!r}: allowed: {allowed}"
         low = float("-inf") if self.minimum is None else self.minimum
         high = float("inf") if self.maximum is None else self.maximum
         if low <= value <= high:
@@ -71,12 +79,14 @@ class Variable:
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.name} = {value:g}{unit}: allowed is {low:g} to {high:g}{unit}"
 
+    def number(self, value: Any) -> Any:
+        """What is stored of a value: of a choice its number."""
+        return self.choices.index(value) + 1 if self.choices else value
+
 
 def constant(name: str, value: int | float, description: str) -> Variable:
-    """A property of the built FMU (grid size, contract version): a parameter that allows one
-    value.
-    """
-    return Variable(name, "1", "parameter", description, value, minimum=value, maximum=value)
+    """A property of the built FMU (grid size, contract version)."""
+    return Variable(name, "1", "constant", description, value, minimum=value, maximum=value)
 
 
 def parameter(

@@ -167,8 +167,8 @@ class IsolatedParticipant:
         """Directional derivative of the last step; see `FmuParticipant.derivative`."""
         for name, value in seeds.items():
             self._changes[name][...] = value
-        found = self._ask("derivative", list(seeds), list(products))
-        return {name: self._changes[name].copy() for name in found}
+        answered = self._ask("derivative", list(seeds), list(products))
+        return {name: self._changes[name].copy() for name in answered}
 
     def close(self):
         """Terminate the FMU and its process."""
@@ -286,10 +286,11 @@ class _Server:
         self.saved[number] = self.participant.deserialise(data)
 
     def derivative(self, seeds, products):
-        found = self.participant.derivative({name: self.changes[name] for name in seeds}, products)
-        for name, value in found.items():
+        changes = {name: self.changes[name] for name in seeds}
+        derivatives = self.participant.derivative(changes, products)
+        for name, value in derivatives.items():
             self.changes[name][...] = value
-        return list(found)
+        return list(derivatives)
 
 
 def _serve(pipe, memory, name, path):

@@ -139,8 +139,8 @@ class _Reader:
         array = np.frombuffer(data, dtype).reshape(node["shape"], order=order).copy(order)
         return array if "array" in node else array[()]
 
-    def _blob(self, place):
-        begin, size = place
+    def _blob(self, reference):
+        begin, size = reference
         if not 0 <= begin <= begin + size <= len(self.blobs):
             raise NotPlain("a reference leads out of the data")
         return self.blobs[begin : begin + size]

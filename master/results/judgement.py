@@ -2,6 +2,7 @@
 the work in a loop.
 """
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,61 +14,78 @@ from ..fmi.quantities import pint_unit, registry, to_si
 REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
 
 
-def extremes(case, results):
-    """Every smallest and largest value of the case's summary with its instant.
+@dataclass(frozen=True)
+class Quantity:
+    """A value in the SI unit of its variable."""
 
-    Returns
-    -------
-    list of dict
-        name, value, unit, time [s], and monitor: name -> (value, unit) at that instant.
-    """
-    found = []
-    for text in case.summary.values():
-        kind, port = reduced(text)
-        if kind in ("min", "max"):
-            values, unit, _ = results.series(port)
-            k = int(np.argmin(values) if kind == "min" else np.argmax(values))
-            found.append(
-                {
-                    "name": f"{kind} {port}",
-                    "value": float(values[k]),
-                    "unit": unit,
-                    "time": float(results.time[k]),
-                    "monitor": {
-                        name: _at(results, reduced(entry).port, k)
-                        for name, entry in case.monitor.items()
-                    },
-                }
-            )
-    return found
+    value: float
+    unit: str
 
 
-def _at(results, port, k):
+@dataclass(frozen=True)
+class Extreme:
+    """A smallest or largest value, its instant [s], and what the case's monitor shows then."""
+
+    name: str
+    quantity: Quantity
+    time: float
+    monitor: dict[str, Quantity]
+
+
+@dataclass(frozen=True)
+class Window:
+    """A value and the limits the case expects it in, all in its SI unit; both ends belong to it."""
+
+    name: str
+    unit: str
+    value: float
+    low: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        return self.low <= self.value <= self.high
+
+
+def extremes(case, results) -> list[Extreme]:
+    """Every smallest and largest value of the case's summary; of equal ones the first."""
+    entries = [reduced(text) for text in case.summary.values()]
+    return [_extreme(case, results, *entry) for entry in entries if entry.kind in ("min", "max")]
+
+
+def _extreme(case, results, kind, port):
+    values = results.series(port).values
+    k = int(np.argmin(values) if kind == "min" else np.argmax(values))
+    return Extreme(
+        f"{kind} {port}",
+        quantity_at(results, port, k),
+        float(results.time[k]),
+        monitored(case, results, k),
+    )
+
+
+def monitored(case, results, k) -> dict[str, Quantity]:
+    """What the case's monitor shows in row `k`, by name."""
+    return {
+        name: quantity_at(results, reduced(text).port, k) for name, text in case.monitor.items()
+    }
+
+
+def quantity_at(results, port, k) -> Quantity:
+    """The value of a port in row `k`."""
     values, unit, _ = results.series(port)
-    return float(values[k]), unit
+    return Quantity(float(values[k]), unit)
 
 
-def windows(case, results):
-    """Every entry of the case's window: name, value, unit, low, high (SI) and whether the value
-    lies inside.
-    """
-    rows = []
+def windows(case, results) -> list[Window]:
+    """Every entry of the case's window."""
+    judged = []
     for text, limits in case.window.items():
         kind, port = reduced(text)
         values, unit, _ = results.series(port)
-        value = float(REDUCTIONS[kind](values))
         low, high = (to_si(limit, unit) for limit in limits)
-        rows.append(
-            {
-                "name": text,
-                "value": value,
-                "unit": unit,
-                "low": low,
-                "high": high,
-                "inside": low <= value <= high,
-            }
-        )
-    return rows
+        judged.append(Window(text, unit, float(REDUCTIONS[kind](values)), low, high))
+    return judged
 
 
 def angular_speed(case):

@@ -7,6 +7,7 @@ import csv
 import hashlib
 import io
 import json
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import cycle
 from pathlib import Path
@@ -15,9 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 
-from ..case.schema import reduced
 from ..fmi.quantities import short, to_si
-from .judgement import extremes, loop_curve, loop_work, windows
+from .judgement import Extreme, Window, extremes, loop_curve, loop_work, monitored, windows
 from .pictures import PALETTE, figures, name_of, scaled
 
 FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, instant and run
@@ -60,32 +60,32 @@ def write_report(case, runs, folder, notes="", studies=()):
         folder / "coupling",
         "Iterations, derivative products and residual of every macro step",
     )
-    page = (
-        Environment(loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True)
-        .get_template("report.html")
-        .render(
-            case=case,
-            runs=[judged(case, label, results) for label, results in runs.items()],
-            pictures=pictures,
-            health=health,
-            data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"),
-            notes=notes,
-            studies=[study_rows(path) for path in studies],
-            tree=json.dumps(next(iter(runs.values())).case, indent=1),
-            made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        )
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
+    )
+    templates.filters["words"] = words
+    page = templates.get_template("report.html").render(
+        case=case,
+        runs=[judged(case, label, results) for label, results in runs.items()],
+        pictures=pictures,
+        health=health,
+        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"),
+        notes=notes,
+        studies=[study_table(path) for path in studies],
+        tree=json.dumps(next(iter(runs.values())).case, indent=1),
+        made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
 
 
-def study_rows(path):
-    """Name of a study's folder, headings and rows of its table as text: numbers to four digits."""
+def study_table(path):
+    """The table of a study, named after its folder; numbers to four digits."""
     with open(path, newline="") as file:
         header, *rows = csv.reader(file)
-    words = [name.split(".")[-1].replace("_", " ") for name in header]
-    return path.parent.name, words, [[_digits(value) for value in row] for row in rows]
+    heads = [name.split(".")[-1].replace("_", " ") for name in header]
+    return StudyTable(path.parent.name, heads, [[_digits(value) for value in row] for row in rows])
 
 
 def _digits(text):
@@ -95,37 +95,65 @@ def _digits(text):
         return text
 
 
-def judged(case, label, results):
-    """What the page says of one run in words and numbers."""
+@dataclass(frozen=True)
+class Judged:
+    """What the page says of one run in words and numbers.
+
+    summary : empty where the run has not finished; worst_residual : over its tolerance [-];
+    loops : name -> work with its unit; versions : of the packages it was made with;
+    digest : SHA-256 of the results file.
+    """
+
+    label: str
+    summary: dict
+    finished: bool
+    steps: int
+    worst_residual: float
+    extremes: list[Extreme]
+    windows: list[Window]
+    loops: dict[str, str]
+    versions: dict[str, str]
+    file: str
+    digest: str
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure in the page: its title and the SVG as a data address."""
+
+    title: str
+    address: str
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """The table of a study as text."""
+
+    name: str
+    heads: list[str]
+    rows: list[list[str]]
+
+
+def judged(case, label, results) -> Judged:
+    """What there is to say of one run."""
     summary = results.summary
-    residual = results.series("coupling.residual")[0][1:]
-    return {
-        "label": label,
-        "summary": summary or {},
-        "finished": summary is not None,
-        "steps": len(residual),
-        "worst_residual": float(residual.max(initial=0.0)),
-        "extremes": [
-            {
-                **e,
-                "shown": words(e["value"], e["unit"]),
-                "instant": short(e["time"], "s"),
-                "monitor": {k: words(*v) for k, v in e["monitor"].items()},
-            }
-            for e in extremes(case, results)
-        ],
-        "windows": [
-            {**w, **{k: words(w[k], w["unit"]) for k in ("value", "low", "high")}}
-            for w in windows(case, results)
-        ],
-        "loops": {
+    residual = results.series("coupling.residual").values[1:]
+    return Judged(
+        label=label,
+        summary=summary or {},
+        finished=summary is not None,
+        steps=len(residual),
+        worst_residual=float(residual.max(initial=0.0)),
+        extremes=extremes(case, results),
+        windows=windows(case, results),
+        loops={
             name: f"{loop_work(case, results, loop):.4g} {loop.unit}"
             for name, loop in case.report.loops.items()
         },
-        "versions": json.loads(results.file.attrs["versions"]),
-        "file": results.path.name,
-        "digest": digest(results.path),
-    }
+        versions=json.loads(results.file.attrs["versions"]),
+        file=results.path.name,
+        digest=digest(results.path),
+    )
 
 
 def words(value, unit):
@@ -145,11 +173,8 @@ def _save(figure, stem, title):
     figure.savefig(text, format="svg")
     stem.with_suffix(".svg").write_text(text.getvalue())
     plt.close(figure)
-    return {
-        "title": title,
-        "address": "data:image/svg+xml;base64,"
-        + base64.b64encode(text.getvalue().encode()).decode(),
-    }
+    packed = base64.b64encode(text.getvalue().encode()).decode()
+    return Drawing(title, f"data:image/svg+xml;base64,{packed}")
 
 
 def draw_loop(case, runs, name):
@@ -216,7 +241,7 @@ def moving_data(case, runs):
     words = [
         "  ".join(
             [f"t = {short(float(first.time[k]), 's')}"]
-            + [f"{name} {short(*_pair(first, text, k))}" for name, text in case.monitor.items()]
+            + [f"{name} {short(q.value, q.unit)}" for name, q in monitored(case, first, k).items()]
         )
         for k in rows
     ]
@@ -240,11 +265,6 @@ def axes_words(case, port):
     axes = case.axes_of(port)
     low, high = axes.first.range
     return f"{low:g} to {high:g} {axes.first.marked} (to the right), {axes.second.marked} (upwards)"
-
-
-def _pair(results, text, k):
-    values, unit, _ = results.series(reduced(text).port)
-    return float(values[k]), unit
 
 
 def field_frames(port, runs, instants, wanted):

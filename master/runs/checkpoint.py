@@ -122,11 +122,11 @@ class Checkpoint:
         if sha256(data).digest() != whole[begin - CHECKSUM : begin]:
             raise BadInput(f"{path}: is damaged: its checksum is not that of its content")
         try:
-            found = Checkpoint(**unpack(data, ACCOUNTS))
-            _unbounded(found.account)
+            checkpoint = Checkpoint(**unpack(data, ACCOUNTS))
+            _unbounded(checkpoint.account)
         except (NotPlain, TypeError, AttributeError, KeyError) as error:
             raise BadInput(f"{path}: no checkpoint: {error}") from None
-        return found
+        return checkpoint
 
 
 def _bounded(account):

@@ -247,11 +247,11 @@ class March:
 
 def monitored(case, system, values):
     """Monitor entries of the step just taken: name -> (value, unit)."""
-    found = {}
+    shown = {}
     for name, text in case.monitor.items():
         owner, variable = port_of(reduced(text).port)
-        found[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
-    return found
+        shown[name] = (values[owner][variable], system.participants[owner].fields[variable].unit)
+    return shown
 
 
 def summarise(account, control, wall_time):

@@ -1,8 +1,10 @@
 """Studies: a handful of runs of one case, held against one of them, with what each has cost."""
 
 import csv
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,15 +14,38 @@ from ..fmi.errors import BadInput
 from ..results.compare import score
 from ..results.file import Results
 from ..results.pictures import PALETTE, labelled, name_of, scaled
-from .sweep import Point
+from .sweep import resolved
 
-COST = (
-    "mean_iterations",
-    "residual_evaluations",
-    "jacobian_evaluations",
-    "derivative_products",
-    "wall_time_s",
-)
+
+class Cost(NamedTuple):
+    """What a run has cost: iterations a macro step [-], counts, wall time [s]."""
+
+    mean_iterations: float
+    residual_evaluations: int
+    jacobian_evaluations: int
+    derivative_products: int
+    wall_time_s: float
+
+
+@dataclass(frozen=True)
+class StudyRow:
+    """What a run of a study says; a run that has not finished says nothing but its status.
+
+    summary : the case's own entries, by name, in the SI units of their variables;
+    distances : root mean square distance from the reference over its range [-], by curve.
+    """
+
+    run: str
+    status: str
+    cost: Cost | None
+    summary: dict[str, float]
+    distances: dict[str, float]
+
+    def record(self) -> dict[str, Any]:
+        """Name -> value, a row of the CSV file."""
+        cost = self.cost._asdict() if self.cost else {}
+        distances = {f"rms {port}": value for port, value in self.distances.items()}
+        return {"run": self.run, "status": self.status} | cost | self.summary | distances
 
 
 def study_points(path, changes, name):
@@ -35,17 +60,13 @@ def study_points(path, changes, name):
     if name not in case.studies:
         raise BadInput(f"no study {name!r}: the case has {', '.join(case.studies) or 'none'}")
     study = case.studies[name]
-    points = []
-    faults = []
-    for label, made in study.points.items():
-        try:
-            tree = read_tree(path, [*study.set.items(), *made.items(), *changes])
-            check_case(tree, path)
-            points.append(Point({"run": label}, tree))
-        except BadInput as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise BadInput(faults)
+    points = resolved(
+        path,
+        [
+            ({"run": label}, [*study.set.items(), *made.items(), *changes])
+            for label, made in study.points.items()
+        ],
+    )
     return case, study, points
 
 
@@ -58,9 +79,8 @@ def open_points(points, rows, folder):
     }
 
 
-def study_table(study, case, rows, runs):
-    """A row a run: cost, the case's summary entries, and for every curve the rms difference to the
-    reference over its range.
+def study_rows(study, case, rows, runs) -> list[StudyRow]:
+    """What there is to say of every row of the sweep.
 
     Raises
     ------
@@ -71,35 +91,47 @@ def study_table(study, case, rows, runs):
         why = "; ".join(row["message"] for row in rows if row["run"] == study.reference)
         raise BadInput(f"the reference {study.reference!r} has not finished: {why}")
     reference = runs[study.reference]
-    table = []
-    for row in rows:
-        entry = {key: row.get(key, "") for key in ("run", "status", *COST, *case.summary)}
-        for port in study.curves if row["run"] in runs else ():
-            results = runs[row["run"]]
-            entry[f"rms {port}"] = score(
-                *_curve(results, study.x, port), *_curve(reference, study.x, port)
-            ).rms
-        table.append(entry)
-    return table
+    return [
+        _study_row(study, case, row, runs[row["run"]], reference)
+        if row["run"] in runs
+        else StudyRow(row["run"], row["status"], None, {}, {})
+        for row in rows
+    ]
+
+
+def _study_row(study, case, row, results, reference):
+    distances = {}
+    for port in study.curves:
+        own = _curve(results, study.x, port)
+        distances[port] = score(*own, *_curve(reference, study.x, port)).rms
+    return StudyRow(
+        row["run"],
+        row["status"],
+        Cost(*(row[key] for key in Cost._fields)),
+        {key: row[key] for key in case.summary},
+        distances,
+    )
 
 
 def _curve(results, x, y):
     return results.series(x).values, results.series(y).values
 
 
-def write_table(table, path):
-    """CSV of rows that may lack columns."""
-    names = list(dict.fromkeys(name for row in table for name in row))
+def write_table(rows, path):
+    """CSV of the rows; what an unfinished run does not say is left empty."""
+    records = [row.record() for row in rows]
+    names = max((list(record) for record in records), key=len)
     with open(path, "w", newline="") as file:
-        csv.writer(file).writerows(
-            [names] + [[row.get(name, "") for name in names] for row in table]
-        )
+        writer = csv.DictWriter(file, names, restval="")
+        writer.writeheader()
+        writer.writerows(records)
     return path
 
 
-def draw_study(study, case, table, runs, path):
+def draw_study(study, case, rows, runs, path):
     """Left the curves of all runs, right their rms distance from the reference."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
+    distances = {row.run: row.distances for row in rows}
     figure, panels = plt.subplots(
         len(study.curves),
         2,
@@ -118,7 +150,7 @@ def draw_study(study, case, table, runs, path):
             x, x_unit = scaled(known.values, known.unit, units.get(study.x))
             y, unit = scaled(value.values, value.unit, units.get(port))
             left.plot(x, y, color=colour, lw=1.1, label=label)
-            distance = next(row[f"rms {port}"] for row in table if row["run"] == label)
+            distance = distances[label][port]
             right.plot([label], [distance if distance > 0 else np.nan], "o", color=colour)
         left.set_ylabel(labelled(name_of(port), unit), fontsize="small")
         right.set_yscale("log")
@@ -134,23 +166,23 @@ def draw_study(study, case, table, runs, path):
     return path
 
 
-def draw_cost(title, table, path):
+def draw_cost(title, rows, path):
     """Bars of what each run has cost, a panel per counter, in the order of the study."""
-    rows = [row for row in table if row.get(COST[0], "") != ""][::-1]
-    counted = [key for key in COST if any(row[key] for row in rows)]
+    costs = {row.run: row.cost for row in reversed(rows) if row.cost}
+    counted = [name for name in Cost._fields if any(getattr(c, name) for c in costs.values())]
     figure, panels = plt.subplots(
         1,
         len(counted),
         sharey=True,
         squeeze=False,
         layout="constrained",
-        figsize=(14, 1.2 + 0.32 * len(rows)),
+        figsize=(14, 1.2 + 0.32 * len(costs)),
     )
-    for panel, key, colour in zip(panels[0], counted, PALETTE):
-        bars = panel.barh([row["run"] for row in rows], [row[key] for row in rows], color=colour)
+    for panel, name, colour in zip(panels[0], counted, PALETTE):
+        bars = panel.barh(list(costs), [getattr(c, name) for c in costs.values()], color=colour)
         panel.bar_label(bars, fmt="{:,.4g}", padding=3, fontsize="small")
         panel.margins(x=0.28)
-        panel.set_title(key.replace("_", " "), fontsize="medium")
+        panel.set_title(name.replace("_", " "), fontsize="medium")
         panel.spines[["top", "right"]].set_visible(False)
     figure.suptitle(title)
     figure.savefig(path, dpi=120)

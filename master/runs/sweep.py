@@ -56,11 +56,11 @@ def parse_axis(text, tree):
 def _whole_key(key, tree):
     if "." in key:
         return key
-    found = sorted(path for path in _paths(tree) if path.split(".")[-1] == key)
-    if len(found) != 1:
-        places = f"is in {', '.join(found)}" if found else "is nowhere in the case"
-        raise BadInput(f"--vary {key}: {places}; give its dotted path")
-    return found[0]
+    whole = sorted(path for path in _paths(tree) if path.split(".")[-1] == key)
+    if len(whole) != 1:
+        where = f"is in {', '.join(whole)}" if whole else "is nowhere in the case"
+        raise BadInput(f"--vary {key}: {where}; give its dotted path")
+    return whole[0]
 
 
 def _paths(tree, before=""):
@@ -111,20 +111,36 @@ class Point:
         return hashlib.sha256(json.dumps(bearing, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def points(path, changes, axes):
+def all_points(path, changes, axes):
     """All combinations of the axes as points; raises BadInput with every fault of every tree."""
-    found, faults = [], []
+    runs = []
     for values in itertools.product(*(axis.values for axis in axes)):
         made = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
+        named = {axis.name: value for axis, value in zip(axes, values)}
+        runs.append((named, [*changes, *made]))
+    return resolved(path, runs)
+
+
+def resolved(path, runs):
+    """Points from pairs of what tells a run from the others and the changes that make it.
+
+    Raises
+    ------
+    BadInput
+        With every fault of every tree, each once.
+    """
+    points = []
+    faults = []
+    for values, changes in runs:
         try:
-            tree = read_tree(path, [*changes, *made])
+            tree = read_tree(path, changes)
             check_case(tree, path)
-            found.append(Point({axis.name: value for axis, value in zip(axes, values)}, tree))
+            points.append(Point(values, tree))
         except BadInput as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
         raise BadInput(faults)
-    return found
+    return points
 
 
 def run_point(tree, case_folder, output):
@@ -155,12 +171,12 @@ def _silent(_text):
     pass
 
 
-def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: None):
+def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: None):
     """Run the points that are not done yet; `<folder>/sweep.csv` holds a row for each that has run.
 
     Parameters
     ----------
-    found : list of Point
+    points : list of Point
     case_folder : Path
         Where the case's files are.
     folder : Path
@@ -181,29 +197,29 @@ def sweep(found, case_folder, folder, executor, watch=lambda row, done, total: N
         If another sweep writes into this folder.
     """
     with sole_writer(Path(folder) / "sweep.csv"):
-        return _sweep(found, case_folder, folder, executor, watch)
+        return _sweep(points, case_folder, folder, executor, watch)
 
 
-def _sweep(found, case_folder, folder, executor, watch):
+def _sweep(points, case_folder, folder, executor, watch):
     runs = Path(folder) / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(found)}
+    kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(points)}
     rows = {k: row for k, row in kept.items() if row}
     waiting = {
         executor.submit(
             run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())
         ): k
-        for k, p in enumerate(found)
+        for k, p in enumerate(points)
         if k not in rows
     }
     for future in as_completed(waiting):
         k = waiting[future]
         rows[k] = _row(future)
-        _replace(runs / f"{found[k].name}.json", json.dumps(rows[k]))
-        _write_table(Path(folder) / "sweep.csv", found, rows)
-        watch(found[k].values | rows[k], len(rows), len(found))
-    _write_table(Path(folder) / "sweep.csv", found, rows)
-    return [found[k].values | rows[k] for k in range(len(found))]
+        _replace(runs / f"{points[k].name}.json", json.dumps(rows[k]))
+        _write_table(Path(folder) / "sweep.csv", points, rows)
+        watch(points[k].values | rows[k], len(rows), len(points))
+    _write_table(Path(folder) / "sweep.csv", points, rows)
+    return [points[k].values | rows[k] for k in range(len(points))]
 
 
 def _done(path):
@@ -227,9 +243,9 @@ def _row(future):
     )
 
 
-def _write_table(path, found, rows):
+def _write_table(path, points, rows):
     records = [
-        found[k].values | {"results": f"runs/{found[k].name}.h5"} | rows[k] for k in sorted(rows)
+        points[k].values | {"results": f"runs/{points[k].name}.h5"} | rows[k] for k in sorted(rows)
     ]
     names = list(dict.fromkeys(name for record in records for name in record))
     text = [names] + [[record.get(name, "") for name in names] for record in records]
@@ -244,19 +260,19 @@ def _replace(path, text):
     os.replace(fresh, path)
 
 
-def unfinished(found, folder):
+def unfinished(points, folder):
     """The points that are not done in `folder` yet. A row is known by the case's content, not by
     the code that made it.
     """
-    return [p for p in found if not _done(Path(folder) / "runs" / f"{p.name}.json")]
+    return [p for p in points if not _done(Path(folder) / "runs" / f"{p.name}.json")]
 
 
-def build_all(found, case_folder, progress):
+def build_all(points, case_folder, progress):
     """Build every FMU the points need, each once, before processes race for it; faults are left to
     the rows.
     """
     tables = {}
-    for point in found:
+    for point in points:
         for table in check_case(point.tree, case_folder).participants.values():
             if table.package:
                 tables[json.dumps([table.package, table.build], sort_keys=True)] = table

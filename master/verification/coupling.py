@@ -11,6 +11,7 @@ import numpy as np
 from ..case.schema import check_case, find_case, read_tree
 from ..case.system import open_system
 from ..coupling.stepping import StepFailed
+from ..fmi.checks import Check, at_most
 from ..results.compare import score
 from ..results.file import Results
 from ..runs.run import run
@@ -28,19 +29,6 @@ def summary_of(name, *changes, look=lambda results: {}):
         return run(open_system(case, path.parent, lambda text: None), case, tree, file) | look(
             Results(file)
         )
-
-
-def at_most(case, quantity, computed, tolerance, source, reason):
-    return {
-        "case": case,
-        "quantity": quantity,
-        "computed": computed,
-        "reference": None,
-        "tolerance": tolerance,
-        "kind": "at most",
-        "source": source,
-        "reason": reason,
-    }
 
 
 def tube_iterations(*changes):
@@ -118,26 +106,26 @@ def oscillator_checks():
         ("hermite", 4, 3.4e-6, 0.015, "two digits are given"),
     ):
         coarse, fine = (oscillator_error(kind, step) for step in (0.01, 0.005))
-        common = {
-            "case": "Two-mass oscillator",
-            "source": source,
-            "reference": reference,
-            "computed": coarse,
-        }
-        yield common | {
-            "quantity": f"largest error, inputs {kind}",
-            "tolerance": tolerance,
-            "kind": "relative",
-            "reason": reason,
-        }
-        yield common | {
-            "quantity": f"observed order, inputs {kind}",
-            "reference": order,
-            "computed": float(np.log2(coarse / fine)),
-            "tolerance": 0.05,
-            "kind": "absolute",
-            "reason": "the next term of the error at these steps",
-        }
+        yield Check(
+            "Two-mass oscillator",
+            f"largest error, inputs {kind}",
+            coarse,
+            reference,
+            tolerance,
+            "relative",
+            source,
+            reason,
+        )
+        yield Check(
+            "Two-mass oscillator",
+            f"observed order, inputs {kind}",
+            np.log2(coarse / fine),
+            order,
+            0.05,
+            "absolute",
+            source,
+            "the next term of the error at these steps",
+        )
 
 
 def slow_checks():

@@ -33,8 +33,8 @@ seen(float(r[output][-1]))""",
         "fmpy",
         """
 from fmpy.validation import validate_fmu
-found = validate_fmu(fmu)
-seen(found or "no problem")""",
+problems = validate_fmu(fmu)
+seen(problems or "no problem")""",
     ),
     "libcosim": (
         "libcosimpy",

@@ -1,10 +1,10 @@
 """Verification rows of every part: computed against closed forms, published tables and independent
 codes.
 
-A part is a module with `checks()` and, for what takes long, `slow_checks()`; both yield dicts with
-case, quantity, computed, reference, tolerance, kind ("relative", "absolute", "at most"), source and
-reason.
+A part is a module with `checks()` and, for what takes long, `slow_checks()`; both yield `Check`.
 """
+
+import itertools
 
 from rich.table import Table
 
@@ -14,52 +14,37 @@ PARTS = {
     "ehd": "fmu_ehd.verification",
     "mfbd": "fmu_mfbd.verification",
     "master": "master.verification.coupling",
+    "coupled": "master.verification.coupled",
 }
 
 
-def error_of(row):
-    """What is compared with the tolerance: the value itself ("at most"), or its distance from the
-    reference.
-    """
-    if row["kind"] == "at most":
-        return row["computed"]
-    scale = abs(row["reference"]) if row["kind"] == "relative" else 1.0
-    return abs(row["computed"] - row["reference"]) / scale
-
-
-def rows(parts, slow):
-    """Rows of the named parts, each with `part`, `error` and `passed` added."""
+def checks(parts, slow):
+    """The named parts' checks, computed one by one: pairs of part and `Check`."""
     for part in parts:
         module = import_part(PARTS[part])
-        for name in ("checks", "slow_checks") if slow else ("checks",):
-            for row in getattr(module, name, tuple)():
-                error = error_of(row)
-                yield row | {
-                    "part": part,
-                    "error": error,
-                    "passed": bool(error <= row["tolerance"]),
-                }
+        series = [module.checks, module.slow_checks] if slow else [module.checks]
+        for check in itertools.chain.from_iterable(compute() for compute in series):
+            yield part, check
 
 
 def verify(parts, slow, console):
-    """Print every row as it is computed; returns the number of rows that failed."""
+    """Print every check as it is computed; returns the number that failed."""
     failed = 0
     heads = ("", "case", "quantity", "computed", "reference", "error", "allowed", "source")
     table = Table(*heads, box=None)
     with console.status("computing") as status:
-        for row in rows(parts, slow):
-            status.update(f"{row['part']}: {row['case']}")
-            failed += not row["passed"]
-            reference = "" if row["reference"] is None else f"{row['reference']:.8g}"
+        for part, check in checks(parts, slow):
+            status.update(f"{part}: {check.case}")
+            failed += not check.passed
             table.add_row(
-                "ok" if row["passed"] else "[red]FAIL[/]",
-                row["case"],
-                row["quantity"],
-                f"{row['computed']:.8g}",
-                reference,
-                f"{row['error']:.2g}",
-                f"{row['tolerance']:.2g} {row['kind']}",
-                row["source"],
+                "ok" if check.passed else "[red]FAIL[/]",
+                check.case,
+                check.quantity,
+                f"{float(check.computed):.8g}",
+                "" if check.reference is None else f"{float(check.reference):.8g}",
+                f"{check.error:.2g}",
+                f"{check.tolerance:.2g} {check.kind}",
+                check.source,
             )
     console.print(table)
     console.print(f"{table.row_count - failed} passed, {failed} failed")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.slave import Experiment, FieldSlave
 from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
 
 
@@ -31,7 +31,7 @@ class Oscillator(FieldSlave):
     name = "oscillator"
     description = "A mass between a wall and another mass"
     state_type = State
-    usual_step = 1e-2
+    experiment = Experiment(stop=1.0, step=1e-2)
     interpolates_inputs = True
 
     @staticmethod

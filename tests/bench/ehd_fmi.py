@@ -13,6 +13,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from timing import shortest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
@@ -52,16 +53,6 @@ def fmu_pass(participant, start, inputs):
     return np.array(times), force
 
 
-def best(work, repeats=50):
-    """Shortest of several runs [s]."""
-    times = []
-    for _ in range(repeats):
-        begin = perf_counter()
-        work()
-        times.append(perf_counter() - begin)
-    return min(times)
-
-
 def main():
     inputs = [motored_film(SHAPE, k * DEGREE) for k in range(STEPS + 1)]
     participant = FmuParticipant("ehd", build_fmu("fmu_ehd", {"grid": list(SHAPE)}, Path(".")))
@@ -85,8 +76,8 @@ def main():
         np.random.default_rng(0).standard_normal((2, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None]
     )
     seeds = dict(zip(DERIVATIVE_INPUTS, change))
-    direct = best(lambda: model.tangent(*seeds.values()))
-    derivative = best(lambda: participant.derivative(seeds, DERIVATIVE_OUTPUTS))
+    direct = shortest(lambda: model.tangent(*seeds.values()), 50)
+    derivative = shortest(lambda: participant.derivative(seeds, DERIVATIVE_OUTPUTS), 50)
     print(
         f"bare step {1e6 * bare:.0f} us, through FMI {1e6 * through:.0f} us: "
         f"{through / bare:.2f} times (target 2), same bits"

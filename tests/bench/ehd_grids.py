@@ -14,6 +14,7 @@ for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 from time import perf_counter
 
 import numpy as np
+from timing import shortest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
@@ -62,16 +63,6 @@ def measure(cells, solver):
         np.mean(ones),
         outputs["maximum_pressure"],
     )
-
-
-def shortest(work, repeats):
-    """Shortest of several runs [s]."""
-    times = []
-    for _ in range(repeats):
-        begin = perf_counter()
-        work()
-        times.append(perf_counter() - begin)
-    return min(times)
 
 
 def main():

@@ -12,6 +12,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 from time import perf_counter
 
 import numpy as np
+from timing import shortest
 
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.model import LubricationModel
@@ -50,16 +51,6 @@ def cycle(inputs, solver=None):
     return times, iterations, model
 
 
-def best(work, repeats=20):
-    """Shortest of several runs [s]."""
-    times = []
-    for _ in range(repeats):
-        begin = perf_counter()
-        work()
-        times.append(perf_counter() - begin)
-    return min(times)
-
-
 def main():
     inputs = [motored_film(SHAPE, k * DEGREE) for k in range(STEPS + 1)]
     cycle(inputs[:20])
@@ -72,19 +63,19 @@ def main():
     cycle(inputs, recorder)
     solver = BlockTridiagonal(SHAPE)
     factorisation = np.mean(
-        [best(lambda m=matrix: solver.factorise(m), 3) for matrix in recorder.matrices[::10]]
+        [shortest(lambda m=matrix: solver.factorise(m), 3) for matrix in recorder.matrices[::10]]
     )
     rng = np.random.default_rng(0)
     one = rng.standard_normal((2, 1, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
     sixty = rng.standard_normal((2, 60, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
-    first = best(lambda: (setattr(model, "_linear", None), model.tangent(*one)))
+    first = shortest(lambda: (setattr(model, "_linear", None), model.tangent(*one)), 20)
     rows = [
         ("block factorisation (mean over the cycle)", factorisation, None),
         ("step (mean over the cycle)", step.mean(), 2.5),
         ("step, median", np.median(step), None),
         ("first directional derivative of a step", first, None),
-        ("directional derivative", best(lambda: model.tangent(*one)), 0.4),
-        ("60 directional derivatives at once", best(lambda: model.tangent(*sixty)), 4.0),
+        ("directional derivative", shortest(lambda: model.tangent(*one), 20), 0.4),
+        ("60 directional derivatives at once", shortest(lambda: model.tangent(*sixty), 20), 4.0),
     ]
     print(
         f"{' x '.join(map(str, SHAPE))}, {STEPS} steps, "

@@ -1,6 +1,7 @@
 """Mutation bench: deliberate errors, one at a time, and whether the fast tests notice.
 
     python tests/bench/mutants.py [--only PATTERN] [--workers N]
+    python tests/bench/mutants.py --check
 
 `mutants.toml` holds the errors. Each is put into a copy of the tree of its own, where tests run
 until one fails: first the quick ones of the changed part, with kernels interpreted, for most of the
@@ -9,7 +10,8 @@ time would go into compiling them (`interpreted.py`); then, for what is left, th
 
 Printed are every error with its fate, its time and the test that noticed, then the survivors.
 Exit code 1 if fewer than 90 % are killed, or if a recorded text does not stand exactly once in its
-file (stale); 2 if the tests fail on the unchanged tree, for then they prove nothing.
+file (stale; `--check` looks for these alone, in a second); 2 if the tests fail on the unchanged
+tree, for then they prove nothing.
 
 Copies share files by hard links: what changes is written anew. Kernels are compiled once, in the
 copy they are all made of, and again only where an error reaches them (`master/fmi/compiled.py`).
@@ -121,7 +123,8 @@ def pytest(tree, cache, tests, interpreted=False):
         "PISTON_COSIM_CACHE": str(cache),
         "OMP_NUM_THREADS": "1",
     }
-    command = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", "--tb=line", *tests]
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-x", "-p", "no:cacheprovider"]
+    command += ["--tb=line", *tests]
     if interpreted:
         command += ["-p", "interpreted"]
     try:
@@ -228,6 +231,7 @@ def arguments():
     """What the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--only", default="", help="regular expression: in file, text or sentence")
+    parser.add_argument("--check", action="store_true", help="only tell the stale records")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     return parser.parse_args()
 
@@ -238,6 +242,9 @@ def main():
     mutants = read_mutants(MUTANTS)
     stale = [why for mutant in mutants if (why := mutant.stale(ROOT))]
     print(*[f"stale: {why}" for why in stale], sep="\n", end="\n" if stale else "")
+    if given.check:
+        print(f"{len(mutants)} records, {len(stale)} stale")
+        return int(bool(stale))
     wanted = [
         mutant
         for mutant in mutants

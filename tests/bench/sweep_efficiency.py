@@ -16,7 +16,13 @@ import time
 from pathlib import Path
 
 from piston_cosim.master.case.schema import find_case, read_tree
-from piston_cosim.master.runs.sweep import build_all, local_executor, parse_axis, points, run_point
+from piston_cosim.master.runs.sweep import (
+    all_points,
+    build_all,
+    local_executor,
+    parse_axis,
+    run_point,
+)
 
 
 def timed_point(tree, case_folder, output):
@@ -26,7 +32,7 @@ def timed_point(tree, case_folder, output):
     return time.perf_counter() - wall, time.process_time() - processor
 
 
-def timed_sweep(found, folder, workers):
+def timed_sweep(points, folder, workers):
     """Wall time of all points, their start included; sums of the points' wall and processor times
     [s].
     """
@@ -34,7 +40,7 @@ def timed_sweep(found, folder, workers):
     with tempfile.TemporaryDirectory() as output, local_executor(workers) as executor:
         futures = [
             executor.submit(timed_point, p.tree, str(folder), str(Path(output) / f"{p.name}.h5"))
-            for p in found
+            for p in points
         ]
         inside, processor = (
             sum(column) for column in zip(*(future.result() for future in futures))
@@ -48,12 +54,12 @@ def main():
     tree = read_tree(path)
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 12
     changes = [("time.stop", "360 deg"), ("record.fields", []), *tree["variants"]["rigid"].items()]
-    found = points(path, changes, [parse_axis(f"radial_clearance=15um..60um:{count}", tree)])
-    build_all(found, path.parent, print)
-    timed_sweep(found[:1], path.parent, 1)
+    points = all_points(path, changes, [parse_axis(f"radial_clearance=15um..60um:{count}", tree)])
+    build_all(points, path.parent, print)
+    timed_sweep(points[:1], path.parent, 1)
     load = os.getloadavg()[0]
     (one, _, processor_one), (two, inside, processor_two) = (
-        timed_sweep(found, path.parent, workers) for workers in (1, 2)
+        timed_sweep(points, path.parent, workers) for workers in (1, 2)
     )
     print(f"{count} points; load of the machine before: {load:.1f}")
     print(f"1 process {one:.1f} s, 2 processes {two:.1f} s: efficiency {one / two / 2:.2f}")

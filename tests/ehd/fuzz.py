@@ -51,7 +51,8 @@ class Fuzz:
             "cavitation_model": ("jfo", "reynolds", "gumbel", "full_film"),
         }
         for name, choices in laws.items():
-            self.slave.set_string([self.slave.references[name]], [str(self.rng.choice(choices))])
+            number = int(self.rng.integers(1, len(choices) + 1))
+            self.slave.set_integer([self.slave.references[name]], [number])
         self.slave.views["roughness_rms"][...] = 1e-6
         if self.rng.random() < 0.3:  # mostly refused
             self.set_values()

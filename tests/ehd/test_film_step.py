@@ -10,6 +10,8 @@ from piston_cosim.fmu_ehd.reynolds import Filling, Storage
 from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
 
+NO_LIFT = np.zeros((7, 10))
+
 
 def problem(ring, seed=0, shape=(7, 9)):
     """A rough, partly starved film with entrainment in both directions."""
@@ -30,7 +32,7 @@ def test_every_cell_balances(ring):
     )
     assert 0 < np.count_nonzero(solution.full) < film.size  # both kinds of cells are there
     faces = reynolds.faces(flow_film(film, 0.01), entrainment, grid.cells)
-    filling = Filling(solution.pressure, solution.film_fraction)
+    filling = Filling(solution.pressure, solution.film_fraction, NO_LIFT)
     out, edge_flow, _ = reynolds.outflow(filling, faces, edges, ring)
     growth = grid.cell_area / 1e-4 * (solution.content - content)
     assert np.abs(out + growth).max() <= 1e-12 * np.abs(growth).max()
@@ -91,7 +93,7 @@ def test_switching_singly_finds_the_same_film():
     storage = Storage(film, content, grid.cell_area / 1e-4)
 
     def assemble(pattern):
-        return reynolds.assemble(pattern, faces, storage, edges, True)
+        return reynolds.assemble(pattern, faces, NO_LIFT, storage, edges, True)
 
     start = np.ones(grid.shape, dtype=bool)
     jfo, free = cavitation.CAVITATION["jfo"], np.zeros(grid.shape, dtype=bool)

@@ -103,15 +103,23 @@ def test_a_film_starved_everywhere_is_a_film(slave):
     assert np.abs(slave.views["nodal_pressure_force"]).max() == 0.0
 
 
-def test_unknown_law_is_a_fault_with_the_allowed_ones(slave):
-    slave.set_string([slave.references["cavitation_model"]], ["jakob"])
+def choose(slave, name, law):
+    """Choose a law as an importer does, by its number."""
+    (variable,) = [v for v in slave.table if v.name == name]
+    slave.set_integer([slave.references[name]], [1 + variable.choices.index(law)])
+
+
+@pytest.mark.parametrize("number", [0, 5])
+def test_unknown_law_is_a_fault_with_the_allowed_ones(slave, number):
+    slave.set_integer([slave.references["cavitation_model"]], [number])
     slave.exit_initialization_mode()
-    assert "cavitation_model = 'jakob': allowed are jfo, reynolds, gumbel, full_film" in slave.fault
+    known = "1 jfo, 2 reynolds, 3 gumbel, 4 full_film"
+    assert f"cavitation_model = {number}: allowed are {known}" in slave.fault
 
 
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
 def test_a_squeeze_beyond_the_piezoviscosity_law_still_has_a_pressure(slave, law):
-    slave.set_string([slave.references["pressure_viscosity_law"]], [law])
+    choose(slave, "pressure_viscosity_law", law)
     slave.exit_initialization_mode()
     slave.views["film_thickness"][...] = 1e-6  # from 10 um in a tenth of a millisecond
     assert slave.do_step(0.0, 1e-4)
@@ -130,7 +138,7 @@ def test_conditions_become_inputs(tmp_path):
         "pressure_upper_edge",
         "oil_temperature",
     }
-    slave.set_string([slave.references["viscosity_law"]], ["vogel_1921"])
+    choose(slave, "viscosity_law", "vogel_1921")
     slave.exit_initialization_mode()
     slave.views["pressure_upper_edge"][...] = 2e5
     slave.views["oil_temperature"][...] = 400.0

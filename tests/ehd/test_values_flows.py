@@ -30,6 +30,7 @@ DX, DY = 3e-3, 2e-3  # [m]
 CELLS = Cells(DX, DY, False)
 FLOODED = np.ones(4)
 NO_PRESSURE = np.zeros(4)
+NO_LIFT = np.zeros((2, 2))
 
 
 def near(value, rel=1e-12):
@@ -57,12 +58,12 @@ def test_one_cell_between_four_edges():
     faces = reynolds.faces(parallel((1, 1))[0], still, CELLS)
     full = np.ones((1, 1), dtype=bool)
     edges = Edges(pressure, FLOODED)
-    stencil, right = reynolds.assemble(full, faces, steady((1, 1)), edges, False)
+    stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, False)
     across = 2.0 * DY / DX * CONDUCTIVITY
     along = 2.0 * DX / DY * CONDUCTIVITY
     expected = (across * 9e5 + along * 4e5) / (2.0 * (across + along))
     assert right[0, 0] / stencil[CENTRE, 0, 0] == near(expected)
-    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)))
+    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)), np.zeros((1, 2)))
     edge_flow = reynolds.outflow(filling, faces, edges, False).edges
     assert edge_flow[:2] == near(along * (pressure[:2] - expected))
     assert edge_flow[2:] == near(across * (pressure[2:] - expected))
@@ -78,7 +79,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, CELLS)
     cavitated = np.zeros(shape, dtype=bool)
-    stencil, right = reynolds.assemble(cavitated, faces, steady(shape), edges, False)
+    stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, False)
     matrix = np.array(
         [
             [stencil[CENTRE, 0, 0], stencil[EAST, 0, 0]],
@@ -86,7 +87,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
         ]
     )
     assert 1.0 + np.linalg.solve(matrix, right[:, 0]) == near(np.full(2, fraction))
-    filling = Filling(np.zeros(shape), np.full(shape, fraction))
+    filling = Filling(np.zeros(shape), np.full(shape, fraction), NO_LIFT)
     edge_flow = reynolds.outflow(filling, faces, edges, False).edges
     flow = velocity * FILM * DY * fraction
     assert edge_flow[2:] == near(np.array([flow, -flow]))
@@ -102,7 +103,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     slopes = FilmSlopes(by_film, np.zeros((0, *shape)))
     stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
     follow = Entrainment(np.zeros(shape), np.ones(shape))
-    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]))
+    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
     edges = Edges(NO_PRESSURE, FLOODED)
     stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)

@@ -36,19 +36,21 @@ def table(path):
 
 def test_logs_account_for_every_iteration(finished):
     folder, summary = finished
-    windows, sweeps = table(folder / "base-iterations.log"), table(folder / "base-convergence.log")
+    windows = table(folder / "base-iterations.log")
+    evaluations = table(folder / "base-convergence.log")
     assert [int(w["Window"]) for w in windows] == list(range(1, 11))
-    assert int(windows[-1]["TotalIterations"]) == len(sweeps) == summary["residual_evaluations"]
-    wires = list(sweeps[0])[2:]
+    assert int(windows[-1]["TotalIterations"]) == len(evaluations)
+    assert len(evaluations) == summary["residual_evaluations"]
+    wires = list(evaluations[0])[2:]
     assert wires == [
         "right.other_displacement",
         "left.other_displacement",
         "right.der(other_displacement)",
         "left.der(other_displacement)",
     ]
-    last = {s["Window"]: max(float(s[w]) for w in wires) for s in sweeps}
+    last = {s["Window"]: max(float(s[w]) for w in wires) for s in evaluations}
     assert max(last.values()) <= 1.0  # the last evaluation of each window has converged
-    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in sweeps) == len(
+    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in evaluations) == len(
         windows
     )  # and no evaluation before it
 
@@ -71,17 +73,17 @@ def test_wall_time_is_split_without_a_rest(finished):
 def test_scalars_as_structured_array_and_csv(finished, tmp_path):
     folder, _ = finished
     results = Results(folder / "base.h5")
-    found = results.structured()
-    assert found.dtype.names[0] == "time" and found.size == 11
+    records = results.structured()
+    assert records.dtype.names[0] == "time" and records.size == 11
     np.testing.assert_array_equal(
-        found["left.displacement"], results.series("left.displacement")[0]
+        records["left.displacement"], results.series("left.displacement")[0]
     )
     with pytest.raises(SystemExit) as done:
         app(["scalars", str(folder / "base.h5"), "--output", str(tmp_path / "run.csv")])
     assert not done.value.code
     read = read_csv(tmp_path / "run.csv")
-    assert read.dtype.names == found.dtype.names
-    np.testing.assert_array_equal(read["right.velocity"], found["right.velocity"])
+    assert read.dtype.names == records.dtype.names
+    np.testing.assert_array_equal(read["right.velocity"], records["right.velocity"])
 
 
 CELLS = """

@@ -79,13 +79,13 @@ def test_model_description_is_valid(coupled):
 def test_same_results_as_run_at_the_macro_step(coupled, reference):
     values, step = reference
     participant = started(coupled)
-    found = [watched(participant)]
+    rows = [watched(participant)]
     for k in range(STEPS):
         participant.step(k * step, step)
-        found.append(watched(participant))
+        rows.append(watched(participant))
     # the same steps from the same code: what differs is round-off in the time points, times the
     # amplification of a step
-    np.testing.assert_allclose(found, values, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(rows, values, rtol=1e-6, atol=1e-12)
 
 
 def test_longer_communication_steps_are_cut_into_macro_steps(coupled, reference):

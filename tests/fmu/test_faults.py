@@ -72,14 +72,14 @@ def run(folder, fault, isolated=False, changes=(), **settings):
 
 
 def datasets(file):
-    found = {}
+    datasets = {}
     with h5py.File(file) as content:
         content.visititems(
             lambda name, item: (
-                found.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None
+                datasets.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None
             )
         )
-    return found
+    return datasets
 
 
 def logs(folder):

@@ -114,14 +114,14 @@ def test_same_bits_as_fmi_2(fmu, slave, references):
 
 def test_repeated_step_repeats_every_bit(slave, references):
     saved = slave.getFMUState()
-    found = []
+    results = []
     for _ in range(2):
         slave.setFloat64([references["film_thickness"]], film(1).ravel())
         slave.doStep(0.0, 5e-5)
-        found.append(slave.getFloat64([references["nodal_pressure_force"]], 120))
+        results.append(slave.getFloat64([references["nodal_pressure_force"]], 120))
         slave.setFMUState(saved)
     slave.freeFMUState(saved)
-    assert found[0] == found[1]
+    assert results[0] == results[1]
 
 
 @pytest.mark.parametrize("count", [0, 119, 121])
@@ -155,12 +155,12 @@ def test_master_runs_fmi_3_to_the_same_bits(twin, fmu, tmp_path):
         ("participants.bodies.build.piston.modes", 0),
         ("participants.bodies.build.block.modes", 0),
     ]
-    found = []
+    results = []
     for file in (fmu, twin):
         tree, left_out = swap(read_tree(path, small), "ehd", file)
         assert left_out == []
         case, output = check_case(tree, path), tmp_path / f"{file.stem}.h5"
         run(open_system(case, path.parent, print), case, tree, output)
-        found.append(Results(output).series("bodies.lateral_displacement")[0])
-    assert np.array_equal(*found)
-    assert np.ptp(found[0]) > 0
+        results.append(Results(output).series("bodies.lateral_displacement")[0])
+    assert np.array_equal(*results)
+    assert np.ptp(results[0]) > 0

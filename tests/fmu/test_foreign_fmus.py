@@ -182,14 +182,14 @@ def test_a_step_is_rolled_back_to_the_bit(folder):
         participant.start({}, 0.0, 1.0)
         participant.set("u" if name == "dahlquist" else "array_input", np.array([0.1, 0.2, 0.3]))
         saved = participant.save()
-        found = []
+        outputs = []
         for _ in range(2):
             participant.restore(saved)
             participant.set(
                 "u" if name == "dahlquist" else "array_input", np.array([0.1, 0.2, 0.3])
             )
             participant.step(0.0, 0.1)
-            found.append(participant.get(field).tobytes())
-        assert found[0] == found[1]
+            outputs.append(participant.get(field).tobytes())
+        assert outputs[0] == outputs[1]
         participant.free(saved)
         participant.close()

@@ -91,13 +91,9 @@ def test_missing_packages_are_a_clean_refusal_with_the_pip_line(host, film, tmp_
         [sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "bare")], check=True
     )
     bare = tmp_path / "bare" / "bin" / "python"
-    recorded = film[0] / "resources" / "python.txt"
-    text = recorded.read_text()
-    try:
-        recorded.write_text(str(bare))
-        code, _, errors = ask(host, film, PATH=str(bare.parent))
-    finally:
-        recorded.write_text(text)
+    (tmp_path / "python.txt").write_text(str(bare))
+    settings = {"PATH": str(bare.parent), "PISTON_COSIM_CACHE": str(tmp_path)}
+    code, _, errors = ask(host, film, **settings)
     assert code == 1
     assert f"numpy, scipy, numba missing; run: {bare} -m pip install numpy scipy numba" in errors
 

@@ -33,9 +33,9 @@ def oscillator():
 def test_courses_are_exact_for_their_polynomials():
     cubic, step = Polynomial([1.0, -2.0, 3.0, 5.0]), 0.3
     slope = cubic.deriv()
-    found = hermite(cubic(0.0), cubic(step), slope(0.0), slope(step), step)
+    coefficients = hermite(cubic(0.0), cubic(step), slope(0.0), slope(step), step)
     np.testing.assert_allclose(
-        found, [cubic.deriv(k)(0.0) for k in range(4)], rtol=1e-13
+        coefficients, [cubic.deriv(k)(0.0) for k in range(4)], rtol=1e-13
     )  # round-off / step^2
     np.testing.assert_allclose(
         linear(np.float64(2.0), np.float64(5.0), step), [2.0, 10.0], rtol=1e-15
@@ -112,9 +112,9 @@ def test_resumed_goes_on_along_the_same_course(tmp_path):
 
     with pytest.raises(Stopped):
         run(open_system(case, PATH.parent, print), case, tree, output, stop)
-    found = Checkpoint.read(Checkpoint.path(output))
-    assert found.account.steps_done == 14
-    run(open_system(case, PATH.parent, print), case, tree, output, begin_at=found)
+    restored = Checkpoint.read(Checkpoint.path(output))
+    assert restored.account.steps_done == 14
+    run(open_system(case, PATH.parent, print), case, tree, output, begin_at=restored)
     resumed = Results(output).series("left.displacement")[0]
     np.testing.assert_array_equal(resumed, result_of(tmp_path, ("record", {"checkpoint_every": 0})))
 

@@ -83,7 +83,7 @@ def test_template_is_short_and_valid(template):
 
 def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
     rng = np.random.default_rng(5)
-    found = []
+    forces = []
     for path in (template, in_c):
         participant = FmuParticipant("film", path)
         participant.start({}, 0.0, 1.0)
@@ -92,10 +92,10 @@ def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
             participant.set("film_thickness", 2e-5 + 1e-5 * rng.random(CELLS))
             participant.set("sliding_velocity", 5 * rng.random(CELLS))
             participant.step(k * 1e-4, 1e-4)
-        found.append(participant.get("nodal_pressure_force"))
+        forces.append(participant.get("nodal_pressure_force"))
         participant.close()
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-9)  # sums in another order
-    assert found[0].max() > 1.0
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-9, atol=1e-9)  # sums in another order
+    assert forces[0].max() > 1.0
 
 
 QUASI_NEWTON = [

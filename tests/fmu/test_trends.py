@@ -5,7 +5,7 @@ import pytest
 
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.sweep import build_all, local_executor, parse_axis, points, sweep
+from piston_cosim.master.runs.sweep import all_points, build_all, local_executor, parse_axis, sweep
 
 PATH = find_case("fired_motorcycle")
 
@@ -34,13 +34,13 @@ def trends(tmp_path_factory):
             ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"),
         )
     }
-    found = {name: points(PATH, changes, [axis]) for name, axis in axes.items()}
-    build_all(found["speed"], PATH.parent, lambda text: None)
+    points = {name: all_points(PATH, changes, [axis]) for name, axis in axes.items()}
+    build_all(points["speed"], PATH.parent, lambda text: None)
     with local_executor(2) as executor:
-        rows = sweep(sum(found.values(), []), PATH.parent, folder, executor)
+        rows = sweep(sum(points.values(), []), PATH.parent, folder, executor)
     assert {row["status"] for row in rows} == {"done"}
-    files = iter(folder / "runs" / f"{p.name}.h5" for p in sum(found.values(), []))
-    return {name: [travel(next(files)) for _ in found[name]] for name in found}
+    files = iter(folder / "runs" / f"{p.name}.h5" for p in sum(points.values(), []))
+    return {name: [travel(next(files)) for _ in points[name]] for name in points}
 
 
 def travel(path):

@@ -74,5 +74,5 @@ def test_every_room_is_installed():
 
 def sources():
     """Files of the package, cases' own scripts left out."""
-    found = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
-    return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *found]
+    files = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
+    return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *files]

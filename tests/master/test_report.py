@@ -13,7 +13,7 @@ import pytest
 
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.results.judgement import extremes, loop_work, windows
+from piston_cosim.master.results.judgement import Quantity, extremes, loop_work, windows
 from piston_cosim.master.results.report import write_report
 
 TREE = {
@@ -88,12 +88,12 @@ def test_loop_work_is_the_area_of_the_ellipse(case, results):
 
 def test_extremes_know_their_instant(case, results):
     (lowest,) = extremes(case, results)
-    assert (lowest["value"], lowest["time"]) == (pytest.approx(-1e-3), pytest.approx(0.25))
-    assert lowest["monitor"]["y"] == (pytest.approx(0.0, abs=1e-12), "N")
+    assert (lowest.quantity.value, lowest.time) == (pytest.approx(-1e-3), pytest.approx(0.25))
+    assert lowest.monitor["y"] == Quantity(pytest.approx(0.0, abs=1e-12), "N")
 
 
 def test_windows_judge(case, results):
-    assert [row["inside"] for row in windows(case, results)] == [True, False]
+    assert [window.inside for window in windows(case, results)] == [True, False]
 
 
 def test_page_holds_the_fields(case, results, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Series
-from piston_cosim.master.runs.studies import study_points, study_table, write_table
+from piston_cosim.master.runs.studies import Cost, StudyRow, study_points, study_rows, write_table
 
 PATH = find_case("numerical_example")
 
@@ -26,8 +26,8 @@ class Curve:
 
 
 def test_points_of_the_modes_study_reach_both_bodies():
-    _, study, found = study_points(PATH, [("time.stop", "10 deg")], "modes")
-    trees = {point.values["run"]: point.tree for point in found}
+    _, study, points = study_points(PATH, [("time.stop", "10 deg")], "modes")
+    trees = {point.values["run"]: point.tree for point in points}
     build = trees["craig_bampton 20"]["participants"]["bodies"]["build"]
     assert (build["piston"]["modes"], build["block"]["modes"], build["block"]["basis"]) == (
         20,
@@ -43,8 +43,8 @@ def test_points_of_the_modes_study_reach_both_bodies():
 def test_every_study_of_the_case_has_valid_points():
     case, _, _ = study_points(PATH, [], "modes")
     for name in case.studies:
-        _, _, found = study_points(PATH, [], name)
-        assert len({point.name for point in found}) == len(found), (
+        _, _, points = study_points(PATH, [], name)
+        assert len({point.name for point in points}) == len(points), (
             "two points of a study are the same run"
         )
 
@@ -62,26 +62,23 @@ def test_unknown_study_names_those_there_are():
 
 
 def test_distance_from_the_reference(tmp_path):
-    case, study, found = study_points(PATH, [], "step")
-    rows = [
-        {"run": point.values["run"], "status": "done", "message": "", "wall_time_s": 1.0}
-        for point in found
-    ]
-    rows[0] |= {"status": "failed", "message": "why"}
+    case, study, points = study_points(PATH, [], "step")
+    summary = dict.fromkeys((*Cost._fields, *case.summary), 1.0)
+    rows = [{"run": p.values["run"], "status": "done", "message": ""} | summary for p in points]
+    rows[0] = {"run": rows[0]["run"], "status": "failed", "message": "why"}
     runs = {row["run"]: Curve(1.0 if row["run"] == study.reference else 1.1) for row in rows[1:]}
-    table = study_table(study, case, rows, runs)
-    assert table[0]["status"] == "failed" and not any(key.startswith("rms") for key in table[0])
+    table = study_rows(study, case, rows, runs)
+    assert table[0] == StudyRow(rows[0]["run"], "failed", None, {}, {})
     expected = 0.1 * np.sqrt(np.mean(np.sin(np.linspace(0, 2 * np.pi, 200)) ** 2)) / 2
     for port in study.curves:
-        assert table[1][f"rms {port}"] == pytest.approx(
-            expected, rel=1e-3
-        )  # the range is read at grid points
-        assert table[-1][f"rms {port}"] == 0.0
+        # the range is read at grid points
+        assert table[1].distances[port] == pytest.approx(expected, rel=1e-3)
+        assert table[-1].distances[port] == 0.0
     with open(write_table(table, tmp_path / "s.csv")) as file:
-        assert [row["status"] for row in csv.DictReader(file)] == [
-            "failed",
-            *["done"] * (len(rows) - 1),
-        ]
+        written = list(csv.DictReader(file))
+    assert [row["status"] for row in written] == ["failed", *["done"] * (len(rows) - 1)]
+    assert written[0]["wall_time_s"] == "" and written[1]["wall_time_s"] == "1.0"
+    assert written[-1][f"rms {study.curves[0]}"] == "0.0"
     del runs[study.reference]
     with pytest.raises(BadInput, match="has not finished"):
-        study_table(study, case, rows, runs)
+        study_rows(study, case, rows, runs)

@@ -9,8 +9,8 @@ import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.sweep import (
+    all_points,
     parse_axis,
-    points,
     sweep,
     unfinished,
 )
@@ -71,35 +71,35 @@ def test_bad_axes_say_what_is_wrong(tree, text, message):
 
 
 def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
-    found = points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
+    points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()
-    rows = sweep(found, PATH.parent, tmp_path, first)
+    rows = sweep(points, PATH.parent, tmp_path, first)
     assert [row["status"] for row in rows] == ["done", "failed", "failed"]
     assert "process died" in rows[1]["message"]
     with open(tmp_path / "sweep.csv") as file:
         table = list(csv.DictReader(file))
     assert [row["crank_speed"] for row in table] == ["1000 rpm", "2000 rpm", "3000 rpm"]
     assert (table[0]["x"], table[2]["message"]) == ("1.0", "no step")
-    assert unfinished(found, tmp_path) == found[1:]
+    assert unfinished(points, tmp_path) == points[1:]
     again = Answering()
-    assert sweep(found, PATH.parent, tmp_path, again) == rows
+    assert sweep(points, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 2)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"status": "failed"}', '{"x": 1.0}'])
 def test_a_row_that_is_damaged_or_failed_is_no_row(tree, tmp_path, text):
-    found = points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
+    points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
     (tmp_path / "runs").mkdir()
-    (tmp_path / "runs" / f"{found[0].name}.json").write_text(text)
-    assert unfinished(found, tmp_path) == found
+    (tmp_path / "runs" / f"{points[0].name}.json").write_text(text)
+    assert unfinished(points, tmp_path) == points
 
 
 def test_a_second_sweep_in_the_same_folder_is_refused(tree, tmp_path):
-    found = points(PATH, [], [parse_axis("crank_speed=1000rpm;1500rpm", tree)])
+    points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;1500rpm", tree)])
 
     def watch(row, done, total):
         with pytest.raises(BadInput, match=f"being written by process {os.getpid()}"):
-            sweep(found, PATH.parent, tmp_path, Answering())
+            sweep(points, PATH.parent, tmp_path, Answering())
 
-    sweep(found, PATH.parent, tmp_path, Answering(), watch)
-    sweep(found, PATH.parent, tmp_path, Answering())
+    sweep(points, PATH.parent, tmp_path, Answering(), watch)
+    sweep(points, PATH.parent, tmp_path, Answering())

@@ -65,8 +65,8 @@ def residuals(system, method):
 
 def test_constant_relaxation_shrinks_each_error_by_its_factor(affine):
     # Eq. (C2): the error of x_k goes with 1 - w (1 - a_k) = 1/2 and 3/4
-    found = residuals(affine(A, lambda t: B, FINE), Relaxation(0.25, False, 4))
-    assert found == pytest.approx(
+    history = residuals(affine(A, lambda t: B, FINE), Relaxation(0.25, False, 4))
+    assert history == pytest.approx(
         np.array([[2, 1], [1, 3 / 4], [1 / 2, 9 / 16], [1 / 4, 27 / 64]]), rel=1e-9
     )
 
@@ -75,8 +75,8 @@ def test_aitken_s_factors_by_hand(affine):
     # nominals 1 and 1/2, so scaled residuals r_0 = (2, 2), r_1 = (1, 1.5) after w_0 = 1/4:
     # w_1 = 1/4 x 3 / 1.25 = 0.6, x_2 = (1.1, 0.7), r_2 = (-0.2, 0.6) scaled
     # w_2 = 0.6 x 2.55 / 2.25 = 0.68, x_3 = (0.964, 0.904)
-    found = residuals(affine(A, lambda t: B, FINE, nominal=(1.0, 0.5)), Relaxation(0.25, True, 4))
-    assert found == pytest.approx(
+    history = residuals(affine(A, lambda t: B, FINE, nominal=(1.0, 0.5)), Relaxation(0.25, True, 4))
+    assert history == pytest.approx(
         np.array([[2, 1], [1, 0.75], [0.2, 0.3], [0.072, 0.096]]), rel=1e-9
     )
 
@@ -105,17 +105,17 @@ def test_aitken_begins_every_macro_step_with_the_case_s_factor(affine):
     ],
 )
 def test_secant_updates_by_hand(affine, secants, mixing, third):
-    found = residuals(affine(A, lambda t: B, FINE), QuasiNewton(secants, 0.25, mixing))
-    assert found[:2] == pytest.approx(np.array([[2, 1], [1, 0.75]]), rel=1e-9)
-    assert found[2] == pytest.approx(np.abs(third), rel=1e-9, abs=FINE * ROUND_OFF)
+    history = residuals(affine(A, lambda t: B, FINE), QuasiNewton(secants, 0.25, mixing))
+    assert history[:2] == pytest.approx(np.array([[2, 1], [1, 0.75]]), rel=1e-9)
+    assert history[2] == pytest.approx(np.abs(third), rel=1e-9, abs=FINE * ROUND_OFF)
 
 
 def test_secants_are_scaled_by_nominals_before_the_wires_shares(affine):
     # nominals 1 and 1/2: r_1 = (1, 3/2), dr = (-1, -1/2); MultiVector: c = 1.75 / 1.25 = 1.4,
     # x_2 = (3/2 - c/2, 1) in SI, for both residuals of the second wire scale alike
     system = affine(A, lambda t: B, FINE, nominal=(1.0, 0.5))
-    found = residuals(system, QuasiNewton(MultiVector(), 0.25))
-    assert found[2] == pytest.approx([0.4, 0.0], rel=1e-9, abs=FINE * ROUND_OFF)
+    history = residuals(system, QuasiNewton(MultiVector(), 0.25))
+    assert history[2] == pytest.approx([0.4, 0.0], rel=1e-9, abs=FINE * ROUND_OFF)
 
 
 def loads(t):
@@ -200,8 +200,8 @@ def test_products_by_differences_are_counted_as_evaluations(affine):
 )
 def test_newton_in_a_krylov_space_of_one_direction(affine, nominal, second):
     system = affine(A, lambda t: B, FINE, nominal=nominal)
-    found = residuals(system, Newton(max_iterations=2, largest_krylov_space=1))
-    assert found == pytest.approx(np.array([[2, 1], second]), rel=1e-9)
+    history = residuals(system, Newton(max_iterations=2, largest_krylov_space=1))
+    assert history == pytest.approx(np.array([[2, 1], second]), rel=1e-9)
 
 
 def test_gmres_minimises_the_residual_and_counts_its_products():

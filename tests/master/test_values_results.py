@@ -21,7 +21,15 @@ from piston_cosim.master.results.compare import (
     score,
 )
 from piston_cosim.master.results.file import Results, Series
-from piston_cosim.master.results.judgement import extremes, last_period, loop_work, windows
+from piston_cosim.master.results.judgement import (
+    Extreme,
+    Quantity,
+    Window,
+    extremes,
+    last_period,
+    loop_work,
+    windows,
+)
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
 
 TREE = {
@@ -63,20 +71,8 @@ def test_extremes_are_the_first_of_their_value(results):
         monitor={"z": "last a.z"},
     )
     assert extremes(case, results) == [
-        {
-            "name": "min a.y",
-            "value": -3.0,
-            "unit": "N",
-            "time": 3.0,
-            "monitor": {"z": (0.0, "N")},
-        },
-        {
-            "name": "max a.x",
-            "value": 3.0,
-            "unit": "m",
-            "time": 1.0,
-            "monitor": {"z": (1.0, "N")},
-        },
+        Extreme("min a.y", Quantity(-3.0, "N"), 3.0, {"z": Quantity(0.0, "N")}),
+        Extreme("max a.x", Quantity(3.0, "m"), 1.0, {"z": Quantity(1.0, "N")}),
     ]
 
 
@@ -84,16 +80,16 @@ def test_extremes_are_the_first_of_their_value(results):
 def test_windows_hold_their_ends(results, kind, value):
     for low, high, inside in ((0, 1, True), (-1, 0, True), (0.1, 1, False), (-1, -0.1, False)):
         limits = [f"{value + low} N", f"{value + high} N"]
-        (row,) = windows(case_with(window={f"{kind} a.y": limits}), results)
-        assert row["value"] == value
-        assert row["inside"] is inside
-        assert (row["low"], row["high"]) == (value + low, value + high)
+        (window,) = windows(case_with(window={f"{kind} a.y": limits}), results)
+        assert window == Window(f"{kind} a.y", "N", value, value + low, value + high)
+        assert window.inside is inside
 
 
 def test_windows_are_read_in_their_units(results):
-    (row,) = windows(case_with(window={"mean a.y": ["1300 mN", "0.0015 kN"]}), results)
-    assert (row["low"], row["value"], row["high"]) == pytest.approx((1.3, 7 / 5, 1.5), rel=1e-14)
-    assert row["inside"]
+    (window,) = windows(case_with(window={"mean a.y": ["1300 mN", "0.0015 kN"]}), results)
+    read = (window.low, window.value, window.high)
+    assert read == pytest.approx((1.3, 7 / 5, 1.5), rel=1e-14)
+    assert window.inside
 
 
 def test_last_period_holds_its_first_row(results):
@@ -129,26 +125,26 @@ def test_scores_by_hand():
     x = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
     reference = np.array([0.0, 2.0, 4.0, 2.0, 0.0])
     # twice as large: amplitude 2, differences 0, 2, 4, 2, 0: rms sqrt(24 / 5) over a range of 4
-    found = score(x, 2 * reference, x, reference)
-    assert found.amplitude == 2.0
-    assert found.rms == pytest.approx(np.sqrt(24 / 5) / 4, rel=1e-14)
+    scored = score(x, 2 * reference, x, reference)
+    assert scored.amplitude == 2.0
+    assert scored.rms == pytest.approx(np.sqrt(24 / 5) / 4, rel=1e-14)
     # the range is that of the reference
-    found = score(x, reference + np.array([0, 0, 4, 0, 0]), x, reference)
-    assert (found.amplitude, found.rms) == pytest.approx((2.0, np.sqrt(16 / 5) / 4))
+    scored = score(x, reference + np.array([0, 0, 4, 0, 0]), x, reference)
+    assert (scored.amplitude, scored.rms) == pytest.approx((2.0, np.sqrt(16 / 5) / 4))
     # a reference beyond the curve does not count: of 0..4 only 1..3, range 2, all 1 too high
-    found = score(x[1:4], reference[1:4] + 1.0, x, reference)
-    assert (found.amplitude, found.rms) == pytest.approx((1.0, 0.5), rel=1e-14)
+    scored = score(x[1:4], reference[1:4] + 1.0, x, reference)
+    assert (scored.amplitude, scored.rms) == pytest.approx((1.0, 0.5), rel=1e-14)
     # a curve between its points is a line
-    found = score(np.array([0.0, 4.0]), np.array([0.0, 4.0]), x, np.array([0.0, 1, 2, 3, 4]))
-    assert (found.amplitude, found.rms) == (1.0, 0.0)
+    scored = score(np.array([0.0, 4.0]), np.array([0.0, 4.0]), x, np.array([0.0, 1, 2, 3, 4]))
+    assert (scored.amplitude, scored.rms) == (1.0, 0.0)
 
 
 @pytest.mark.parametrize("shift", [-0.0313, 0.0, 0.05])
 def test_phase_is_positive_for_a_curve_that_comes_later(shift):
     x = np.linspace(0.0, 1.0, 2001)
     # offset and shape alike; linear interpolation and the parabola of the search leave 1e-5
-    found = score(x, 7.0 + np.sin(2 * np.pi * (x - shift)), x, np.sin(2 * np.pi * x))
-    assert found.phase == pytest.approx(shift, abs=1e-5)
+    scored = score(x, 7.0 + np.sin(2 * np.pi * (x - shift)), x, np.sin(2 * np.pi * x))
+    assert scored.phase == pytest.approx(shift, abs=1e-5)
 
 
 class Runs(SimpleNamespace):
@@ -166,9 +162,9 @@ def ramp(end, factor=1.0):
 
 def test_runs_against_the_first():
     runs = {"one": ramp(1.0), "two": ramp(1.0, 3.0)}
-    ((label, port, found),) = against_first(runs, "a.x", ["a.y"])
+    ((label, port, scored),) = against_first(runs, "a.x", ["a.y"])
     assert (label, port) == ("two", "a.y")
-    assert found.amplitude == pytest.approx(3.0, rel=1e-14)
+    assert scored.amplitude == pytest.approx(3.0, rel=1e-14)
 
 
 def test_runs_against_measured_values_in_their_own_units():
@@ -177,9 +173,9 @@ def test_runs_against_measured_values_in_their_own_units():
         "a.x": Measured(np.array([0.0, 500.0, 1000.0]), "ms"),
         "a.y": Measured(1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
     }
-    ((label, port, found),) = against_measured({"run": ramp(1.0)}, measured)
+    ((label, port, scored),) = against_measured({"run": ramp(1.0)}, measured)
     assert (label, port) == ("run", "a.y")
-    assert found.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
+    assert scored.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
     with pytest.raises(BadInput, match="measured column"):
         against_measured({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
 
@@ -187,11 +183,11 @@ def test_runs_against_measured_values_in_their_own_units():
 def test_last_cycle_against_the_one_before():
     # t^2 in the last second of two, against that of the first: (1..4 - 0..1), range 3 and 1
     timed = check_case(TREE | {"time": {"stop": "2 s", "step": "1 s"}}, "case.toml")
-    ((_, _, found),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
-    assert found.amplitude == pytest.approx(3.0, rel=1e-12)
+    ((_, _, scored),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
+    assert scored.amplitude == pytest.approx(3.0, rel=1e-12)
     # (t + 1)^2 - t^2 = 2 t + 1 at t = 0, 0.02 .. 1: mean of squares 1/51 sum
     t = np.linspace(0.0, 1.0, 51)
-    assert found.rms == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
+    assert scored.rms == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
 
 
 @pytest.mark.parametrize(

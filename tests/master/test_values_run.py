@@ -77,14 +77,16 @@ def rows(path):
 
 def contents(path):
     """Every dataset of a results file."""
-    found = {}
+    datasets = {}
     with h5py.File(path, "r") as file:
         file.visititems(
             lambda name, item: (
-                found.update({name: item[:].tolist()}) if isinstance(item, h5py.Dataset) else None
+                datasets.update({name: item[:].tolist()})
+                if isinstance(item, h5py.Dataset)
+                else None
             )
         )
-    return found
+    return datasets
 
 
 def test_results_file(toys, tmp_path):
@@ -110,8 +112,8 @@ def test_results_file(toys, tmp_path):
         (1.1, 2.0, [4.0, 8.0]),
         (9.0, 4.0, [16.0, 32.0]),
     ):
-        found, time, unit, _ = results.field("plant.y0", asked)
-        assert (found.tolist(), time, unit) == (field, instant, "N")
+        values, time, unit, _ = results.field("plant.y0", asked)
+        assert (values.tolist(), time, unit) == (field, instant, "N")
     table = results.structured()
     assert table["time"].tolist() == results.time.tolist()
     assert table["plant.y1"][2] == 12.0
@@ -183,7 +185,8 @@ def test_a_halved_step_is_logged_and_recorded_in_halves(toys, tmp_path):
 
     summary = go(system, tmp_path / "run.h5", tire)
     assert (summary["halved_steps"], summary["steps"]) == (1, 5)
-    # the failed attempt has no sweep that was measured; afterwards 27 is all that is known of w1
+    # the failed attempt has no evaluation that was measured; afterwards 27 is all that is known
+    # of w1
     assert rows(log_path(tmp_path / "run.h5", "iterations")).splitlines()[3:] == [
         "4 3.0 1.0 0 5 0 echo: refused on purpose",
         "4 3.0 0.5 2 7 1",
@@ -272,7 +275,7 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
 
 
 def test_work_that_explicit_coupling_makes(affine, tmp_path):
-    # x = 2 t, one sweep a step: u lags a step behind v = w. Work the plant's force does on w:
+    # x = 2 t, one evaluation a step: u lags a step behind v = w. Work the plant's force does on w:
     # 2 x 2 + 4 x 2 + 6 x 2 = 24 J; on u: 2 x 0 + 4 x 2 + 6 x 2 = 20 J
     tree = TREE | {
         "time": {"stop": "3 s", "step": "1 s"},

@@ -60,9 +60,9 @@ def test_mean_held_body_is_the_constrained_problem(plate, surfaces):
     scale = 1e8
     saddle = np.block([[K.toarray(), scale * C.T], [scale * C, np.zeros((len(C), len(C)))]])
     reference = np.linalg.solve(saddle, np.vstack([load, np.zeros((len(C), 2))]))[: len(load)]
-    found = body.solve(load)
-    np.testing.assert_allclose(found, reference, atol=1e-8 * np.abs(reference).max())
-    assert np.abs(C @ found).max() <= 1e-10 * np.abs(found).max()
+    deflection = body.solve(load)
+    np.testing.assert_allclose(deflection, reference, atol=1e-8 * np.abs(reference).max())
+    assert np.abs(C @ deflection).max() <= 1e-10 * np.abs(deflection).max()
     # lowest modes of the constrained body
     _, omega = orthonormal_modes(body, craig_bampton(body, 4))
     null = la.null_space(C)

@@ -61,11 +61,11 @@ def test_mass_centre_and_inertia_of_a_box():
     size = np.array([0.1, 0.2, 0.3])
     points, tets = box_mesh((2, 3, 2), size)
     M = consistent_mass(points, tets, 2700.0)
-    found = floating_frame_integrals(M, points, np.zeros((len(points), 3, 0)))
+    integrals = floating_frame_integrals(M, points, np.zeros((len(points), 3, 0)))
     mass = 2700.0 * size.prod()
-    assert found.mass == pytest.approx(mass, rel=1e-12)
-    assert found.S == pytest.approx(mass * size[:2] / 2, rel=1e-12)
-    assert found.I0 == pytest.approx(mass * (size[0] ** 2 + size[1] ** 2) / 3, rel=1e-12)
+    assert integrals.mass == pytest.approx(mass, rel=1e-12)
+    assert integrals.S == pytest.approx(mass * size[:2] / 2, rel=1e-12)
+    assert integrals.I0 == pytest.approx(mass * (size[0] ** 2 + size[1] ** 2) / 3, rel=1e-12)
 
 
 def test_uniform_stress_is_exact_on_curved_elements(warped):

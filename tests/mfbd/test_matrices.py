@@ -124,19 +124,19 @@ def turned_to_file(matrix):
     return whole @ matrix @ whole.T
 
 
-def assert_same_body(found, reference, tolerance):
-    np.testing.assert_allclose(found["omega"], reference["omega"], rtol=tolerance)
+def assert_same_body(imported, reference, tolerance):
+    np.testing.assert_allclose(imported["omega"], reference["omega"], rtol=tolerance)
     # modes up to sign and, in pairs of nearly equal frequency, up to a turn: compare the compliance
     # they add up to
     compliance = [
         np.einsum("ijk,ilk->ijl", body["radial"], body["radial"] / body["omega"] ** 2)
-        for body in (found, reference)
+        for body in (imported, reference)
     ]
     np.testing.assert_allclose(
         compliance[0], compliance[1], atol=tolerance * 100 * np.abs(compliance[1]).max()
     )
     np.testing.assert_allclose(
-        found["rigid_mass"],
+        imported["rigid_mass"],
         reference["rigid_mass"],
         atol=tolerance * np.abs(reference["rigid_mass"]).max(),
     )
@@ -174,8 +174,8 @@ def test_round_trip(kind, original, from_mesh, coarse, tmp_path, monkeypatch):
             write_labels(path, matrix, lower=key == "stiffness")
         else:
             write_dmig(path, matrix, "KAAX", large="large" in kind)
-    found = reduced(table, tmp_path, monkeypatch)
-    assert_same_body(found, from_mesh, 1e-6 if "dmig" in kind else 1e-9)
+    imported = reduced(table, tmp_path, monkeypatch)
+    assert_same_body(imported, from_mesh, 1e-6 if "dmig" in kind else 1e-9)
 
 
 def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
@@ -202,20 +202,20 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
         "stations": 24,
     }
     table |= UNITS
-    found = reduced(table | {"basis": "craig_bampton"}, tmp_path, monkeypatch)
+    imported = reduced(table | {"basis": "craig_bampton"}, tmp_path, monkeypatch)
     exact = reduced(
         coarse[1]["block"] | {"mesh": str(coarse[0] / "block.msh"), "basis": "craig_bampton"},
         tmp_path,
         monkeypatch,
     )
-    np.testing.assert_allclose(found["omega"], exact["omega"], rtol=1e-9)
+    np.testing.assert_allclose(imported["omega"], exact["omega"], rtol=1e-9)
     # three-node triangles between nodes 11 degrees apart: (4 pi/16)^2/8 of a mode with four waves
     # around
-    strength = [np.linalg.norm(body["radial"]) for body in (found, exact)]
+    strength = [np.linalg.norm(body["radial"]) for body in (imported, exact)]
     assert strength[0] == pytest.approx(strength[1], rel=(4 * np.pi / 16) ** 2 / 8)
     by_geometry = table | {"surfaces": BY_GEOMETRY, "basis": "craig_bampton"}
     np.testing.assert_array_equal(
-        reduced(by_geometry, tmp_path, monkeypatch)["radial"], found["radial"]
+        reduced(by_geometry, tmp_path, monkeypatch)["radial"], imported["radial"]
     )
 
 
@@ -245,7 +245,7 @@ def test_piston_of_nodes_alone_has_its_gas_force(coarse, tmp_path, monkeypatch):
         "basis": "craig_bampton",
         "modes": 12,
     }
-    found = np.load(
+    imported = np.load(
         reduced_bodies({"grid": [16, 12], "piston": table}, tmp_path, lambda text: None)["piston"]
     )
     exact = np.load(
@@ -255,11 +255,11 @@ def test_piston_of_nodes_alone_has_its_gas_force(coarse, tmp_path, monkeypatch):
             lambda text: None,
         )["piston"]
     )
-    np.testing.assert_allclose(found["omega"], exact["omega"], rtol=1e-9)
+    np.testing.assert_allclose(imported["omega"], exact["omega"], rtol=1e-9)
     crown = exact["shapes"][:, 1][mesh.nodes("crown")]
     assert (
         len(crown)
-        and np.abs(np.abs(found["gas_force"]) - np.abs(exact["gas_force"])).max()
+        and np.abs(np.abs(imported["gas_force"]) - np.abs(exact["gas_force"])).max()
         < 0.02 * np.abs(crown).max()
     )
 

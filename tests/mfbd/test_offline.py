@@ -147,9 +147,9 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "t = 1 ms  piston: displacement up to 0 um, von Mises stress up to 0 MPa" in done.stdout
     shapes = np.load(reduced_bodies(options, folder, lambda text: None)["block"])["shapes"]
-    found = meshio.read(tmp_path / "run-1000us-block.vtu")
-    np.testing.assert_allclose(found.point_data["displacement"], 1e-7 * shapes[:, :, 1])
-    assert found.point_data["von_mises"].max() > 0
+    mesh = meshio.read(tmp_path / "run-1000us-block.vtu")
+    np.testing.assert_allclose(mesh.point_data["displacement"], 1e-7 * shapes[:, :, 1])
+    assert mesh.point_data["von_mises"].max() > 0
     wrong = subprocess.run([*call, "--time", "1 kg"], cwd=tmp_path, capture_output=True, text=True)
     assert wrong.returncode == 2
 

@@ -210,7 +210,7 @@ def shaped(bodies, tmp_path_factory):
 
 
 def test_shapes_enter_the_film_and_its_work(shaped):
-    """A bore of varying width does work on the moving piston: the balance still closes, and slope
+    """A bore of varying width does work on the moving piston: energy is still kept, and slope
     times force lifts the piston.
     """
     rng = np.random.default_rng(2)

@@ -60,11 +60,11 @@ def run(entry, folder):
     return measure(folder / f"{entry['variant']}.h5")
 
 
-def renewed(text, name, found):
+def renewed(text, name, values):
     """The file's text with new values of one run; everything else stays as it is."""
     head, rest = text.split(f'["{name}".values]\n', 1)
     _, start, tail = rest.partition('\n["')
-    lines = "".join(f"{key} = {value!r}\n" for key, value in found.items())
+    lines = "".join(f"{key} = {value!r}\n" for key, value in values.items())
     return f'{head}["{name}".values]\n{lines}{start}{tail}'
 
 
@@ -76,12 +76,12 @@ def main(arguments):
         if chosen and name not in chosen:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            found = run(entry, Path(folder))
+            values = run(entry, Path(folder))
         print(name)
-        for key, new in found.items():
+        for key, new in values.items():
             old = entry["values"].get(key, float("nan"))
             print(f"    {key:24}{old:18.10g}{new:18.10g}{new / old - 1.0:12.1e}")
-        text = renewed(text, name, found)
+        text = renewed(text, name, values)
         if "--write" in arguments:
             VALUES.write_text(text)
 

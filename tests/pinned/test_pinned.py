@@ -55,11 +55,11 @@ def renew():
 
 def test_run_gives_what_it_gave(name, renew, tmp_path):
     entry = renew.read_values()[name]
-    found = renew.run(entry, tmp_path)
-    assert set(found) == set(entry["values"]) == set(TOLERANCES)
+    values = renew.run(entry, tmp_path)
+    assert set(values) == set(entry["values"]) == set(TOLERANCES)
     wrong = [
         f"{key} = {value:.10g}, pinned {entry['values'][key]:.10g}"
-        for key, value in found.items()
+        for key, value in values.items()
         if value != pytest.approx(entry["values"][key], rel=TOLERANCES[key], abs=0.0)
     ]
     assert wrong == []

@@ -11,7 +11,7 @@
 typedef void Logger(void *environment, int status, const char *category, const char *message);
 
 #define EXPORT __attribute__((visibility("default")))
-enum { REAL, INTEGER, TEXT };
+enum { REAL, INTEGER, TEXT, CHOICE };
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
@@ -110,26 +110,29 @@ EXPORT int fmi3GetFloat64(Instance *I, const Reference *vr, size_t count, double
     return status;
 }
 
-EXPORT int fmi3SetInt32(Instance *I, const Reference *vr, size_t count, const int32_t *value, size_t values)
-{
-    if (!fits(I, __func__, INTEGER, false, vr, count, values))
-        return ERROR;
-    for (size_t k = 0; k < count; k++)
-        for (int64_t e = 0; e < I->variable[vr[k]].size; e++)
-            I->integer[I->variable[vr[k]].offset + e] = *value++;
-    return OK;
-}
-
-EXPORT int fmi3GetInt32(Instance *I, const Reference *vr, size_t count, int32_t *value, size_t values)
-{
-    if (!fits(I, __func__, INTEGER, false, vr, count, values))
-        return ERROR;
-    int status = front_show(I);
-    for (size_t k = 0; k < count; k++)
-        for (int64_t e = 0; e < I->variable[vr[k]].size; e++)
-            *value++ = (int32_t)I->integer[I->variable[vr[k]].offset + e];
-    return status;
-}
+/* Integers are Int32, choices Enumerations, which travel as Int64. */
+#define WHOLE(set, get, type, kind)                                                                        \
+    EXPORT int set(Instance *I, const Reference *vr, size_t count, const type *value, size_t values)       \
+    {                                                                                                      \
+        if (!fits(I, __func__, kind, false, vr, count, values))                                            \
+            return ERROR;                                                                                  \
+        for (size_t k = 0; k < count; k++)                                                                 \
+            for (int64_t e = 0; e < I->variable[vr[k]].size; e++)                                          \
+                I->integer[I->variable[vr[k]].offset + e] = *value++;                                      \
+        return OK;                                                                                         \
+    }                                                                                                      \
+    EXPORT int get(Instance *I, const Reference *vr, size_t count, type *value, size_t values)             \
+    {                                                                                                      \
+        if (!fits(I, __func__, kind, false, vr, count, values))                                            \
+            return ERROR;                                                                                  \
+        int status = front_show(I);                                                                        \
+        for (size_t k = 0; k < count; k++)                                                                 \
+            for (int64_t e = 0; e < I->variable[vr[k]].size; e++)                                          \
+                *value++ = (type)I->integer[I->variable[vr[k]].offset + e];                                \
+        return status;                                                                                     \
+    }
+WHOLE(fmi3SetInt32, fmi3GetInt32, int32_t, INTEGER)
+WHOLE(fmi3SetInt64, fmi3GetInt64, int64_t, CHOICE)
 
 EXPORT int fmi3SetString(Instance *I, const Reference *vr, size_t count, const char *const *value, size_t values)
 {
@@ -219,7 +222,7 @@ EXPORT void *fmi3InstantiateScheduledExecution(void) { return NULL; }
     }
 #define BOTH_WAYS(type) NOT_OFFERED(fmi3Get##type) NOT_OFFERED(fmi3Set##type)
 
-BOTH_WAYS(Float32) BOTH_WAYS(Int8) BOTH_WAYS(UInt8) BOTH_WAYS(Int16) BOTH_WAYS(UInt16) BOTH_WAYS(UInt32) BOTH_WAYS(Int64)
+BOTH_WAYS(Float32) BOTH_WAYS(Int8) BOTH_WAYS(UInt8) BOTH_WAYS(Int16) BOTH_WAYS(UInt16) BOTH_WAYS(UInt32)
 BOTH_WAYS(UInt64) BOTH_WAYS(Boolean) BOTH_WAYS(Binary) BOTH_WAYS(Clock) BOTH_WAYS(IntervalDecimal) BOTH_WAYS(IntervalFraction)
 BOTH_WAYS(ShiftDecimal) BOTH_WAYS(ShiftFraction) BOTH_WAYS(ContinuousStates)
 NOT_OFFERED(fmi3GetVariableDependencies) NOT_OFFERED(fmi3GetAdjointDerivative) NOT_OFFERED(fmi3GetOutputDerivatives)

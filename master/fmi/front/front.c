@@ -103,11 +103,24 @@ static void probe(const char *interpreter, const char *resources, char *answer, 
         snprintf(answer, (size_t)size, "does not run");
 }
 
-/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, the one that built the FMU, python3. */
+/* Where the builder of FMUs says which Python it ran in: python.txt in the user's cache. */
+static void record_of_python(char *path, size_t size)
+{
+    const char *own = getenv("PISTON_COSIM_CACHE"), *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    if (own && own[0])
+        snprintf(path, size, "%s/python.txt", own);
+    else if (cache && cache[0])
+        snprintf(path, size, "%s/piston-cosim/python.txt", cache);
+    else
+        snprintf(path, size, "%s/.cache/piston-cosim/python.txt", home ? home : "");
+}
+
+/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, the one that last built an FMU on this
+   machine, python3. */
 static void *start_python(Instance *I)
 {
     char recorded[4096] = "", path[8192], answer[8192], refusals[16384] = "";
-    snprintf(path, sizeof path, "%s/python.txt", I->resources);
+    record_of_python(path, sizeof path);
     FILE *file = fopen(path, "r");
     if (file) {
         first_line(file, recorded, sizeof recorded);
@@ -373,14 +386,19 @@ void front_log(Instance *I, int status, const char *format, ...)
 
 /* ---- derivatives ------------------------------------------------------------------------------------------------ */
 
-/* Index into `real` that is reserved for the seed or product of a reference; -1, logged, if there is none. */
+enum { NO_DEPENDENCE = -1, UNKNOWN = -2 };
+
+/* Index into `real` that is reserved for the seed or product of a reference; NO_DEPENDENCE for a variable without;
+   UNKNOWN, logged, where there is no such variable. */
 static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Reference reference)
 {
     for (int64_t k = 0; k < count; k++)
         if (reference >= blocks[k].first && reference < blocks[k].first + blocks[k].size)
             return blocks[k].reserved + reference - blocks[k].first;
-    front_log(I, ERROR, "directional derivative: none for value reference %u", reference);
-    return -1;
+    if ((int64_t)reference < I->reals)
+        return NO_DEPENDENCE;
+    front_log(I, ERROR, "directional derivative: no real variable of value reference %u", reference);
+    return UNKNOWN;
 }
 
 int front_derivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,
@@ -388,18 +406,23 @@ int front_derivative(Instance *I, const Reference *unknown, size_t unknowns, con
 {
     for (int64_t k = 0; k < I->seeds; k++)
         memset(I->real + I->seed[k].reserved, 0, (size_t)I->seed[k].size * sizeof(double));
+    int moves = 0, status = OK;
     for (size_t k = 0; k < knowns; k++) {
         int64_t index = reserved(I, I->seed, I->seeds, known[k]);
-        if (index < 0)
+        if (index == UNKNOWN)
             return ERROR;
-        I->real[index] = seed[k];
+        if (index >= 0) {
+            I->real[index] = seed[k];
+            moves = 1;
+        }
     }
-    int status = front_call(I, "update_products", "()");
+    if (moves)
+        status = front_call(I, "update_products", "()");
     for (size_t k = 0; status == OK && k < unknowns; k++) {
         int64_t index = reserved(I, I->product, I->products, unknown[k]);
-        if (index < 0)
+        if (index == UNKNOWN)
             return ERROR;
-        product[k] = I->real[index];
+        product[k] = moves && index >= 0 ? I->real[index] : 0.0;
     }
     return status;
 }

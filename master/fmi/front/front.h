@@ -12,7 +12,7 @@
 
 typedef unsigned int Reference;
 typedef struct { int64_t first, size, reserved; } Block;         /* references first..first+size-1 <-> reserved.. */
-typedef struct { int64_t type, offset, size; } Entry;   /* a variable of the table; type 0 real, 1 integer, 2 text */
+typedef struct { int64_t type, offset, size; } Entry;   /* a variable of the table; type 0 real, 1 integer, 2 text, 3 choice */
 
 typedef struct Instance {
     void *slave;                            /* PyObject, owned */

@@ -1,0 +1,381 @@
+"""How much more, or less, than its upstream cell the face of a cavitated film carries.
+
+Upstream film fraction alone smears a front of oil over ever more cells. What is missing is known
+when a step begins: oil in a cavitated film moves as it lies, without pressure. It is carried on
+explicitly and sharply, and the difference to what the implicit step would carry by itself enters
+as a lift l of the film fraction at the axial faces, Eq. (E2):
+
+Eq. (T11):  l = (F - beta F_n) / (w X H_e/H t) - f*_up,   |l| <= 3 (1 - f*)
+
+so that the volume beta F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
+film fraction f* upstream, where film and velocity go on as they did. F and f* are those after a
+number of explicit steps of Heun's method, in each of which oil travels x, at most a third of a
+cell:
+
+Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
+Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
+Eq. (T14):  |m / t - f_up| <= (1 - f) / 2
+
+c content, t transported film [m], f the larger film fraction of the two cells of the face, m = f t
+of a cell or at a face [m], d and D differences of m before and behind the upstream cell. The last
+term of Eq. (T13) is of third order where m is smooth [Koren1993]; the two others keep m at the face
+between its neighbours, and the oil of an explicit step positive and without new extremes. Eq. (T14)
+lets the lift fade where the film gets full, as it has to: a full cell passes on what pressure
+tells it, there is no lift beside one, and a cell that fills or empties must not see a lift appear.
+Film quantities are those expected in the middle of the step, for f* those at its end. `gain` is
+the content that came in circumferentially in the last step; over a face whose upstream cell is
+full goes what went in the last step.
+
+Travel of the last step and of this one:
+
+Eq. (T15):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
+
+The lift is made of the past alone. So the flow stays a linear function of the unknown with the
+same coefficients: matrix, elimination and cavitation are what they are without it, a step repeats
+bit for bit, and in the tangent l is a constant beside the upstream film fraction. It is a flow
+through a face, the same for both cells, so oil is conserved to round-off. A film that is steady
+stays so whatever the step, since F is then X times a flow that knows no step.
+
+Without lift, transport is of first order. That is so at faces beside a full cell, at edges, in the
+first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in a step (thus
+in a film asked for at once as steady), and around the circumference. Film and velocity that jump
+within a step can make a cell owe oil: its row is solved again without lift.
+
+Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
+
+References
+----------
+[Koren1993] B. Koren, A robust upwind discretization method for advection, diffusion and source
+terms, in Numerical Methods for Advection-Diffusion Problems, Vieweg 1993, 117-138 (the limiter).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compiled
+from .films import CONDUCTIVITY_A, STORED, TRANSPORT
+from .grid import LOWER, UPPER, Array, Cells, Flags
+
+SHORTEST = 1e-12  # cells of travel in a step: less moves nothing, and a ratio to it may overflow
+FARTHEST = 16.0
+LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
+STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
+# shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
+# in an explicit step and with the memory of the last step; from order tests in the step
+NEAR_FULL = 0.5
+NEAR_FULL_WITH_MEMORY = 3.0
+FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
+
+
+class PastTransport(NamedTuple):
+    """What the last step leaves behind for the transport of the next one.
+
+    film, film_before : ndarray, shape (7, n_c, n_a)
+        Quantities of `films` at its end and at its beginning.
+    content : ndarray, shape (n_c, n_a)
+        c_n at its end [m].
+    resting : ndarray of bool, shape (n_c, n_a)
+        Cells that are full, or have no film.
+    gained : ndarray, shape (n_c, n_a)
+        Content that came in circumferentially [m].
+    passed, travel : ndarray, shape (n_c, n_a + 1)
+        F_n [m3], X_n [m], both positive with ascending j.
+    """
+
+    film: Array
+    film_before: Array
+    content: Array
+    resting: Flags
+    gained: Array
+    passed: Array
+    travel: Array
+
+
+class Pace(NamedTuple):
+    """Lengths of a step: ratio H / H_n, share beta of `storage`, and euler H_e / H [-]."""
+
+    ratio: float
+    share: float
+    euler: float
+
+
+class Lift(NamedTuple):
+    """Eq. (T11), each ndarray of shape (n_c, n_a + 1).
+
+    fraction : lift of the film fraction at a face [-]; travel : X it holds for [m].
+    """
+
+    fraction: Array
+    travel: Array
+
+
+def pace(step: float, step_before: float, length: float) -> Pace:
+    """`Pace` of a step.
+
+    Parameters
+    ----------
+    step, step_before, length : float
+        H > 0, H_n >= 0, H_e [s].
+    """
+    if step_before == 0.0:
+        return Pace(0.0, 0.0, length / step)
+    return Pace(step / step_before, (step - length) / step_before, length / step)
+
+
+@compiled(inline="always")
+def _face_value(before, up, down):
+    """m at a face, Eq. (T13), from m before the upstream cell, in it, and behind it."""
+    step = down - up
+    slope = up - before
+    if slope * step <= 0.0:
+        return up
+    # Eq. (T13)
+    return up + min(step * step, STEEPEST * slope * step, (2.0 * step + slope) * step / 6.0) / step
+
+
+class Way(NamedTuple):
+    """Film that oil is carried through in a step.
+
+    stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
+    between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
+    travel : ndarray, shape (n_c, n_a + 1), X [m];
+    resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
+    supply : ndarray, shape (4,), film fraction at the edges [-];
+    width : of a face [m].
+    """
+
+    stored: Array
+    mobile: Array
+    between: Array
+    travel: Array
+    resting: Flags
+    supply: Array
+    width: float
+
+
+@compiled(inline="always")
+def _row_flow(content, i, way, steps, given, flow):
+    """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T12) to
+    (T14), into `flow` [m3].
+    """
+    stored, mobile, between, travel, resting, supply, width = way
+    n_a = content.size
+    for j in range(n_a + 1):
+        x = travel[i, j] / steps
+        up = j - 1 if x > 0.0 else j
+        down = j if x > 0.0 else j - 1
+        if x == 0.0 or not 0 <= up < n_a or resting[i, up]:
+            flow[j] = given[j] / steps
+            continue
+        here = min(content[up] / stored[i, up], 1.0)
+        if not 0 <= down < n_a or resting[i, down]:
+            flow[j] = width * x * here * between[i, j]
+            continue
+        beyond = 2 * up - down
+        if beyond < 0:
+            before = supply[LOWER] * mobile[i, 0]
+        elif beyond == n_a:
+            before = supply[UPPER] * mobile[i, n_a - 1]
+        else:
+            before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
+        there = min(content[down] / stored[i, down], 1.0)
+        value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
+        room = NEAR_FULL * (1.0 - max(here, there))
+        # Eq. (T14)
+        lifted = min(max(value / between[i, j], here - room), here + room)
+        flow[j] = width * x * lifted * between[i, j]
+
+
+@compiled(inline="always")
+def _expected(past, quantity, ratio):
+    """A quantity of the film after the share `ratio` of a last step, if it goes on as before."""
+    last = past.film[quantity]
+    before = past.film_before[quantity]
+    expected = np.empty_like(last)
+    for i in range(last.shape[0]):
+        for j in range(last.shape[1]):
+            now = last[i, j]
+            onward = now + ratio * (now - before[i, j])
+            expected[i, j] = min(max(onward, 0.5 * now), 2.0 * now)
+    return expected
+
+
+@compiled(inline="always")
+def _face_film(mobile, g):
+    """Transported film at the axial faces [m], Eq. (E3)."""
+    n_c, n_a = mobile.shape
+    between = np.empty((n_c, n_a + 1))
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            a = max(j - 1, 0)
+            b = min(j, n_a - 1)
+            # Eq. (E3)
+            weighted = mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]
+            between[i, j] = weighted / (g[i, a] + g[i, b])
+    return between
+
+
+@compiled
+def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
+    """Lift of the film fraction at the axial faces for the step to come.
+
+    Parameters
+    ----------
+    past : PastTransport
+    pace : Pace
+    supply : ndarray, shape (4,)
+        Film fraction at the edges [-].
+    cells : grid.Cells
+
+    Returns
+    -------
+    Lift
+    """
+    width = cells.dx
+    area = cells.dx * cells.dy
+    # in the middle of the step, and at its end
+    stored = _expected(past, STORED, 0.5 * pace.ratio)
+    mobile = _expected(past, TRANSPORT, 0.5 * pace.ratio)
+    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, 0.5 * pace.ratio))
+    stored_end = _expected(past, STORED, pace.ratio)
+    between_end = _face_film(
+        _expected(past, TRANSPORT, pace.ratio), _expected(past, CONDUCTIVITY_A, pace.ratio)
+    )
+    n_c, n_a = stored.shape
+    fraction = np.zeros((n_c, n_a + 1))
+    travel = past.travel * pace.ratio  # Eq. (T15)
+    way = Way(stored, mobile, between, travel, past.resting, supply, width)
+    given = np.empty(n_a + 1)
+    through = np.empty(n_a + 1)
+    content = np.empty(n_a)
+    ahead = np.empty(n_a)
+    source = np.empty(n_a)
+    flow = np.empty(n_a + 1)
+    flow_ahead = np.empty(n_a + 1)
+    for i in range(n_c):
+        farthest = 0.0
+        for j in range(n_a):
+            swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
+            farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
+        courant = farthest / cells.dy
+        if not SHORTEST < courant <= FARTHEST:
+            continue
+        steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
+        for j in range(n_a + 1):
+            given[j] = pace.ratio * past.passed[i, j]
+            through[j] = 0.0
+        # what the implicit step lets in over a starved edge
+        if supply[LOWER] < 1.0 and travel[i, 0] > 0.0:
+            swept = width * travel[i, 0] * between_end[i, 0]
+            given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER]
+        if supply[UPPER] < 1.0 and travel[i, n_a] < 0.0:
+            swept = width * travel[i, n_a] * between_end[i, n_a]
+            given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER]
+        for j in range(n_a):
+            content[j] = past.content[i, j]
+            source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
+        for _ in range(steps):
+            _row_flow(content, i, way, steps, given, flow)
+            for j in range(n_a):
+                ahead[j] = content[j]
+                if not past.resting[i, j]:
+                    ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
+            _row_flow(ahead, i, way, steps, given, flow_ahead)
+            for j in range(n_a + 1):
+                flow[j] = 0.5 * (flow[j] + flow_ahead[j])
+                through[j] += flow[j]
+            for j in range(n_a):
+                if not past.resting[i, j]:
+                    content[j] += source[j] + (flow[j] - flow[j + 1]) / area
+        for j in range(1, n_a):
+            x = travel[i, j]
+            if abs(x) <= SHORTEST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
+                continue
+            up = j - 1 if x > 0.0 else j
+            swept = width * x * between_end[i, j]
+            # a last flow that pressure drove is none of transport
+            last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
+            reached = min(content[up] / stored_end[i, up], 1.0)
+            # Eq. (T11)
+            wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
+            fuller = max(content[j - 1] / stored_end[i, j - 1], content[j] / stored_end[i, j])
+            room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
+            fraction[i, j] = min(max(wanted, -room), room)
+    return Lift(fraction, travel)
+
+
+@compiled
+def along(lift: Lift, axial_velocity: Array):
+    """Lift at the faces where oil goes on in the direction that the lift holds for, else 0.
+
+    Parameters
+    ----------
+    lift : Lift
+    axial_velocity : ndarray, shape (n_c, n_a)
+        Entrainment velocity of the step [m/s].
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+    """
+    fraction = np.zeros_like(lift.fraction)
+    n_c, n_a = axial_velocity.shape
+    for i in range(n_c):
+        for j in range(1, n_a):
+            onward = axial_velocity[i, j - 1] + axial_velocity[i, j]
+            if onward * lift.travel[i, j] > 0.0:
+                fraction[i, j] = lift.fraction[i, j]
+    return fraction
+
+
+@compiled
+def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
+    """Travel of a step at the axial faces, Eq. (T15).
+
+    Parameters
+    ----------
+    travel : ndarray, shape (n_c, n_a + 1)
+        X_{n-1} of the step before [m].
+    pace : Pace
+    axial_velocity : ndarray, shape (n_c, n_a)
+        U at the end of the step [m/s].
+    length : float
+        H_e [s].
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+        X_n [m].
+    """
+    n_c, n_a = axial_velocity.shape
+    after = np.empty_like(travel)
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            below = axial_velocity[i, max(j - 1, 0)]
+            above = axial_velocity[i, min(j, n_a - 1)]
+            # Eq. (T15)
+            after[i, j] = pace.share * travel[i, j] + length * 0.5 * (below + above)
+    return after
+
+
+@compiled
+def owing(unknown: Array, full: Flags):
+    """Rows i in which a cell would owe oil.
+
+    Parameters
+    ----------
+    unknown : ndarray, shape (n_c, n_a)
+        Signed unknown of a step.
+    full : ndarray of bool, shape (n_c, n_a)
+
+    Returns
+    -------
+    ndarray of bool, shape (n_c,)
+    """
+    rows = np.zeros(unknown.shape[0], np.bool_)
+    for i in range(unknown.shape[0]):
+        for j in range(unknown.shape[1]):
+            if not full[i, j] and unknown[i, j] < -1.0 - FRACTION_ROUNDOFF:
+                rows[i] = True
+    return rows

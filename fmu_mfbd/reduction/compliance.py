@@ -1,0 +1,141 @@
+"""The whole elastic answer of both bodies to pressure on the film: what no choice of modes has
+taken anything from. Dear: one solution of the full mesh for each cell.
+"""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..geometry.grid import cell_centres
+from ..options import Build, read_options
+from .bases import Elastic
+from .reduce import ends, film_surface, full_model
+
+AT_ONCE = 64
+"""Loads solved together: bounds the memory."""
+
+
+class RigidPiston(NamedTuple):
+    """Mass [kg]; centre of mass x, y from A [m]; moment of inertia about A and z [kg m2]; edges of
+    the skirt above A [m].
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: float
+    skirt_lower: float
+    skirt_upper: float
+
+
+class Compliance(NamedTuple):
+    """Of skirt and bore; n cells of the film grid, s stations of the bore.
+
+    Parameters
+    ----------
+    piston : RigidPiston
+    skirt : ndarray, shape (n, n)
+        Inward displacement of the skirt per nodal pressure force [m/N].
+    skirt_inertia : ndarray, shape (n,)
+        Inward displacement of the skirt per acceleration of A along +y [s2].
+    bore : ndarray, shape (c, s, c, s)
+        Outward displacement of the bore per radial force at its table [m/N].
+    stations : ndarray, shape (s,)
+        Heights above the crank axis [m].
+    """
+
+    piston: RigidPiston
+    skirt: np.ndarray
+    skirt_inertia: np.ndarray
+    bore: np.ndarray
+    stations: np.ndarray
+
+
+def compliance(options: dict[str, Any], folder: Path) -> Compliance:
+    """Both bodies of a build table, unreduced.
+
+    Parameters
+    ----------
+    options, folder
+        As for `build.prepare`; pin bores and bolts are held rigidly (tie "rbe2").
+    """
+    build = read_options(options, folder)
+    model, position = _piston(build)
+    piston = _rigid(build, model, position)
+    around, along = build.grid
+    angle, height = cell_centres(around, along, piston.skirt_lower, piston.skirt_upper)
+    radial = film_surface(model.mesh, "skirt", angle, height).reading.radial
+    elastic = Elastic(model.K, model.M, model.mesh.nodes("pin_bore"))
+    upward = np.tile([0.0, 1.0, 0.0], len(position))
+    weight = (model.M @ upward)[elastic.free]
+    reading = radial[:, elastic.free]
+    bore, stations = _bore(build)
+    return Compliance(
+        piston, _answers(elastic, reading), reading @ elastic.solve(weight), bore, stations
+    )
+
+
+def rigid_piston(options: dict[str, Any], folder: Path) -> RigidPiston:
+    """Mass properties of a build table's piston; `options`, `folder` as for `compliance`."""
+    build = read_options(options, folder)
+    return _rigid(build, *_piston(build))
+
+
+def _piston(build):
+    """Full model of the piston, and its nodes from A."""
+    model = full_model(build.piston, ("skirt", "crown", "pin_bore"), _say_nothing)
+    return model, model.mesh.points - np.array([build.piston.pin_offset, 0.0, 0.0])
+
+
+def _rigid(build, model, position):
+    lower, upper = ends(model.mesh, "skirt", build.piston.skirt_lower, build.piston.skirt_upper)
+    weight = model.M @ np.tile([1.0, 1.0, 1.0], len(position))
+    weight = weight.reshape(-1, 3)
+    mass = float(weight[:, 1].sum())
+    centre = (weight * position).sum(axis=0)[:2] / mass
+    arm = (position * [1.0, 1.0, 0.0]).ravel()
+    return RigidPiston(mass, centre, float(arm @ (model.M @ arm)), lower, upper)
+
+
+def film_rows(piston: RigidPiston, along: int) -> np.ndarray:
+    """Heights of the film grid's rows above A, (along,) [m]."""
+    return cell_centres(1, along, piston.skirt_lower, piston.skirt_upper)[1]
+
+
+def _say_nothing(text):
+    pass
+
+
+def _bore(build: Build):
+    around, _ = build.grid
+    mesh, K, M = full_model(build.block, ("bore", "bolts"), _say_nothing)
+    lower, upper = ends(mesh, "bore", build.block.bore_lower, build.block.bore_upper)
+    stations = np.linspace(lower, upper, build.block.stations)
+    angle, _ = cell_centres(around, 1, 0.0, 1.0)
+    radial = film_surface(mesh, "bore", angle, stations).reading.radial
+    elastic = Elastic(K, M, mesh.nodes("bolts"))
+    table = (around, len(stations))
+    return _answers(elastic, radial[:, elastic.free]).reshape(*table, *table), stations
+
+
+def _answers(elastic, reading):
+    """R K^-1 R^T."""
+    out = np.empty((reading.shape[0],) * 2)
+    for first in range(0, reading.shape[0], AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        out[:, some] = reading @ elastic.solve(reading[some].T.toarray())
+    return out
+
+
+def on_the_skirt(found: Compliance, height_of_A: float, height: np.ndarray) -> np.ndarray:
+    """Film thickness per nodal pressure force, skirt and bore together, the bore read by cubic
+    splines at the heights that face the skirt, (n, n) [m/N].
+
+    height : of the grid rows above A, (a,) [m].
+    """
+    around, stations = found.bore.shape[:2]
+    reading = CubicSpline(found.stations, np.eye(stations), bc_type="natural")(height_of_A + height)
+    along = len(height)
+    bore = np.einsum("ar,irjs,bs->iajb", reading, found.bore, reading, optimize=True)
+    return found.skirt + bore.reshape(around * along, around * along)

@@ -1,0 +1,104 @@
+"""The documentation that an FMU carries: one HTML page of what it is, what it needs and its
+interface, and the licences of the code inside.
+"""
+
+from html import escape
+from importlib.metadata import files
+from pathlib import Path
+
+from .description import AUTHOR, COPYRIGHT, LICENCE
+from .requirements import PACKAGES
+
+OWN_LICENCE = Path(__file__).parents[2] / "LICENSE"
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; }}
+table {{ border-collapse: collapse; }}
+th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-align: left; }}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+<p>{description}. By {author}, licence {licence}.</p>
+<h2>Needs</h2>
+<p>{hosts}; Python 3.11 or newer with {packages} on the machine. A host that is not Python starts
+the one that the environment variable PISTON_COSIM_PYTHON names, else the one that last built such
+an FMU on the machine, else python3. At the first start its code is compiled, which takes a minute;
+it is kept in PISTON_COSIM_CACHE, else in the user's cache.</p>
+<h2>Steps</h2>
+<p>Usual step {step:g} s. Inputs of a step hold the values at its end. A step that cannot be
+solved is discarded, with the reason in the log, and leaves the state as it was; a state can be
+saved, restored and serialised.</p>
+{tables}
+</body>
+</html>
+"""
+
+TITLES = {
+    "input": "Inputs",
+    "output": "Outputs",
+    "parameter": "Parameters",
+    "constant": "Constants",
+}
+
+
+def documentation(slave, any_host):
+    """Path in the FMU -> bytes: page and licences.
+
+    Parameters
+    ----------
+    slave : FieldSlave
+    any_host : bool
+        Whether hosts need not be Python.
+    """
+    page = PAGE.format(
+        title=escape(slave.name),
+        description=escape(slave.description),
+        author=escape(AUTHOR),
+        licence=LICENCE,
+        hosts="Linux x86-64, any host" if any_host else "A host that is Python",
+        packages=", ".join(PACKAGES),
+        step=slave.experiment.step,
+        tables="\n".join(_table(slave.table, causality) for causality in TITLES),
+    )
+    licences = {"license.txt": f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}", **_of_pythonfmu()}
+    return {"documentation/index.html": page.encode()} | {
+        f"documentation/licenses/{name}": text.encode() for name, text in licences.items()
+    }
+
+
+def _of_pythonfmu():
+    """The licence of the packager, a part of which is inside."""
+    for file in files("pythonfmu") or ():
+        if file.name.startswith("LICEN"):
+            return {"pythonfmu.txt": file.read_text()}
+    return {}
+
+
+def _table(table, causality):
+    """HTML table of the variables of a causality; empty without any."""
+    rows = [_row(v) for v in table if v.causality == causality]
+    if not rows:
+        return ""
+    heads = "".join(
+        f"<th>{head}</th>" for head in ("name", "shape", "unit", "start", "range", "meaning")
+    )
+    body = "\n".join(rows)
+    return f"<h2>{TITLES[causality]}</h2>\n<table>\n<tr>{heads}</tr>\n{body}\n</table>"
+
+
+def _row(v):
+    start = f"{v.start:g}" if isinstance(v.start, int | float) else v.start
+    bounds = ["" if limit is None else f"{limit:g}" for limit in (v.minimum, v.maximum)]
+    limits = " to ".join(bounds) if any(bounds) and v.causality != "constant" else ""
+    shape = " x ".join(map(str, v.shape))
+    unit = "" if v.unit == "1" else v.unit
+    start = "" if v.causality == "output" else start
+    limits = ", ".join(f"{k} {name}" for k, name in enumerate(v.choices, 1)) or limits
+    cells = (v.name, shape, unit, start, limits, v.description)
+    return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"

@@ -1,0 +1,590 @@
+"""The coupled problem once more, as a textbook would write it: bodies and film in one system of
+equations, all of it solved at once in each step. It shares no line and no method with the FMUs.
+
+| | FMUs | here |
+|---|---|---|
+| bodies | minimal coordinates | Newton-Euler with the force at the pin as unknown |
+| elasticity | modes with inertia in a floating frame | the whole compliance matrix, standing |
+| time | generalised-alpha for the bodies | BDF2 for everything |
+| coupling | exchange until the wires agree | one Newton iteration over all unknowns |
+| film | kernels, elimination downstream | sparse operators of scipy |
+
+Smooth surfaces, a Newtonian oil, flooded edges at cavitation pressure, a crank at constant speed.
+Axes: x to the thrust side, y to the head, z along the pin; the crank turns about +z and leaves top
+dead centre towards -x. Angles of the film from +z towards +x; a cell's centre lies on the thrust
+line.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse.linalg import splu
+
+PRESSURE_SCALE = 1e6
+"""Pa: what a signed unknown of 1 is worth as a pressure."""
+ITERATIONS = 60
+LIMITED = 8
+"""Iterations in which the limiter looks again; it has kinks, between which Newton would wander."""
+EMPTIEST = 1e-6
+"""Film fraction that an unknown never passes."""
+POSITION_SCALE = np.array([1e-6, 1e-5])
+"""m and rad."""
+CONVERGED = 1e-7
+"""Newton's step, by the scales of the unknowns."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """All that the problem is made of, in SI units.
+
+    Parameters
+    ----------
+    grid : (int, int)
+        Cells around and along the skirt.
+    bore_radius, skirt_lower, skirt_upper : float
+        Edges above pin point A [m].
+    clearance, barrel, ovality : float
+        Radial at the thrust faces; drop at the edges; difference of diameters [m].
+    viscosity : float
+        [Pa s]
+    crank_radius, rod_length, crank_offset, pin_offset : float
+        x of the crank from the bore's axis, of A from the skirt's [m].
+    rod_mass, rod_inertia, rod_centre, pin_mass : float
+        [kg]; about the rod's centre of mass [kg m2]; its distance from the big end [m]; [kg].
+    piston_mass, piston_inertia : float
+        [kg], about A [kg m2].
+    piston_centre : ndarray, shape (2,)
+        x, y of the centre of mass from A [m].
+    speed : float
+        Of the crank [rad/s].
+    """
+
+    grid: tuple[int, int]
+    bore_radius: float
+    skirt_lower: float
+    skirt_upper: float
+    clearance: float
+    barrel: float
+    ovality: float
+    viscosity: float
+    crank_radius: float
+    rod_length: float
+    crank_offset: float
+    pin_offset: float
+    rod_mass: float
+    rod_inertia: float
+    rod_centre: float
+    pin_mass: float
+    piston_mass: float
+    piston_inertia: float
+    piston_centre: np.ndarray
+    speed: float
+
+
+class Elasticity(NamedTuple):
+    """What loads do to the film thickness, by compliance alone; n grid cells.
+
+    Parameters
+    ----------
+    pressure : callable
+        Height of A [m] to the matrix (n, n) from nodal pressure forces [N] to film thickness [m].
+    inertia : ndarray, shape (n,)
+        Film thickness per acceleration of the piston along y [s2].
+    """
+
+    pressure: Callable[[float], np.ndarray]
+    inertia: np.ndarray
+
+
+class Curves(NamedTuple):
+    """A run: each of shape (steps + 1,).
+
+    Parameters
+    ----------
+    crank_angle, lateral_displacement, rocking_angle : ndarray
+        [rad], x_A [m], about +z [rad].
+    side_force : ndarray
+        Of the film on the bore along x: what the piston leans on it with [N].
+    minimum_film_thickness, maximum_pressure : ndarray
+        [m], [Pa]
+    friction_power : ndarray
+        [W]
+    """
+
+    crank_angle: np.ndarray
+    lateral_displacement: np.ndarray
+    rocking_angle: np.ndarray
+    side_force: np.ndarray
+    minimum_film_thickness: np.ndarray
+    maximum_pressure: np.ndarray
+    friction_power: np.ndarray
+
+
+class FilmForce(NamedTuple):
+    """Of the film on the piston: along x and y [N], about A and +z [N m]."""
+
+    lateral: float
+    axial: float
+    moment: float
+
+
+NO_FORCE = FilmForce(0.0, 0.0, 0.0)
+
+
+class Faces(NamedTuple):
+    """Sparse operators between cells and the faces across one direction: what stands before and
+    behind each face (at an edge both are the edge's cell), the gradient there (pressure 0 at an
+    edge, half a cell away) and what flows out of each cell.
+    """
+
+    before: sp.csr_matrix
+    behind: sp.csr_matrix
+    gradient: sp.csr_matrix
+    outflow: sp.csr_matrix
+
+
+class Conductance(NamedTuple):
+    """Of faces, K [m3/(Pa s)] a width and a gradient, and its slopes against the film before and
+    behind.
+    """
+
+    value: np.ndarray
+    by_before: np.ndarray
+    by_behind: np.ndarray
+
+
+class OilBalance(NamedTuple):
+    """Of the cells [m3/s], and its slopes against pressure, film fraction and film thickness."""
+
+    value: np.ndarray
+    by_pressure: Any
+    by_fraction: Any
+    by_film: Any
+
+
+class Stencils(NamedTuple):
+    """Cells k = i n_axial + j; axial faces i (n_axial + 1) + j from the lower edge up,
+    circumferential faces behind their cells.
+    """
+
+    axial: Faces
+    around: Faces
+
+
+def stencils(around: int, along: int, dx: float, dy: float) -> Stencils:
+    """Operators of a ring of columns."""
+    cells = np.arange(along)
+    before = np.concatenate([[0], cells])
+    behind = np.concatenate([cells, [along - 1]])
+    one_before = _taking(before, along)
+    one_behind = _taking(behind, along)
+    one_gradient = (one_behind - one_before).tolil()
+    one_gradient[0, 0] = 2.0
+    one_gradient[along, along - 1] = -2.0
+    one_outflow = _taking(cells + 1, along + 1) - _taking(cells, along + 1)
+    every_column = sp.identity(around)
+    every_row = sp.identity(along)
+    following = _taking(np.roll(np.arange(around), -1), around)
+    return Stencils(
+        axial=Faces(
+            before=_on_grid(every_column, one_before),
+            behind=_on_grid(every_column, one_behind),
+            gradient=_on_grid(every_column, one_gradient / dy),
+            outflow=_on_grid(every_column, one_outflow),
+        ),
+        around=Faces(
+            before=_on_grid(every_column, every_row),
+            behind=_on_grid(following, every_row),
+            gradient=_on_grid((following - every_column) / dx, every_row),
+            outflow=_on_grid(every_column - following.T, every_row),
+        ),
+    )
+
+
+def _on_grid(around, along) -> sp.csr_matrix:
+    return sp.csr_matrix(sp.kron(around, along))
+
+
+def _taking(number, of):
+    """Matrix that takes entry number[k] of a vector of length `of`."""
+    ones = np.ones(len(number))
+    return sp.csr_matrix((ones, (np.arange(len(number)), number)), shape=(len(number), of))
+
+
+def conductance(faces: Faces, h: np.ndarray, viscosity: float) -> Conductance:
+    """Eq. (Z6):  K = 2 g g'/(g + g'),  g = h^3/(12 mu)         two half cells in series"""
+    before = faces.before @ h
+    behind = faces.behind @ h
+    g = before**3 / (12 * viscosity)
+    g_behind = behind**3 / (12 * viscosity)
+    both = g + g_behind
+    return Conductance(
+        2 * g * g_behind / both,
+        2 * (g_behind / both) ** 2 * 3 * before**2 / (12 * viscosity),
+        2 * (g / both) ** 2 * 3 * behind**2 / (12 * viscosity),
+    )
+
+
+class Bodies:
+    """Piston, pin and rod on a crank that turns at constant speed.
+
+    Eq. (Z3):  m (a_A + b' x s - b^2 s) + m_p a_A = F + P             piston and pin, s from A to
+                                                                     the centre of mass
+               I_A b' + m s x a_A = M
+               J psi' + k l x m_r a_R = -l x P                       rod, about the crank pin
+               l . (a_A - a_C) = -|l'|^2                             l from crank pin to A, |l| = L
+    """
+
+    def __init__(self, engine: Engine):
+        self.engine = engine
+
+    def crank_pin(self, angle: float) -> np.ndarray:
+        """Position, velocity and acceleration of the crank pin from the bore's axis, (3, 2)."""
+        e = self.engine
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
+        r = e.crank_radius
+        w = e.speed
+        return np.array(
+            [
+                [e.crank_offset - r * sine, r * cosine],
+                [-r * w * cosine, -r * w * sine],
+                [r * w**2 * sine, -r * w**2 * cosine],
+            ]
+        )
+
+    def height(self, angle: float, lateral: float, lateral_velocity: float) -> tuple[float, float]:
+        """Of A above the crank axis [m], and its rate [m/s]."""
+        place, velocity, _ = self.crank_pin(angle)
+        across = self.engine.pin_offset + lateral - place[0]
+        upright = np.sqrt(self.engine.rod_length**2 - across**2)
+        rate = velocity[1] - across / upright * (lateral_velocity - velocity[0])
+        return place[1] + upright, rate
+
+    def accelerations(self, angle, motion, force: FilmForce) -> np.ndarray:
+        """x_A'' and b' under a force of the film, and Y''; (3,) [m/s2], [rad/s2], [m/s2].
+
+        motion : lateral displacement and rocking angle and their velocities.
+        """
+        e = self.engine
+        lateral, rocking, lateral_velocity, rocking_velocity = motion
+        place, velocity, acceleration = self.crank_pin(angle)
+        height, rate = self.height(angle, lateral, lateral_velocity)
+        rod = np.array([e.pin_offset + lateral, height]) - place
+        rod_rate = np.array([lateral_velocity, rate]) - velocity
+        # psi' = (l x l')/L^2; as |l| is constant, psi'' = l x (a_A - a_C)/L^2
+        sx, sy = _turned(e.piston_centre, rocking)
+        k = e.rod_centre / e.rod_length
+        m = e.piston_mass
+        all_mass = m + e.pin_mass
+        lx, ly = rod
+        # unknowns: a_A x, a_A y, b', P x, P y
+        matrix = np.zeros((5, 5))
+        right = np.zeros(5)
+        matrix[0] = all_mass, 0, -m * sy, -1, 0
+        right[0] = force.lateral + m * rocking_velocity**2 * sx
+        matrix[1] = 0, all_mass, m * sx, 0, -1
+        right[1] = force.axial + m * rocking_velocity**2 * sy
+        matrix[2] = -m * sy, m * sx, e.piston_inertia, 0, 0
+        right[2] = force.moment
+        # rod: a_R = a_C + k (a_A - a_C)
+        spin = e.rod_inertia / e.rod_length**2 + e.rod_mass * k**2
+        matrix[3] = -ly * spin, lx * spin, 0, -ly, lx
+        ax, ay = acceleration
+        right[3] = (spin - e.rod_mass * k) * (lx * ay - ly * ax)
+        matrix[4] = lx, ly, 0, 0, 0
+        right[4] = lx * ax + ly * ay - rod_rate @ rod_rate
+        ax, ay, turning, _, _ = np.linalg.solve(matrix, right)
+        return np.array([ax, turning, ay])
+
+
+def _turned(vector, angle):
+    x, y = vector
+    return x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+
+
+class Monolithic:
+    """The problem in one system; `run` integrates it.
+
+    Unknowns: one signed number a cell (pressure above 0, film fraction less 1 below), x_A and the
+    rocking angle; velocities and accelerations follow from BDF2.
+
+    Parameters
+    ----------
+    engine : Engine
+    elasticity : Elasticity, optional
+        Rigid without.
+    """
+
+    def __init__(self, engine: Engine, elasticity: Elasticity | None = None):
+        self.engine = engine
+        self.elasticity = elasticity
+        self.bodies = Bodies(engine)
+        around, along = engine.grid
+        self.dx = 2 * np.pi * engine.bore_radius / around
+        self.dy = (engine.skirt_upper - engine.skirt_lower) / along
+        self.area = self.dx * self.dy
+        self.stencils = stencils(around, along, self.dx, self.dy)
+        angle = np.pi / 2 + (np.arange(around) - around // 4) * 2 * np.pi / around
+        height = engine.skirt_lower + (np.arange(along) + 0.5) * self.dy
+        self.sine = np.repeat(np.sin(angle), along)
+        self.height = np.tile(height, around)
+        middle = (engine.skirt_lower + engine.skirt_upper) / 2
+        half = (engine.skirt_upper - engine.skirt_lower) / 2
+        self.gap = (
+            engine.clearance
+            + engine.barrel * ((self.height - middle) / half) ** 2
+            + engine.ovality / 4 * (1 + np.repeat(np.cos(2 * angle), along))
+        )
+        # how x_A and the rocking angle change the film
+        self.by_motion = np.column_stack([-self.sine, self.height * self.sine])
+        self.orbits, self.chosen = _mirrored(around, along)
+
+    def thickness(self, pressure, position, axial_acceleration, compliance):
+        """h [m] at the cells."""
+        h = self.gap + self.by_motion @ position
+        if self.elasticity is not None:
+            h = h + compliance @ (pressure * self.area)
+            h = h + self.elasticity.inertia * axial_acceleration
+        return h
+
+    def carried(self, fraction, sliding):
+        """Film fraction upstream of the axial faces, and the operator that takes it from the
+        cells; an edge supplies a full film.
+        """
+        faces = self.stencils.axial
+        around, along = self.engine.grid
+        upstream = faces.before if sliding < 0 else faces.behind
+        inlet = np.zeros((around, along + 1))
+        inlet[:, 0 if sliding < 0 else along] = 1.0
+        inlet = inlet.ravel()
+        upstream = sp.diags(1 - inlet) @ upstream
+        return upstream @ fraction + inlet, upstream
+
+    def sharpened(self, fraction, sliding):
+        """What van Leer's limiter adds to the upstream film fraction at the faces inside.
+
+        Eq. (Z7):  f = f_U + a b/(a + b) where a b > 0,  a = f_U - f_UU,  b = f_D - f_U
+                   U, UU the cells upstream, D downstream
+        """
+        around, along = self.engine.grid
+        f = fraction.reshape(around, along)
+        with_edge = np.pad(f, ((0, 0), (1, 0)), constant_values=1.0)
+        if sliding > 0:
+            with_edge = np.pad(f[:, ::-1], ((0, 0), (1, 0)), constant_values=1.0)
+        rise = np.diff(with_edge, axis=1)
+        before = rise[:, :-1]
+        after = rise[:, 1:]
+        product = before * after
+        some = product > 0
+        more = np.where(some, product / np.where(some, before + after, 1.0), 0.0)  # Eq. (Z7)
+        faces = np.zeros((around, along + 1))
+        faces[:, 1:-1] = more if sliding <= 0 else more[:, ::-1]
+        return faces.ravel()
+
+    def force(self, pressure, fraction, h, sliding) -> FilmForce:
+        """On the piston: the pressure pushes inwards; along y minus what the bore feels.
+
+        Eq. (Z5):  f_y = -(mu f V/h - h/2 dp/dy)
+        """
+        push = pressure * self.area
+        gradient = self._cell_gradient(pressure)
+        drag = self.area * (-self.engine.viscosity * fraction * sliding / h + h / 2 * gradient)
+        lateral = -np.sum(push * self.sine)
+        arm = self.engine.bore_radius * self.sine - self.engine.pin_offset
+        moment = np.sum(self.height * push * self.sine) + np.sum(arm * drag)
+        return FilmForce(lateral, float(np.sum(drag)), moment)
+
+    def _cell_gradient(self, pressure):
+        around, along = self.engine.grid
+        p = pressure.reshape(around, along)
+        at_face = np.zeros((around, along + 1))
+        at_face[:, 1:-1] = (p[:, 1:] + p[:, :-1]) / 2
+        return (np.diff(at_face, axis=1) / self.dy).ravel()
+
+    def run(self, angles: np.ndarray, each: Callable[[float], None] = lambda angle: None) -> Curves:
+        """From rest at the first crank angle, the gap of the undeformed bodies full of oil; equal
+        steps.
+
+        Parameters
+        ----------
+        angles : ndarray, shape (steps + 1,)
+            Crank angles [rad], equally spaced.
+        each : callable
+            Told the crank angle of every finished step.
+
+        Raises
+        ------
+        ArithmeticError
+            Newton's iteration does not converge.
+        """
+        step = (angles[1] - angles[0]) / self.engine.speed
+        n = len(self.gap)
+        position = np.zeros(2)
+        velocity = np.zeros(2)
+        unknown = np.zeros(n)
+        h = self.gap + self.by_motion @ position
+        rows = [self._row(angles[0], unknown, h, position, velocity)]
+        # values of the last step and of the one before
+        past = [(position, velocity, h.copy())] * 2
+        rates = (1.0, -1.0, 0.0)  # backward Euler, then BDF2
+        for angle in angles[1:]:
+            unknown, h, position, velocity = self._step(angle, step, unknown, past, rates)
+            content = _interpret(unknown)[1] * h
+            past = [(position, velocity, content), past[0]]
+            rates = (1.5, -2.0, 0.5)
+            rows.append(self._row(angle, unknown, h, position, velocity))
+            each(angle)
+        return Curves(angles, *np.array(rows).T)
+
+    def _compliance(self, angle, position, velocity):
+        if self.elasticity is None:
+            return np.zeros((0, 0))
+        height, _ = self.bodies.height(angle, position[0], velocity[0])
+        return self.elasticity.pressure(height)
+
+    def _row(self, angle, unknown, h, position, velocity):
+        pressure, fraction = _interpret(unknown)
+        _, sliding = self.bodies.height(angle, position[0], velocity[0])
+        force = self.force(pressure, fraction, h, sliding)
+        power = -force.axial * sliding
+        return *position, -force.lateral, h.min(), pressure.max(), power
+
+    def _step(self, angle, step, unknown, past, rates):
+        """Unknowns, film thickness, position and velocity at the end of a step."""
+        now, last, before = (rate / step for rate in rates)
+        (position_1, velocity_1, content_1), (position_2, velocity_2, content_2) = past
+        position_past = last * position_1 + before * position_2
+        velocity_past = last * velocity_1 + before * velocity_2
+        content_past = last * content_1 + before * content_2
+        position = position_1 + step * velocity_1
+        compliance = self._compliance(angle, position, velocity_1)
+        up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)[2]
+        more = 0.0
+        size = np.inf
+        for iteration in range(ITERATIONS):
+            velocity = now * position + position_past
+            motion = *position, *velocity
+            _, sliding = self.bodies.height(angle, position[0], velocity[0])
+            pressure, fraction = _interpret(unknown)
+            h = self.thickness(pressure, position, up, compliance)
+            force = self.force(pressure, fraction, h, sliding)
+            *wanted, up = self.bodies.accelerations(angle, motion, force)
+            balance = now * velocity + velocity_past - wanted
+            if iteration < LIMITED:
+                more = self.sharpened(fraction, sliding)
+            oil = self.oil_balance(pressure, fraction, h, sliding, now, content_past, more)
+            change, moved = self._newton(
+                oil, unknown > 0, compliance, self._by_force(angle, motion, force), now, balance
+            )
+            change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
+            unknown = np.maximum(unknown + change, EMPTIEST - 1)
+            position = position + moved
+            size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max())
+            if size < CONVERGED:
+                velocity = now * position + position_past
+                h = self.thickness(_interpret(unknown)[0], position, up, compliance)
+                return unknown, h, position, velocity
+        raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
+
+    def oil_balance(self, pressure, fraction, h, sliding, now, content_past, more) -> OilBalance:
+        """What each cell gains and does not keep, and its slopes.
+
+        Eq. (Z4):  d(f h)/dt + div q = 0,  q = -K dp/dy - V/2 f h along y,  q = -K dp/dx around
+
+        Parameters
+        ----------
+        pressure, fraction, h : ndarray, shape (n,)
+            [Pa], [-], [m]
+        sliding : float
+            V of the skirt along the bore [m/s].
+        now, content_past
+            BDF2's rate of f h: now f h + content_past, [1/s], (n,) [m/s].
+        more : ndarray, shape (axial faces,)
+            Beside the upstream film fraction, `sharpened`.
+        """
+        axial, around = self.stencils
+        viscosity = self.engine.viscosity
+        along_axis = conductance(axial, h, viscosity)
+        along_ring = conductance(around, h, viscosity)
+        gradient = axial.gradient @ pressure
+        ring_gradient = around.gradient @ pressure
+        face = (axial.before @ h + axial.behind @ h) / 2
+        upstream_fraction, upstream = self.carried(fraction, sliding)
+        carried = upstream_fraction + more
+        out_axial = self.dx * axial.outflow
+        out_around = self.dy * around.outflow
+
+        value = self.area * (now * fraction * h + content_past)
+        value += out_axial @ (-along_axis.value * gradient - sliding / 2 * carried * face)
+        value -= out_around @ (along_ring.value * ring_gradient)  # Eq. (Z4)
+
+        by_pressure = -out_axial @ sp.diags(along_axis.value) @ axial.gradient
+        by_pressure = by_pressure - out_around @ sp.diags(along_ring.value) @ around.gradient
+        by_fraction = sp.diags(self.area * now * h)
+        by_fraction = by_fraction - sliding / 2 * out_axial @ sp.diags(face) @ upstream
+        by_before = along_axis.by_before * gradient + sliding / 4 * carried
+        by_behind = along_axis.by_behind * gradient + sliding / 4 * carried
+        by_film = sp.diags(self.area * now * fraction)
+        by_film = by_film - out_axial @ (
+            sp.diags(by_before) @ axial.before + sp.diags(by_behind) @ axial.behind
+        )
+        by_film = by_film - out_around @ (
+            sp.diags(along_ring.by_before * ring_gradient) @ around.before
+            + sp.diags(along_ring.by_behind * ring_gradient) @ around.behind
+        )
+        return OilBalance(value, by_pressure, by_fraction, by_film)
+
+    def _by_force(self, angle, motion, force):
+        """x_A'' and b' per lateral force and moment, (2, 2)."""
+        base = self.bodies.accelerations(angle, motion, force)[:2]
+        pushed = force._replace(lateral=force.lateral + 1.0)
+        turned = force._replace(moment=force.moment + 1.0)
+        ends = [self.bodies.accelerations(angle, motion, load)[:2] for load in (pushed, turned)]
+        return np.column_stack([end - base for end in ends])
+
+    def _newton(self, oil, full, compliance, by_force, now, balance):
+        """Newton's step of the cells and of the position. What the drag on the skirt and the
+        acceleration along y change is left to the iteration.
+        """
+        as_pressure = PRESSURE_SCALE * full
+        film = oil.by_pressure @ sp.diags(as_pressure) + oil.by_fraction @ sp.diags(1.0 * ~full)
+        right = np.column_stack([oil.value, oil.by_film @ self.by_motion])
+        if self.elasticity is None:
+            of_cells = splu(sp.csc_matrix(film)).solve(right)
+        else:
+            rows = self.chosen
+            elastic = (oil.by_film.tocsr()[rows] @ compliance) * (self.area * as_pressure)
+            dense = (film.tocsr()[rows] @ self.orbits).toarray() + elastic @ self.orbits
+            of_cells = self.orbits @ lu_solve(lu_factor(dense), right[rows])
+        from_oil = of_cells[:, 0]
+        from_position = of_cells[:, 1:]
+        # lateral force and moment per unknown
+        pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area * as_pressure
+        by_cells = -by_force @ pushing
+        moved = np.linalg.solve(
+            now**2 * np.eye(2) - by_cells @ from_position, by_cells @ from_oil - balance
+        )
+        return -from_oil - from_position @ moved, moved
+
+
+def _interpret(unknown):
+    """Pressure [Pa] and film fraction [-] of the signed unknown."""
+    return PRESSURE_SCALE * np.maximum(unknown, 0), 1 + np.minimum(unknown, 0)
+
+
+def _mirrored(around, along):
+    """The problem is symmetric about the plane of motion: matrix (n, m) that spreads m cells of
+    their own over all n, and the numbers of these m cells.
+    """
+    i = np.arange(around)
+    partner = np.remainder(2 * (around // 4) - i, around)
+    own = np.minimum(i, partner)
+    cell = (own[:, None] * along + np.arange(along)).ravel()
+    chosen, number = np.unique(cell, return_inverse=True)
+    spread = sp.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), number)))
+    return spread, chosen

@@ -1,0 +1,183 @@
+"""Transport of oil through a cavitated film: sharp fronts, order, bounds, mass, repeat."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import (
+    DEGREE,
+    UNEVEN,
+    SkirtMotion,
+    central_difference,
+    motored_film,
+    motored_until,
+    tangent_error,
+)
+from piston_cosim.fmu_ehd.parameters import Parameters
+
+FILM = 1e-5  # [m]
+ENTRAINMENT = 5.0  # [m/s], from the lower edge to the upper one
+EMPTY, FULLER = 0.2, 0.8  # film fraction before and behind the front
+
+
+class Transport(NamedTuple):
+    """Film fraction along the skirt, how far oil got since t = 0 [skirt lengths], largest mass
+    imbalance, highest and lowest film fraction of all steps since.
+    """
+
+    fraction: np.ndarray
+    distance: float
+    imbalance: float
+    highest: float
+    lowest: float
+
+
+def carry(cells, courant, supply, distance=0.5, sign=1.0):
+    """A parallel film between starved edges, supply(skirt lengths since t = 0) at its inlet."""
+    p = Parameters((4, cells), film_fraction_lower_edge=EMPTY, film_fraction_upper_edge=EMPTY)
+    model = LubricationModel(p)
+    film = np.full(p.shape, FILM)
+    velocity = np.full(p.shape, -2.0 * ENTRAINMENT * sign)
+    state, _ = model.start(film, velocity)
+    step = courant * p.skirt_length / cells / ENTRAINMENT
+    inlet = "film_fraction_lower_edge" if sign > 0.0 else "film_fraction_upper_edge"
+    filling = int(np.ceil(2.0 * cells / courant))  # until the oil of the start is gone
+    fractions = []
+    imbalances = []
+    for k in range(filling + round(distance * cells / courant)):
+        since = (k + 1 - filling) * courant / cells
+        state, outputs = model.advance(state, film, velocity, step, **{inlet: supply(since)})
+        imbalances.append(outputs["mass_imbalance"])
+        if k >= filling:
+            fractions.append(outputs["film_fraction"][0])
+    fractions = np.array(fractions)
+    last = fractions[-1] if sign > 0.0 else fractions[-1][::-1]
+    return Transport(last, since, max(imbalances), fractions.max(), fractions.min())
+
+
+def front(since):
+    """A front that enters at t = 0."""
+    return EMPTY if since <= 0.0 else FULLER
+
+
+def cells_of_the_front(fraction):
+    """Cells between 10 and 90 % of the front."""
+    share = (fraction - EMPTY) / (FULLER - EMPTY)
+    return np.count_nonzero((share > 0.1) & (share < 0.9))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("courant", [0.2, 1.0, 1.5])
+def test_a_front_stays_sharp_in_both_directions(courant, sign):
+    run = carry(80, courant, front, sign=sign)
+    assert cells_of_the_front(run.fraction) <= 5  # upwind: 16 after 40 cells
+    assert run.highest <= FULLER + 1e-9
+    assert run.lowest >= EMPTY - 1e-9
+    assert run.imbalance <= 1e-12  # round-off
+    # the oil that came in got as far, to half a step of entry and half a cell
+    ahead = (run.fraction - EMPTY).sum() / (FULLER - EMPTY) / 80
+    assert ahead == pytest.approx(run.distance, abs=0.5 * (1.0 + courant) / 80)
+
+
+def test_a_front_converges_with_the_grid():
+    def error(cells):
+        run = carry(cells, 0.4, front)
+        y = (np.arange(cells) + 0.5) / cells
+        return np.abs(run.fraction - np.where(y < run.distance, FULLER, EMPTY)).mean()
+
+    # a jump moved by a scheme of order p converges with p/(p+1): upwind 1/2, here 3/4
+    assert np.log2(error(40) / error(80)) >= 0.65
+
+
+def test_a_smooth_film_fraction_is_carried_with_second_order():
+    def wave(since):
+        return 0.5 + 0.2 * np.cos(4.0 * np.pi * since)
+
+    def error(cells):
+        run = carry(cells, 0.4, wave)
+        y = (np.arange(cells) + 0.5) / cells
+        return np.abs(run.fraction - wave(run.distance - y)).mean()
+
+    errors = [error(cells) for cells in (20, 40, 80)]
+    assert np.log2(errors[1] / errors[2]) >= 1.8  # first order is 1
+    assert errors[2] <= 2.5e-3
+
+
+def test_a_step_repeats_bit_for_bit():
+    model, state, _ = motored_until(Parameters((12, 10)), np.arange(1, 61) * DEGREE)
+    inputs = motored_film((12, 10), 61 * DEGREE)
+    first, _ = model.advance(state, *inputs, DEGREE)
+    model.advance(first, *inputs, DEGREE)
+    again, _ = model.advance(state, *inputs, DEGREE)
+    for name in ("unknown", "content", "passed", "travel"):
+        assert np.array_equal(getattr(first, name), getattr(again, name))
+
+
+def test_the_volumes_that_pass_the_faces_are_those_that_cells_gain():
+    _, state, _ = motored_until(Parameters((12, 10)), np.arange(1, 101) * DEGREE)
+    # the ring closes: what circumferential faces pass cancels in a station
+    gained = (state.growth * state.step_before).sum(axis=0)
+    p = Parameters((12, 10))
+    area = 2.0 * np.pi * p.bore_radius / 12 * p.skirt_length / 10
+    passed = -np.diff(state.passed, axis=1).sum(axis=0) / area
+    assert gained == pytest.approx(passed, abs=1e-12 * state.content.sum())  # round-off
+
+
+def test_the_tangent_of_a_starved_film_holds_the_lift():
+    # while nothing switches; third derivative times the difference squared
+    starved = Parameters((12, 10), film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8)
+    assert tangent_error(starved) <= 1e-8
+
+
+def test_the_tangent_holds_with_a_front_in_the_film():
+    p = Parameters((4, 20), film_fraction_lower_edge=FULLER, film_fraction_upper_edge=EMPTY)
+    model = LubricationModel(p)
+    wedge = np.broadcast_to(np.linspace(2.0, 1.0, 20) * FILM, p.shape).copy()
+    inputs = SkirtMotion(wedge, np.full(p.shape, -2.0 * ENTRAINMENT))
+    state, _ = model.start(*inputs)
+    for k in range(120):
+        supply = FULLER if k > 90 else EMPTY
+        state, _ = model.advance(state, *inputs, UNEVEN, film_fraction_lower_edge=supply)
+    rng = np.random.default_rng(1)
+    change = SkirtMotion(1e-6 * rng.standard_normal(p.shape), rng.standard_normal(p.shape))
+    difference = central_difference(model, state, inputs, change)
+    assert difference is not None
+    model.advance(state, *inputs, UNEVEN)
+    fraction = (state.content / wedge)[0]
+    assert fraction.max() - fraction.min() > 0.5  # front and full film, both there
+    for tangent, reference in zip(model.tangent(*change), difference):
+        # third derivative times the difference squared
+        assert np.abs(tangent - reference).max() <= 1e-7 * np.abs(reference).max()
+
+
+def test_a_velocity_that_jumps_leaves_no_debt_of_oil():
+    rng = np.random.default_rng(4)
+    p = Parameters((4, 20), film_fraction_lower_edge=0.1, film_fraction_upper_edge=0.1)
+    model = LubricationModel(p)
+    film = np.full(p.shape, FILM)
+    state, _ = model.start(film, np.zeros(p.shape))
+    for _ in range(300):
+        velocity = np.full(p.shape, 10.0 * rng.standard_normal())
+        step = DEGREE * 10.0 ** rng.uniform(-1.0, 1.0)
+        supply = rng.random()
+        state, outputs = model.advance(state, film, velocity, step, film_fraction_lower_edge=supply)
+        assert outputs["film_fraction"].min() >= -1e-15
+        assert outputs["film_fraction"].max() <= 1.0 + 1e-12
+        assert outputs["mass_imbalance"] <= 1e-12
+
+
+def test_a_velocity_of_next_to_nothing_is_rest():
+    p = Parameters((6, 10), film_fraction_lower_edge=EMPTY)
+    squeezed = FILM * (1.0 + 0.1 * np.sin(np.arange(60.0))).reshape(p.shape)
+
+    def pressed(velocity):
+        model = LubricationModel(p)
+        state, _ = model.start(np.full(p.shape, FILM), np.full(p.shape, velocity))
+        for film in (squeezed, squeezed[::-1].copy(), squeezed):
+            state, outputs = model.advance(state, film, np.full(p.shape, velocity), 1e-5)
+        return outputs["nodal_pressure_force"]
+
+    # a volume of 1e-313 m3 is no divisor
+    assert np.array_equal(pressed(-2e-313), pressed(0.0))

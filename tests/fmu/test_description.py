@@ -1,0 +1,239 @@
+"""What an FMU says of itself: who made it, its run, constants, documentation; nothing of the
+machine it was built on.
+"""
+
+import getpass
+import re
+import sys
+import zipfile
+from html.parser import HTMLParser
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.fmi.builder import build_fmu
+
+PATH = find_case("numerical_example")
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return export_fmu(check_case(read_tree(PATH, SMALL), PATH), PATH.parent, print)
+
+
+@pytest.fixture(scope="module")
+def film_3(fmu):
+    return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."), version="3.0")
+
+
+@pytest.fixture(params=["fmu", "bodies_fmu", "engine", "film_3"])
+def any_fmu(request):
+    return request.getfixturevalue(request.param)
+
+
+def test_description_is_valid_and_says_who_made_it(any_fmu):
+    assert validate_fmu(str(any_fmu)) == []
+    model = fmpy.read_model_description(str(any_fmu))
+    assert (model.author, model.license) == ("the piston-cosim developers", "BSD-3-Clause")
+    assert model.copyright.startswith("Copyright (c)") and re.fullmatch(r"\d.*", model.version)
+    assert model.generationDateAndTime == "2026-11-22T00:00:00Z"
+
+
+def test_engine_has_the_words_and_the_run_of_its_case(engine):
+    """720 deg in steps of 1 deg at 6000 rpm: 0.02 s by 2.78e-5 s; velocities agree to 1e-6 of their
+    nominal value, what a wire without a tolerance is given.
+    """
+    model = fmpy.read_model_description(str(engine))
+    assert model.modelName == model.coSimulation.modelIdentifier == "numerical_example"
+    assert model.description.startswith("Motored single")
+    usual = model.defaultExperiment
+    assert float(usual.stopTime) == pytest.approx(0.02, rel=1e-12)
+    assert float(usual.stepSize) == pytest.approx(1 / 36000, rel=1e-12)
+    assert float(usual.tolerance) == pytest.approx(1e-6, rel=1e-12)
+
+
+def test_constants_are_no_parameters(fmu, film_3):
+    for path in (fmu, film_3):
+        model = fmpy.read_model_description(str(path))
+        (cells,) = [v for v in model.modelVariables if v.name == "n_axial"]
+        assert (cells.causality, cells.variability, cells.start) == ("local", "constant", "10")
+
+
+PRELUDE = """
+import json, sys
+import fmpy
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+path = sys.argv[1]
+model = fmpy.read_model_description(path)
+references = {v.name: v.valueReference for v in model.modelVariables}
+make = FMU3Slave if model.fmiVersion.startswith("3") else FMU2Slave
+one = make(
+    guid=model.guid,
+    unzipDirectory=fmpy.extract(path),
+    modelIdentifier=model.coSimulation.modelIdentifier,
+    instanceName="one",
+)
+one.instantiate()
+third = make is FMU3Slave
+"""
+
+
+def test_a_choice_is_an_enumeration(fmu, film_3, outside):
+    """Item 3 of the cavitation models is gumbel; item 9 is refused with the list."""
+    for path in (fmu, film_3):
+        model = fmpy.read_model_description(str(path))
+        (law,) = [v for v in model.modelVariables if v.name == "cavitation_model"]
+        assert (law.type, law.start) == ("Enumeration", "1")
+        items = {item.name: int(item.value) for item in law.declaredType.items}
+        assert items == {"jfo": 1, "reynolds": 2, "gumbel": 3, "full_film": 4}
+        code = """
+            put, get = (one.setInt64, one.getInt64) if third else (one.setInteger, one.getInteger)
+            law = [references["cavitation_model"]]
+            put(law, [3])
+            one.enterInitializationMode() if third else one.setupExperiment()
+            third or one.enterInitializationMode()
+            one.exitInitializationMode()
+            print(json.dumps(list(get(law))))
+            """
+        assert outside(PRELUDE, path, code) == [3]
+        refusing = """
+            put = one.setInt64 if third else one.setInteger
+            put([references["cavitation_model"]], [9])
+            one.enterInitializationMode() if third else one.setupExperiment()
+            third or one.enterInitializationMode()
+            try:
+                one.exitInitializationMode()
+                print(json.dumps("taken"))
+            except Exception as refusal:
+                print(json.dumps("refused"))
+            """
+        assert outside(PRELUDE, path, refusing) == "refused"
+
+
+def test_outputs_follow_inputs_in_initialization_mode(engine, film_3, outside):
+    """The row before the first step is that of the inputs set by then, in a loop of set and get:
+    rotation speed is the crank's; the thinnest film is the film. Initial unknowns say so.
+    """
+    code = """
+        if third:
+            one.enterInitializationMode()
+            size = 120
+            pairs = ((references["film_thickness"], "minimum_film_thickness", (2e-5, 1e-5, 2e-5)),)
+        else:
+            one.setupExperiment()
+            one.enterInitializationMode()
+            size = 1
+            pairs = ((references["crank_speed"], "rotation_speed", (100.0, 200.0, 100.0)),)
+        seen = []
+        for reference, output, values in pairs:
+            for value in values:
+                put = one.setFloat64 if third else one.setReal
+                put([reference], [value] * size)
+                get = one.getFloat64 if third else one.getReal
+                seen.append(get([references[output]])[0] / value)
+        print(json.dumps(seen))
+        """
+    for path in (engine, film_3):
+        assert outside(PRELUDE, path, code) == pytest.approx([1.0] * 3, rel=1e-12)
+        model = fmpy.read_model_description(str(path))
+        assert {unknown.dependencies for unknown in model.initialUnknowns} == {None}
+        assert all(unknown.dependencies == [] for unknown in model.outputs)
+
+
+def test_every_declared_pair_of_derivatives_answers(fmu, film_3, outside):
+    """Products of all outputs for a seed of an input: 0 where a step does not carry it over, and
+    where it does what the two fields alone answer; no real variable is an error.
+    """
+    code = """
+        if third:
+            one.enterInitializationMode()
+        else:
+            one.setupExperiment()
+            one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.enterStepMode() if third else None
+        put = one.setFloat64 if third else one.setReal
+        film = [v for v in model.modelVariables if v.name.startswith("film_thickness")]
+        size = 120
+        put([v.valueReference for v in film], [9e-6] * size)
+        one.doStep(0.0, 1e-4)
+        put([v.valueReference for v in film], [8e-6] * size)
+        one.doStep(1e-4, 1e-4)
+        real = ("Real", "Float64")
+        outs = [v for v in model.modelVariables if v.causality == "output" and v.type in real]
+        counts = [size if third and v.dimensions else 1 for v in outs]
+        ask = one.getDirectionalDerivative
+        unknowns = [v.valueReference for v in outs]
+        seeds = [1.0] * size
+        knowns = [v.valueReference for v in film]
+        if third:
+            import ctypes
+            def ask(unknown, known, seed):
+                n = sum(counts) if len(unknown) > 1 else size
+                product = (ctypes.c_double * n)()
+                vr = lambda v: (ctypes.c_uint32 * len(v))(*v)
+                one.fmi3GetDirectionalDerivative(
+                    one.component, vr(unknown), len(unknown), vr(known), len(known),
+                    (ctypes.c_double * len(seed))(*seed), len(seed), product, n)
+                return list(product)
+        products = list(ask(unknowns, knowns, seeds))
+        forces = [v for v in outs if v.name.startswith("nodal_pressure_force")]
+        alone = list(ask([v.valueReference for v in forces], knowns, seeds))
+        begin = sum(counts[: outs.index(forces[0])])
+        print(json.dumps([
+            products[begin : begin + size] == alone, max(map(abs, alone)) > 0.0,
+            sum(p != 0.0 for p in products) <= 2 * size]))
+        """
+    for path in (fmu, film_3):
+        assert outside(PRELUDE, path, code) == [True, True, True]
+
+
+class Cells(HTMLParser):
+    """Texts of all table cells; an error where tags do not close."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.cells = [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.open += [tag] if tag != "meta" else []
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.cells += [data] if self.open and self.open[-1] == "td" else []
+
+
+def test_documentation_lists_every_variable_and_the_licences(any_fmu):
+    model = fmpy.read_model_description(str(any_fmu))
+    with zipfile.ZipFile(any_fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+        own = archive.read("documentation/licenses/license.txt").decode()
+        packager = archive.read("documentation/licenses/pythonfmu.txt").decode()
+    parser = Cells()
+    parser.feed(page)
+    assert parser.open == []
+    names = {v.name.partition("[")[0] for v in model.modelVariables} - {"time"}
+    assert names <= set(parser.cells)
+    assert "Redistribution and use" in own and "MIT" in packager
+
+
+def test_nothing_of_the_building_machine_is_inside(any_fmu):
+    told = [sys.prefix, sys.base_prefix, str(Path.home()), str(Path(__file__).parents[2])]
+    told += [getpass.getuser()] if len(getpass.getuser()) > 5 else []
+    with zipfile.ZipFile(any_fmu) as archive:
+        for name in archive.namelist():
+            data = archive.read(name)
+            assert [word for word in told if word.encode() in data] == [], name
