@@ -51,6 +51,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
         Results file.
     watch : callable(time, stop, solution, monitored)
         Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
+        Its `hold(heard)`, if it has one, may keep the run waiting until a signal is heard.
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
@@ -200,6 +201,8 @@ class March:
             if ended := self._advance(before, after - before):
                 break
             self.account.steps_done = k + 1
+            if hold := getattr(self.watch, "hold", None):
+                hold(heard)
             if heard.signal or self.is_due(k + 1):
                 self.keep()
             if heard.signal and k + 1 < steps:
