@@ -12,7 +12,7 @@ import threading
 import time as clock
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from importlib.resources import files
+from pathlib import Path
 
 KEPT = 4000
 """Points of a curve; beyond that every second one goes, and the next ones come half as often."""
@@ -95,7 +95,7 @@ def serving(live):
 
 
 def _handler(live, secret):
-    page = files(__package__).joinpath("live.html").read_bytes()
+    page = Path(__file__).with_name("live.html").read_bytes()
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self):

@@ -133,10 +133,9 @@ class Chaos:
         return output / "base.h5"
 
     def strike(self, blow, process, output):
-        """Do something to a run under way."""
-        partial = output / "base.h5.partial"
-        end = time.monotonic() + 30
-        while process.poll() is None and not partial.exists() and time.monotonic() < end:
+        """Do something to a run under way: Python itself, before it, is not what is tried."""
+        begun, end = time.time(), time.monotonic() + 30
+        while process.poll() is None and not is_written(output, begun) and time.monotonic() < end:
             time.sleep(0.01)
         time.sleep(self.rng.uniform(0.0, 1.5))
         if process.poll() is not None:
@@ -171,6 +170,15 @@ class Chaos:
         else:
             data[self.rng.randrange(len(data))] ^= 1 << self.rng.randrange(8)
         file.write_bytes(data)
+
+
+def is_written(output, since):
+    """Whether a run has begun to write its results since then."""
+    partial = output / "base.h5.partial"
+    try:
+        return partial.stat().st_mtime > since
+    except OSError:
+        return False
 
 
 def children(number):
