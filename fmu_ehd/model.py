@@ -354,7 +354,9 @@ class LubricationModel:
         dfilm = self._filled(np.ascontiguousarray(dfilm_thickness).reshape(shape))
         dvelocity = self._filled(np.ascontiguousarray(dsliding_velocity).reshape(shape))
         # in one piece: malloc gives two back to the system and asks again each time
-        normal, shear = np.empty((2, *dfilm.shape))
+        forces = np.empty((2, *dfilm.shape))
+        normal = forces[0]
+        shear = forces[1]
         for k in range(0, len(dfilm), BATCH):
             some = slice(k, k + BATCH)
             hard = dfilm[some]

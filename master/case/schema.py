@@ -18,8 +18,10 @@ from pydantic import (
 )
 
 from ...models import MODELS
+from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
 from ..fmi.quantities import registry, to_si
+from ..participants.plugins import names
 
 Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
 """A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
@@ -81,7 +83,8 @@ class ParticipantTable(Table):
     file ("FILE.py:CLASS"); or a table, a CSV file of signals; and its parameters and input starts.
 
     interpolation : of a table's columns between its rows. step : it takes steps of its own inside a
-    macro step, equal ones no longer than this.
+    macro step, equal ones no longer than this. plugin : what another installed package makes by
+    that name from `build`, see `participants/plugins.py`.
     role : what it does by the contract of `models`, so that another FMU of that role can take its
     place. isolated : the FMU runs in a process of its own, which is ended if it takes longer than
     `timeout` for any one answer.
@@ -91,6 +94,7 @@ class ParticipantTable(Table):
     file: str | None = None
     fmu: str | None = None
     table: str | None = None
+    plugin: str | None = None
     interpolation: Literal["hold", "linear", "cubic"] | None = None
     step: str | None = None
     build: dict[str, Any] = {}
@@ -101,13 +105,13 @@ class ParticipantTable(Table):
 
     @model_validator(mode="after")
     def one_origin(self):
-        if [self.package, self.file, self.fmu, self.table].count(None) != 3:
+        if [self.package, self.file, self.fmu, self.table, self.plugin].count(None) != 4:
             raise ValueError(
-                "give one of package, file (FILE.py:CLASS; both build an FMU), fmu (a file) and "
-                "table (a CSV file)"
+                "give one of package, file (FILE.py:CLASS; both build an FMU), fmu (a file), "
+                "table (a CSV file) and plugin"
             )
-        if self.table and (self.isolated or self.step):
-            raise ValueError("a table has no process and no step of its own")
+        if (self.table or self.plugin) and (self.isolated or self.step):
+            raise ValueError("only an FMU has a process or a step of its own")
         if self.interpolation and not self.table:
             raise ValueError("interpolation is that of a table; that of an input is its wire's")
         return self
@@ -159,12 +163,13 @@ class Coupling(Table):
     iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
     largest_krylov_space : products per Newton update at most. differences : products by differences
     of evaluations, not by the participants' derivatives. halvings : how often a macro step that
-    fails may be halved.
+    fails may be halved. method and step_control can be those of another installed package
+    (`participants/plugins.py`), which reads `options`.
     """
 
-    method: Literal[
-        "newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit"
-    ] = "newton"
+    method: str = "newton"
+    step_control: str | None = None
+    options: dict[str, Any] = {}
     order: list[str]
     parallel: bool = False
     predictor: int = Field(2, ge=0, le=2)
@@ -178,6 +183,14 @@ class Coupling(Table):
     largest_krylov_space: int = Field(120, ge=1)
     differences: bool = False
     halvings: int = Field(6, ge=0)
+
+    @field_validator("method")
+    @classmethod
+    def known(cls, name):
+        known = [*METHODS, *names("methods")]
+        if name not in known:
+            raise ValueError(f"{name!r} is no method: there are {', '.join(known)}")
+        return name
 
 
 class Record(Table):
@@ -340,7 +353,8 @@ class Case(Table):
     start; what one has at the start begins the inputs of those after it. summary : name ->
     "min|max|mean|last participant.variable", what the last screen and --summary-json say. window :
     "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in
-    pictures and reports. axes : what the indices of 2-D fields run along. monitor : as summary,
+    pictures and reports. axes : what the indices of 2-D fields run along. observers : of
+    another package, name -> options. monitor : as summary,
     shown while running. variants : name -> {dotted key: value} changes that make a further run.
     """
 
@@ -358,6 +372,7 @@ class Case(Table):
     window: dict[str, tuple[str, str]] = {}
     report: ReportTable = ReportTable()
     studies: dict[FileName, Study] = {}
+    observers: dict[str, dict[str, Any]] = {}
     variants: dict[FileName, dict[str, Any]] = {}
 
     @field_validator("summary", "monitor")

@@ -18,6 +18,7 @@ from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
 from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
+from ..participants.plugins import made, plugin
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
 from .given import build_options
@@ -68,6 +69,14 @@ def open_system(case, folder, progress):
     participants = _able(case, participants, faults)
     _check_fixed(case, participants, faults)
     _check_ports(case, participants, faults)
+    outside = [("observers", name) for name in case.observers]
+    if case.coupling.step_control:
+        outside.append(("step_controls", case.coupling.step_control))
+    for kind, name in outside:
+        try:
+            plugin(kind, name)
+        except BadInput as error:
+            faults += error.faults
     clock, begin = None, 0.0
     try:
         speed = _angular_speed(case, parameters)
@@ -97,6 +106,8 @@ def open_system(case, folder, progress):
 
 
 def _participant(name, table, build, folder, progress):
+    if table.plugin:
+        return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress)
@@ -147,9 +158,12 @@ def _fmu(table, build, folder, progress):
     if table.file:
         return build_fmu_of_file(str(folder / table.file), build, progress)
     path = folder / table.fmu
-    if not path.is_file():
-        raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
-    return path
+    try:
+        if path.is_file():
+            return path
+    except (OSError, ValueError) as error:
+        raise BadInput(f"fmu = {table.fmu[:80]!r}: {error.args[-1]}") from None
+    raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
 
 
 def _parameters(participant, given, faults):

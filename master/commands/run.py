@@ -1,6 +1,7 @@
 """`piston-cosim run`."""
 
 import json
+from contextlib import contextmanager
 from os.path import relpath
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from ..case.system import open_system
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.console import print_summary, watching
+from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system
 from .app import STARTED
 from .common import Changes, console, draw_pictures, parse_change, say, variant_trees
@@ -25,6 +27,7 @@ def command(
     plots: bool = True,
     lubrication: str | None = None,
     bodies: str | None = None,
+    live: bool = False,
 ):
     """Run a case and its variants: results file, summary, pictures.
 
@@ -50,6 +53,8 @@ def command(
         FMU to take instead of the case's own participant in this role, FILE or, where several
         have it, PARTICIPANT=FILE; what the case says of variables it does not have is left out and
         named.
+    live
+        Serve a page on this machine with curves while the run goes on, to pause and to stop it.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
@@ -68,10 +73,11 @@ def command(
     files = {}
     for label, system in systems.items():
         files[label] = folder / f"{label}.h5"
-        with watching(console, label) as watch:
-            summaries[label] = run_system(
-                system, cases[label], trees[label], files[label], watch, say=say
-            )
+        with (
+            watching(console, label) as watch,
+            _shown(live, cases[label], system, watch) as (shown, told),
+        ):
+            summaries[label] = run_system(system, shown, trees[label], files[label], told, say=say)
         summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
     print_summary(console, summaries)
     if summary_json:
@@ -89,6 +95,18 @@ def command(
             {label: Results(file) for label, file in files.items()},
             folder,
         )
+
+
+@contextmanager
+def _shown(live, case, system, watch):
+    """The case and who is told of its steps: with `live` a page too, whose address is said."""
+    if not live:
+        yield case, watch
+        return
+    page = Live(case.title, watch)
+    with serving(page) as address:
+        console.print(f"live     {address}", highlight=False, soft_wrap=True)
+        yield case.model_copy(update={"monitor": curves(case, system)}), page
 
 
 def open_all(cases, folder):

@@ -45,14 +45,20 @@ def freeze(stepper):
         states[name] = participant.serialise(saved)
         participant.free(saved)
     whole = (states, stepper.predictor.past, stepper.memory, stepper.control)
-    return pack(whole, REMEMBERED)
+    return pack(whole, remembered(stepper))
+
+
+def remembered(stepper):
+    """Classes of what a stepper's method and step control remember, those of other packages too."""
+    own = (getattr(part, "remembered", ()) for part in (stepper.method, stepper.control))
+    return (*REMEMBERED, *(kind for kinds in own for kind in kinds))
 
 
 def thaw(stepper, data):
     """Put a started stepper and its participants where `freeze` found them; NotPlain if the bytes
     are of another system.
     """
-    states, past, memory, control = unpack(data, REMEMBERED)
+    states, past, memory, control = unpack(data, remembered(stepper))
     others = {type(memory), type(control)} != {type(stepper.memory), type(stepper.control)}
     if others or states.keys() != stepper.interface.participants.keys():
         raise NotPlain("it is of other participants or of another method")

@@ -9,6 +9,7 @@ interpolated  inputs that move inside a step
 substeps      a step of its own, several to a macro step
 table         a CSV file of signals
 printf        log messages with their arguments
+plugins       what other installed packages bring
 derivatives   by differences; trial of what an FMU offers (P1)
 rollback      trial of saving and restoring
 """

@@ -23,6 +23,7 @@ from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput, Finished
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
+from ..participants.plugins import made
 from ..participants.rollback import rollback_faults
 from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
 from .lock import sole_writer
@@ -50,6 +51,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
         Results file.
     watch : callable(time, stop, solution, monitored)
         Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
+        Its `hold(heard)`, if it has one, may keep the run waiting until a signal is heard.
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
@@ -137,7 +139,7 @@ class March:
             case.coupling.halvings,
             self,
             case.coupling.predictor,
-            step_control(system.wires, system.smallest_step),
+            _step_control(system, case.coupling),
             system.held,
             begin=system.begin,
         )
@@ -162,6 +164,10 @@ class March:
             )
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
+        self.observers = [
+            made("observers", name, options, system, output)
+            for name, options in case.observers.items()
+        ]
         self.kept_until = 0.0
         self.begin = clock.perf_counter() - self.account.wall_time
         with writing(output):
@@ -195,6 +201,8 @@ class March:
             if ended := self._advance(before, after - before):
                 break
             self.account.steps_done = k + 1
+            if hold := getattr(self.watch, "hold", None):
+                hold(heard)
             if heard.signal or self.is_due(k + 1):
                 self.keep()
             if heard.signal and k + 1 < steps:
@@ -230,6 +238,8 @@ class March:
             self.log.attempt(time, step, trail, failure)
         except OSError as error:
             raise CannotWrite.of(self.output, error) from error
+        for observer in self.observers:
+            observer.attempted(time, step, trail, failure)
 
     def accepted(self, time, solution):
         """Record an accepted step, and tell of it."""
@@ -241,6 +251,8 @@ class March:
         if account.work.pairs:
             account.work.add(time, solution.inputs, self.stepper.interface.read())
         monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
+        for observer in self.observers:
+            observer.accepted(time, solution)
         self.watch(time, self.system.stop, solution, monitored)
 
     def keep(self):
@@ -272,6 +284,16 @@ class March:
         """Close the files; what they hold stays."""
         self.recorder.close()
         self.log.close()
+        for observer in self.observers:
+            observer.close()
+
+
+def _step_control(system, coupling):
+    """Step control of the wires, or what another package brings in its place."""
+    if coupling.step_control is None:
+        return step_control(system.wires, system.smallest_step)
+    arguments = system.wires, system.smallest_step, coupling.options
+    return made("step_controls", coupling.step_control, *arguments)
 
 
 def monitors(case, system):

@@ -9,6 +9,7 @@ failure.
 
 from typing import Protocol
 
+from ...participants.plugins import made
 from .explicit import Explicit
 from .newton import Newton
 from .quasi_newton import QuasiNewton
@@ -17,6 +18,7 @@ from .secants import Ageing, LeastSquares, MultiVector
 from .solution import MacroStep, Method, NotConverged, Solution, step_length
 
 __all__ = [
+    "METHODS",
     "Ageing",
     "Explicit",
     "LeastSquares",
@@ -31,6 +33,10 @@ __all__ = [
     "method_of",
     "step_length",
 ]
+
+
+METHODS = ("newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit")
+"""Names of those that come with the master; further ones come from other packages."""
 
 
 class CouplingOptions(Protocol):
@@ -60,6 +66,8 @@ class CouplingOptions(Protocol):
 
 def method_of(coupling: CouplingOptions) -> Method:
     """The method a case's coupling table asks for."""
+    if coupling.method not in METHODS:
+        return made("methods", coupling.method, coupling)
     if coupling.method == "newton":
         return Newton(
             coupling.max_iterations, coupling.largest_krylov_space, differences=coupling.differences

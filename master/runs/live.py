@@ -1,0 +1,143 @@
+"""A run on a page of this machine while it goes on: curves, pausing, stopping with a checkpoint.
+
+The page answers on 127.0.0.1 alone, under an address that holds a secret, so that neither another
+machine nor another page of the browser can stop the run.
+"""
+
+import json
+import os
+import secrets
+import signal
+import threading
+import time as clock
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+KEPT = 4000
+"""Points of a curve; beyond that every second one goes, and the next ones come half as often."""
+PATIENCE = 0.1
+"""Seconds from one look to the next while the run is paused."""
+CURVES = 6
+"""Curves of a case that names none to monitor."""
+
+
+class Live:
+    """What the page shows and asks for; told of every macro step as the `watch` of `run`, and then
+    tells `further` of it.
+    """
+
+    def __init__(self, title, further):
+        self.title, self.further = title, further
+        self.names: list[str] = []
+        self.rows: list[list[float]] = []
+        self.every, self.count, self.generation = 1, 0, 0
+        self.stop, self.time = 0.0, 0.0
+        self.paused = False
+        self.lock = threading.Lock()
+
+    def __call__(self, time, stop, solution, monitored):
+        with self.lock:
+            self.names = ["iterations", *(f"{n} [{unit}]" for n, (_, unit) in monitored.items())]
+            self.time, self.stop = time, stop
+            if self.count % self.every == 0:
+                values = (float(value) for value, _ in monitored.values())
+                self.rows.append([time, solution.iterations, *values])
+            self.count += 1
+            if len(self.rows) > KEPT:
+                self.rows, self.every = self.rows[::2], 2 * self.every
+                self.generation += 1
+        self.further(time, stop, solution, monitored)
+
+    def hold(self, heard):
+        """Wait between two macro steps while the run is paused, or until a signal is heard."""
+        while self.paused and not heard.signal:
+            clock.sleep(PATIENCE)
+
+    def state(self, generation, begin):
+        """What has changed since a page that knows `begin` rows of a generation."""
+        with self.lock:
+            begin = begin if generation == self.generation else 0
+            return {
+                "title": self.title,
+                "names": self.names,
+                "rows": self.rows[begin:],
+                "begin": begin,
+                "generation": self.generation,
+                "time": self.time,
+                "stop": self.stop,
+                "paused": self.paused,
+            }
+
+    def ask(self, wish):
+        """Do what a button asks for; whether there is such a one."""
+        if wish == "stop":
+            self.paused = False
+            os.kill(os.getpid(), signal.SIGINT)
+        elif wish in ("pause", "go"):
+            self.paused = wish == "pause"
+        else:
+            return False
+        return True
+
+
+@contextmanager
+def serving(live):
+    """The page's address while it is served."""
+    secret = secrets.token_urlsafe(16)
+    server = ThreadingHTTPServer(("127.0.0.1", 0), _handler(live, secret))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/{secret}/"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def _handler(live, secret):
+    page = Path(__file__).with_name("live.html").read_bytes()
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self):
+            place, _, query = self.path.partition("?")
+            if place == f"/{secret}/":
+                self._answer(page, "text/html; charset=utf-8")
+            elif place == f"/{secret}/state":
+                known = [int(part) if part.isdigit() else 0 for part in query.split(",")]
+                generation, begin = (*known, 0, 0)[:2]
+                state = json.dumps(live.state(generation, begin))
+                self._answer(state.encode(), "application/json")
+            else:
+                self.send_error(404)
+
+        def do_POST(self):
+            head, _, wish = self.path.rpartition("/")
+            if head == f"/{secret}" and live.ask(wish):
+                self._answer(b"{}", "application/json")
+            else:
+                self.send_error(404)
+
+        def _answer(self, data, kind):
+            self.send_response(200)
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(data)))
+            self.end_headers()
+            self.wfile.write(data)
+
+        def log_message(self, format, *args):
+            """The run's own lines are what the screen is for."""
+
+    return Handler
+
+
+def curves(case, system):
+    """The case's monitor entries, or where it has none the first scalar outputs of all."""
+    if case.monitor:
+        return case.monitor
+    ports = [
+        f"{name}.{field.name}"
+        for name, participant in system.participants.items()
+        for field in participant.fields.values()
+        if field.causality == "output" and not field.shape and field.type == "Real"
+    ]
+    return {port: f"last {port}" for port in ports[:CURVES]}

@@ -1,0 +1,134 @@
+"""Participants, methods, step controls and observers of another installed package: the elastic tube
+with its wall outside.
+"""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import Checkpoint
+from piston_cosim.master.runs.run import run
+
+from .counter import case_text, library, make
+
+__all__ = ["library"]
+
+ROOT = Path(__file__).parents[2]
+TUBE = ROOT / "models" / "elastic_tube" / "case.toml"
+SHORT = [("time.stop", "0.05 s")]
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    """The example package on the path, as pip would lay it there."""
+    monkeypatch.syspath_prepend(Path(__file__).parent / "outside")
+
+
+def outside(tree):
+    """The case with the wall of the other package."""
+    tree["participants"]["wall"] = {"plugin": "outside_wall"}
+    tree["wires"][1]["from"] = "wall.area"
+    return tree
+
+
+def solved(tree, output):
+    """Summary of the tube, and its pressure at all instants."""
+    case = check_case(tree, "case")
+    system = open_system(case, TUBE.parent, print)
+    summary = run(system, case, tree, output)
+    return summary, Results(output).dataset("fluid.pressure")[:]
+
+
+def test_the_tube_with_one_side_outside_gives_the_same_bits(installed, tmp_path):
+    ours, pressure = solved(read_tree(TUBE, SHORT), tmp_path / "ours.h5")
+    theirs, same = solved(outside(read_tree(TUBE, SHORT)), tmp_path / "theirs.h5")
+    assert np.array_equal(pressure, same)
+    assert ours["residual_evaluations"] == theirs["residual_evaluations"]
+
+
+@pytest.fixture
+def lags(installed, tmp_path, library):
+    """Tree of two lags in a loop, solved by the method of the other package."""
+    for name in "ab":
+        make(tmp_path / f"{name}.fmu", library)
+    tight = "tolerance = 1e-13"
+    text = case_text([("a.x", "b.u", tight), ("b.x", "a.u", tight)], "anderson_one", a="k = 2.0")
+    tree = tomllib.loads(text)
+    tree["coupling"]["options"] = {"first": 0.7}
+    tree["record"] = {"fields": [], "checkpoint_every": 2}
+    return tree
+
+
+def marched(tree, folder, name, begin_at=None, watch=lambda *args: None):
+    """Summary, and x of the first lag."""
+    case = check_case(tree, "case")
+    output = folder / f"{name}.h5"
+    summary = run(open_system(case, folder, print), case, tree, output, watch, begin_at)
+    return summary, Results(output).series("a.x").values
+
+
+def test_a_method_and_an_observer_from_outside(lags, tmp_path):
+    lags["observers"] = {"window_times": {}}
+    summary, x = marched(lags, tmp_path, "o")
+    # (1 + H k) a - H b = a_0, (1 + H) b - H a = b_0
+    matrix, states = np.array([[1.2, -0.1], [-0.1, 1.1]]), [np.ones(2)]
+    for _ in range(10):
+        states.append(np.linalg.solve(matrix, states[-1]))
+    np.testing.assert_allclose(x, np.array(states)[:, 0], rtol=0, atol=1e-12)  # the tolerance
+    lines = (tmp_path / "o.times").read_text().splitlines()
+    ends = [float(line.split()[0]) for line in lines]
+    assert ends == pytest.approx(0.1 * np.arange(1, 11))
+    assert sum(int(line.split()[1]) for line in lines) == summary["residual_evaluations"]
+
+
+def test_checkpoints_hold_what_the_method_remembers(lags, tmp_path):
+    class Stop(Exception):
+        pass
+
+    def watch(time, *others):
+        if time > 0.75:
+            raise Stop
+
+    with pytest.raises(Stop):
+        marched(lags, tmp_path, "o", watch=watch)
+    kept = Checkpoint.read(Checkpoint.path(tmp_path / "o.h5"))
+    assert kept.account.steps_done == 6
+    _, resumed = marched(lags, tmp_path, "o", kept)
+    _, whole = marched(lags, tmp_path, "whole")
+    assert np.array_equal(resumed, whole)
+
+
+def test_a_step_control_from_outside(installed, tmp_path):
+    tree = outside(read_tree(TUBE, [("time.stop", "0.02 s")]))
+    tree["coupling"]["step_control"] = "every_half"
+    tree["wires"][0]["relative_tolerance"] = 1e-3
+    solved(tree, tmp_path / "o.h5")
+    assert Results(tmp_path / "o.h5").time == pytest.approx([0, 0.005, 0.01, 0.015, 0.02])
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (lambda t: t["participants"]["wall"].update(plugin="nobody"), "there are: outside_wall"),
+        (lambda t: t["participants"]["wall"].update(build={"x": 1}), "unknown options x"),
+        (lambda t: t["coupling"].update(method="nothing"), "is no method: there are newton"),
+        (lambda t: t["coupling"].update(step_control="none"), "there are: every_half"),
+        (lambda t: t.update(observers={"none": {}}), "there are: window_times"),
+    ],
+)
+def test_what_no_package_brings_is_refused(installed, change, words):
+    tree = outside(read_tree(TUBE, SHORT))
+    change(tree)
+    with pytest.raises(BadInput, match=words):
+        open_system(check_case(tree, "case"), TUBE.parent, print)
+
+
+def test_without_the_package_its_names_are_unknown():
+    with pytest.raises(BadInput, match="no installed package brings it"):
+        open_system(check_case(outside(read_tree(TUBE, SHORT)), "case"), TUBE.parent, print)
