@@ -223,7 +223,7 @@ def conductance(faces: Faces, h: np.ndarray, viscosity: float) -> Conductance:
     g_behind = behind**3 / (12 * viscosity)
     both = g + g_behind
     return Conductance(
-        2 * g * g_behind / both,
+        2 * g * g_behind / both,  # Eq. (Z6)
         2 * (g_behind / both) ** 2 * 3 * before**2 / (12 * viscosity),
         2 * (g / both) ** 2 * 3 * behind**2 / (12 * viscosity),
     )
@@ -282,22 +282,28 @@ class Bodies:
         m = e.piston_mass
         all_mass = m + e.pin_mass
         lx, ly = rod
-        # unknowns: a_A x, a_A y, b', P x, P y
-        matrix = np.zeros((5, 5))
-        right = np.zeros(5)
-        matrix[0] = all_mass, 0, -m * sy, -1, 0
-        right[0] = force.lateral + m * rocking_velocity**2 * sx
-        matrix[1] = 0, all_mass, m * sx, 0, -1
-        right[1] = force.axial + m * rocking_velocity**2 * sy
-        matrix[2] = -m * sy, m * sx, e.piston_inertia, 0, 0
-        right[2] = force.moment
         # rod: a_R = a_C + k (a_A - a_C)
         spin = e.rod_inertia / e.rod_length**2 + e.rod_mass * k**2
-        matrix[3] = -ly * spin, lx * spin, 0, -ly, lx
         ax, ay = acceleration
-        right[3] = (spin - e.rod_mass * k) * (lx * ay - ly * ax)
-        matrix[4] = lx, ly, 0, 0, 0
-        right[4] = lx * ax + ly * ay - rod_rate @ rod_rate
+        # Eq. (Z3) in a_A x, a_A y, b', P x, P y
+        matrix = np.array(
+            [
+                [all_mass, 0, -m * sy, -1, 0],
+                [0, all_mass, m * sx, 0, -1],
+                [-m * sy, m * sx, e.piston_inertia, 0, 0],
+                [-ly * spin, lx * spin, 0, -ly, lx],
+                [lx, ly, 0, 0, 0],
+            ]
+        )
+        right = np.array(
+            [
+                force.lateral + m * rocking_velocity**2 * sx,
+                force.axial + m * rocking_velocity**2 * sy,
+                force.moment,
+                (spin - e.rod_mass * k) * (lx * ay - ly * ax),
+                lx * ax + ly * ay - rod_rate @ rod_rate,
+            ]
+        )
         ax, ay, turning, _, _ = np.linalg.solve(matrix, right)
         return np.array([ax, turning, ay])
 
@@ -393,7 +399,8 @@ class Monolithic:
         """
         push = pressure * self.area
         gradient = self._cell_gradient(pressure)
-        drag = self.area * (-self.engine.viscosity * fraction * sliding / h + h / 2 * gradient)
+        shear = -self.engine.viscosity * fraction * sliding / h + h / 2 * gradient  # Eq. (Z5)
+        drag = self.area * shear
         lateral = -np.sum(push * self.sine)
         arm = self.engine.bore_radius * self.sine - self.engine.pin_offset
         moment = np.sum(self.height * push * self.sine) + np.sum(arm * drag)
@@ -463,7 +470,7 @@ class Monolithic:
         content_past = last * content_1 + before * content_2
         position = position_1 + step * velocity_1
         compliance = self._compliance(angle, position, velocity_1)
-        up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)[2]
+        _, _, up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)
         more = 0.0
         size = np.inf
         for iteration in range(ITERATIONS):
