@@ -23,7 +23,8 @@ inflow where supply ends: what the storage term still lets in.
 
 Where the skirt is at the end of a step is known when the step begins, to second order in time:
 
-Eq. (W7):  Y_{n+1} = Z_n + H V_n + H^2 (V_n - V_{n-1}) / (2 H_n),   Z_{n+1} = Z_n + H (V_n + V_{n+1}) / 2
+Eq. (W7):  Y_{n+1} = Z_n + H V_n + H^2 (V_n - V_{n-1}) / (2 H_n)
+           Z_{n+1} = Z_n + H (V_n + V_{n+1}) / 2
 
 Y height of the lower edge that the layer goes by, Z the same by the trapezoidal rule, both from
 where the skirt starts [m]; V mean sliding velocity of the skirt. So S is of the past alone, and in
@@ -43,14 +44,15 @@ sides in the order LOWER, UPPER.
 
 References
 ----------
-[Ma1997] M.-T. Ma, E. H. Smith, I. Sherrington, Analysis of lubrication and friction for a complete
-piston-ring pack with an improved oil availability model, Proc. IMechE J 211 (1997) 1-15 (a ring
-that lives on the layer it meets and leaves half of its film).
+[Ma1997] M.-T. Ma, I. Sherrington, E. H. Smith, Analysis of lubrication and friction for a complete
+piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J 211 (1997) 1-15
+(rings that live on the layer they meet, and oil that gathers before them).
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .cavitation import NotConverged
 from .grid import LOWER, UPPER, Array, Grid
@@ -259,7 +261,7 @@ def edge_inflow(passed: Array) -> Array:
     return np.stack([passed[:, 0], -passed[:, -1]])
 
 
-def _share(cells: Array) -> Array:
+def _share(cells: NDArray[np.floating]) -> Array:
     """Lengths in cells, bounded to a share of one."""
     return np.minimum(np.maximum(cells, 0.0), 1.0)
 
