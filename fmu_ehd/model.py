@@ -509,7 +509,8 @@ class LubricationModel:
     # ---- parts of a step
 
     def _oil(self, content: Array, layer: OilLayer) -> dict[str, float]:
-        """Where the oil is, Eq. (W8)."""
+        """Where the oil is."""
+        # the three terms of Eq. (T27)
         return dict(
             oil_in_film=float((content * self.area).sum()),
             oil_on_bore=self._bore.volume(layer) if self._bore is not None else 0.0,

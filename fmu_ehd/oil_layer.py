@@ -1,29 +1,26 @@
 """Oil on the bore: a layer that stays where it is, which the skirt leaves behind and meets again.
 
 Oil on the bore moves with it, at |V| past the skirt; a film filled to f moves at |V|/2. So a layer
-of thickness lambda fills a gap h to
+of thickness lambda fills a gap h to f = min(1, 2 lambda / h), and a film that leaves the skirt with
+f leaves lambda = f h / 2 behind: half of the gap where it is full. What the gap does not take is
+pushed along before the edge, in a reservoir at its chamfer, and goes in later. In terms of volumes,
+for each row of the film and each of its two axial edges:
 
-Eq. (W1):  f = min(1, 2 lambda / h),
+Eq. (T21):  R <- R + (oil of the bore that the skirt has come to cover)
+Eq. (T22):  S = max(R - beta F_n, 0) / H_e
+Eq. (T23):  R <- R - F
+Eq. (T24):  (oil of the bore that the skirt has uncovered) = min(R, w |X| h),  R <- R - that
+Eq. (T25):  R <- min(R, a w)
 
-and a film that leaves the skirt with f leaves lambda = f h / 2 behind: half of the gap where it is
-full. What the gap does not take is pushed along before the edge, in a reservoir at its chamfer, and
-goes in later. In terms of volumes, for each row of the film and each of its two axial edges:
-
-Eq. (W2):  R <- R + (oil of the bore that the skirt has come to cover)
-Eq. (W3):  S = max(R - beta F_n, 0) / H_e
-Eq. (W4):  R <- R - F
-Eq. (W5):  (oil of the bore that the skirt has uncovered) = min(R, w |X| h),  R <- R - that
-Eq. (W6):  R <- min(R, a w)
-
-R oil in the reservoir, S the most that sliding drags in, Eq. (E7), F = beta F_n + H_e q volume that
-came into the film over the edge in the step, and F_n in the step before, `storage`; w width of the
-row, X travel of the skirt in the step, h gap at the edge, a the cross-section of oil that an edge
-can push along; what is more falls off. R is negative for a step by at most a third of a step's
-inflow where supply ends: what the storage term still lets in.
+R oil in the reservoir, S the most that sliding drags in, Eq. (E12), F = beta F_n + H_e q volume
+that came into the film over the edge in the step, and F_n in the step before, `storage`; w width of
+the row, X travel of the skirt in the step, h gap at the edge, a the cross-section of oil that an
+edge can push along; what is more falls off. Where supply ends R is for a step negative, by at most
+a third of the inflow of the last one: what the storage term still lets in.
 
 Where the skirt is at the end of a step is known when the step begins, to second order in time:
 
-Eq. (W7):  Y_{n+1} = Z_n + H V_n + H^2 (V_n - V_{n-1}) / (2 H_n)
+Eq. (T26):  Y_{n+1} = Z_n + H V_n + H^2 (V_n - V_{n-1}) / (2 H_n)
            Z_{n+1} = Z_n + H (V_n + V_{n+1}) / 2
 
 Y height of the lower edge that the layer goes by, Z the same by the trapezoidal rule, both from
@@ -34,7 +31,7 @@ With an oil ring the bore above the skirt carries what the ring leaves there, wh
 left: the difference comes from or goes to the ring. Splash adds to the bore below the skirt. Both
 count as supplied, what falls off as the opposite, so that
 
-Eq. (W8):  oil in the film + on the bore + in the reservoirs - supplied
+Eq. (T27):  oil in the film + on the bore + in the reservoirs - supplied
 
 does not change but for round-off. Within a cell of the bore (as long as one of the film) the layer
 is even.
@@ -131,7 +128,7 @@ class Bore:
         self, layer: OilLayer, step: float, step_before: float, ring: float, splash: float
     ) -> OilLayer:
         """The layer after the skirt has moved on and taken up what it covers, before the film has
-        taken any, Eqs. (W2), (W7).
+        taken any, Eqs. (T21), (T26).
 
         Parameters
         ----------
@@ -151,7 +148,7 @@ class Bore:
         """
         change = layer.velocity - layer.velocity_before
         gain = 0.5 * step * change * step / step_before if step_before > 0.0 else 0.0
-        reached = layer.height + step * layer.velocity + gain  # Eq. (W7)
+        reached = layer.height + step * layer.velocity + gain  # Eq. (T26)
         if abs(reached) > self.parameters.stroke:
             raise NotConverged(
                 f"the skirt comes to {reached:g} m from where it started, farther than stroke = "
@@ -168,7 +165,7 @@ class Bore:
         for side in (LOWER, UPPER):
             taken = bore * _shrinkage(old[side], new[side])
             bore = bore - taken
-            reservoir[side] += taken.sum(axis=1) * self.cell_area  # Eq. (W2)
+            reservoir[side] += taken.sum(axis=1) * self.cell_area  # Eq. (T21)
         return layer._replace(
             bore=bore,
             reservoir=reservoir,
@@ -178,7 +175,7 @@ class Bore:
 
     @staticmethod
     def limit(covered: OilLayer, carried: Array, begin: EulerStep) -> Array:
-        """Most that sliding can drag in over both edges, Eq. (W3).
+        """Most that sliding can drag in over both edges, Eq. (T22).
 
         Parameters
         ----------
@@ -193,7 +190,7 @@ class Bore:
         ndarray, shape (2, n_c)
             S [m3/s].
         """
-        return np.maximum(covered.reservoir - carried, 0.0) / begin.length  # Eq. (W3)
+        return np.maximum(covered.reservoir - carried, 0.0) / begin.length  # Eq. (T22)
 
     def left(
         self,
@@ -204,7 +201,7 @@ class Bore:
         velocity: float,
         step: float,
     ) -> OilLayer:
-        """The layer at the end of a step, Eqs. (W4) to (W7).
+        """The layer at the end of a step, Eqs. (T23) to (T26).
 
         Parameters
         ----------
@@ -219,23 +216,23 @@ class Bore:
         """
         old = self._exposed(before.reached)
         new = self._exposed(covered.reached)
-        reservoir = covered.reservoir - inflow  # Eq. (W4)
+        reservoir = covered.reservoir - inflow  # Eq. (T23)
         bore = covered.bore
         for side in (LOWER, UPPER):
             uncovered = np.maximum(new[side] - old[side], 0.0)
             room = np.maximum(gap[side], 0.0) * uncovered.sum() * self.cell_area
-            volume = np.clip(reservoir[side], 0.0, room)  # Eq. (W5)
+            volume = np.clip(reservoir[side], 0.0, room)  # Eq. (T24)
             reservoir[side] -= volume
             if uncovered.any():
                 thickness = volume / (uncovered.sum() * self.cell_area)
                 bore = bore + thickness[:, None] * uncovered
         capacity = self.parameters.chamfer_capacity * self.cells.dx
-        fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (W6)
+        fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
         return OilLayer(
             bore,
             reservoir - fallen,
             covered.reached,
-            before.height + 0.5 * step * (before.velocity + velocity),  # Eq. (W7)
+            before.height + 0.5 * step * (before.velocity + velocity),  # Eq. (T26)
             velocity,
             before.velocity,
             covered.supplied - fallen.sum(),

@@ -23,7 +23,7 @@ Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)
 
 Sliding drags in over an edge, T towards the film,
 
-Eq. (E7):  min(max(T, 0) f, S)
+Eq. (E12):  min(max(T, 0) f, S)
 
 A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
@@ -256,8 +256,8 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
 
 @compiled(inline="always")
 def _dragged(t, fraction, limit):
-    """What sliding drags in over an edge, Eq. (E7); t transport into the film."""
-    return min(max(t, 0.0) * fraction, limit)  # Eq. (E7)
+    """What sliding drags in over an edge, Eq. (E12); t transport into the film."""
+    return min(max(t, 0.0) * fraction, limit)  # Eq. (E12)
 
 
 @compiled(inline="always")
@@ -380,7 +380,7 @@ def _flow(k, t, p_a, p_b, f_a, f_b):
 
 @compiled(inline="always")
 def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
-    """Flow over an edge into a cell, Eqs. (E2), (E7); t transport into the film."""
+    """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
     drawn = k * (pressure - cell_pressure)
     return drawn + _dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
 

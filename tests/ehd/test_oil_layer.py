@@ -18,7 +18,7 @@ TURN = 360
 
 
 def total(outputs):
-    """Eq. (W8)."""
+    """Eq. (T27)."""
     return outputs["oil_in_film"] + outputs["oil_on_bore"] - outputs["oil_supplied"]
 
 
@@ -94,7 +94,7 @@ def nearest_behind(state, sign):
 def test_a_layer_that_fills_no_gap_passes_as_it_is():
     p = pad(20, 2e-6)
     film = np.full(p.shape, 1e-5)
-    # a layer of h/5 fills two fifths of the gap, Eq. (W1)
+    # a layer of h/5 fills two fifths of the gap
     _, state, outputs = slide(p, film, -5.0, 1e-4, 400)
     assert outputs["film_fraction"] == pytest.approx(0.4, rel=1e-12)  # round-off
     assert outputs["maximum_pressure"] == 0.0
@@ -204,7 +204,7 @@ def test_the_layer_that_is_covered_goes_to_the_edge():
     assert covered.reservoir[LOWER] == pytest.approx(1.5e-3 * 1e-5 * 0.25)
     assert np.all(covered.reservoir[UPPER] == 0.0)
     assert covered.bore[0, :3] == pytest.approx(np.array([0.5e-5, 0.0, 0.0]))
-    # 2 nm3 of what is there have gone in before: Eq. (W3)
+    # 2 nm3 of what is there have gone in before: Eq. (T22)
     limit = bore.limit(covered, np.full((2, 4), 2e-9), EulerStep(np.zeros((4, 4)), 1e-3))
     assert limit[LOWER] == pytest.approx((3.75e-9 - 2e-9) / 1e-3)
     assert np.all(limit[UPPER] == 0.0)
@@ -249,7 +249,7 @@ def test_ring_and_splash():
 
 
 def test_where_the_skirt_is_in_steps_of_any_length():
-    """Eq. (W7) for V = 2 t + 1 m/s: exact from the second step on."""
+    """Eq. (T26) for V = 2 t + 1 m/s: exact from the second step on."""
     bore = bore_by_hand(stroke=1.0)
     layer = bore.start(1.0)
     time = before = 0.0
