@@ -57,7 +57,8 @@ from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Edges, Flags
 
-FARTHEST = 16.0  # cells of travel in a step
+# cells of travel in a step between which there is a lift: below, nothing moves but round-off
+NEAREST, FARTHEST = 1e-9, 16.0
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
@@ -266,7 +267,7 @@ def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cell
             swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
             farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
         courant = farthest / cells.dy
-        if not 0.0 < courant <= FARTHEST:
+        if not NEAREST < courant <= FARTHEST:
             continue
         steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
