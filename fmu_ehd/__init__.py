@@ -17,6 +17,8 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     friction   shear forces and power (F)
     summary    scalars of a film in one pass
     storage    film content, second order in time (T)
+    transport  sharp fronts of oil (T)
+    oil_layer  oil on the bore (T)
 
 What composes them: film_step (one step of the balance and its tangent), parameters, surroundings,
 model (everything, with `advance` and `tangent`). The FMU: variables, slave, build. Proof:

@@ -30,16 +30,19 @@ class Cells(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Oil supply at the edges, each ndarray of shape (4,) in the order lower, upper, first, last
-    (the last two unused on a ring).
+    """Oil supply at the edges in the order lower, upper, first, last (the last two unused on a
+    ring).
 
-    pressure : above cavitation pressure [Pa], >= 0.
-    film_fraction : film fraction of the oil that sliding drags in [-], 0 to 1; below 1
-    only at cavitation pressure, `parameters.edge_faults`.
+    pressure : ndarray, shape (4,), above cavitation pressure [Pa], >= 0.
+    film_fraction : ndarray, shape (4,), film fraction of the oil that sliding drags in [-], 0 to 1;
+    below 1 only at cavitation pressure, `parameters.edge_faults`.
+    limit : ndarray, shape (2, n_c), most that sliding can drag into each row over lower and upper
+    edge [m3/s], inf where oil is in plenty.
     """
 
     pressure: Array
     film_fraction: Array
+    limit: Array
 
 
 class Entrainment(NamedTuple):
@@ -52,9 +55,14 @@ class Entrainment(NamedTuple):
     axial: Array
 
 
-def flooded_edges(pressure: float = 0.0) -> Edges:
-    """Oil in plenty at all four edges, at one pressure above cavitation pressure [Pa]."""
-    return Edges(np.full(4, pressure), np.ones(4))
+def in_plenty(shape: tuple[int, int]) -> Array:
+    """`Edges.limit` of a grid of that shape without a limit."""
+    return np.full((2, shape[0]), np.inf)
+
+
+def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
+    """Oil in plenty at all four edges of a grid, at one pressure above cavitation pressure [Pa]."""
+    return Edges(np.full(4, pressure), np.ones(4), in_plenty(shape))
 
 
 @dataclass(frozen=True)

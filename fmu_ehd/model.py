@@ -15,6 +15,7 @@ from .film_step import FilmSolution, FilmStep
 from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
+from .oil_layer import Bore, OilLayer, edge_gaps, edge_inflow
 from .parameters import Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
@@ -23,6 +24,8 @@ from .summary import halves, summarise
 from .surroundings import Surroundings, surroundings
 from .transport import Lift, Pace, PastTransport
 
+# where oil outside the film is not followed
+NO_LAYER = OilLayer(np.zeros((0, 0)), np.zeros((2, 0)), 0.0, 0.0, 0.0, 0.0, 0.0)
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
 
@@ -47,6 +50,8 @@ class State:
     passed, travel : ndarray, shape (n_c, n_a + 1)
         Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
         last step, `transport`.
+    bore, reservoir, reached, height, velocity, velocity_before, supplied
+        Oil outside the film, `oil_layer.OilLayer`; without it no cells of the bore.
     """
 
     unknown: Array
@@ -60,6 +65,18 @@ class State:
     film_before: Array
     passed: Array
     travel: Array
+    bore: Array
+    reservoir: Array
+    reached: float
+    height: float
+    velocity: float
+    velocity_before: float
+    supplied: float
+
+    @property
+    def layer(self) -> OilLayer:
+        """Oil outside the film."""
+        return OilLayer(*(getattr(self, name) for name in OilLayer._fields))
 
     @property
     def past(self) -> Past:
@@ -188,6 +205,7 @@ class LubricationModel:
         # entrainment velocity of the grid, which rides on the skirt, to the sliding velocity
         self._dentrainment = Entrainment(self._zero, np.full(p.shape, -0.5))
         self._halves = halves(n_circumferential)
+        self._bore = Bore(p, self.grid) if p.oil_supply != "edges" else None
         self._given = surroundings(p, {})
         # of the last step: what the tangent needs
         self._last: Last | None = None
@@ -198,7 +216,8 @@ class LubricationModel:
     def start(
         self, film_thickness: Array, sliding_velocity: Array, **conditions: Any
     ) -> tuple[State, dict[str, Any]]:
-        """State and outputs at the start: a full film, reduced pressure linear between the edges.
+        """State and outputs at the start: a full film, reduced pressure linear between the edges;
+        or one filled in part, without pressure.
 
         Parameters
         ----------
@@ -221,14 +240,18 @@ class LubricationModel:
         _, n_axial = shape
         lower, upper = around.edges.pressure[BOTH_AXIAL_EDGES]
         along = (np.arange(n_axial) + 0.5) / n_axial
-        unknown = np.broadcast_to(lower + (upper - lower) * along, shape).copy()
+        fraction = np.full(shape, self.parameters.initial_film_fraction)
+        pressure = np.where(fraction < 1.0, 0.0, lower + (upper - lower) * along)
+        unknown = np.where(fraction < 1.0, fraction - 1.0, pressure)
         flow = self._flow_film(inputs)
-        film = self._film(inputs, flow, unknown, np.ones(shape))
+        film = self._film(inputs, flow, pressure, fraction)
         _, outputs = self._outputs(film)
         outputs |= dict(
             flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0
         )
-        content = flow.quantities[STORED].copy()
+        content = fraction * flow.quantities[STORED]
+        layer = NO_LAYER if self._bore is None else self._bore.start(float(sliding_velocity.mean()))
+        outputs |= self._oil(content, layer)
         still = self._zero
         no_flow = np.zeros((shape[0], n_axial + 1))
         state = State(
@@ -243,6 +266,7 @@ class LubricationModel:
             flow.quantities,
             no_flow,
             no_flow,
+            *layer,
         )
         return state, outputs
 
@@ -289,13 +313,22 @@ class LubricationModel:
                 "0 m: there is no film"
             )
         around = self._surroundings(conditions) if conditions else self._given
-        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         ratio = step / state.step_before if state.step_before > 0.0 else 0.0
         guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
         begin = storage.euler_step(state.past, step)
         step_film = self._coated if self._compliance > 0.0 else self._bare
         pace = transport.pace(step, state.step_before, begin.length)
-        lift = self._lift(state, pace, around)
+        carried = pace.share * state.passed
+        layer = state.layer
+        covered = layer
+        if self._bore is not None:
+            covered = self._bore.covered(
+                layer, step, state.step_before, around.ring_layer, around.splash
+            )
+            limit = self._bore.limit(covered, edge_inflow(carried), begin)
+            around = replace(around, edges=around.edges._replace(limit=limit))
+        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
+        lift = self._lift(state, pace, around, step)
         inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
         self._last, outputs = self._outputs(film)
@@ -306,6 +339,17 @@ class LubricationModel:
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
         )
+        passed = carried + begin.length * solution.axial_flow
+        if self._bore is not None:
+            layer = self._bore.left(
+                covered,
+                layer,
+                edge_inflow(passed),
+                edge_gaps(inputs.film_thickness),
+                float(sliding_velocity.mean()),
+                step,
+            )
+        outputs |= self._oil(solution.content, layer)
         growth = (solution.content - state.content) / step
         growth[self.film_step.open_cells] = 0.0
         state = State(
@@ -318,8 +362,9 @@ class LubricationModel:
             step,
             flow.quantities,
             state.film,
-            pace.share * state.passed + begin.length * solution.axial_flow,
+            passed,
             transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
+            *layer,
         )
         return state, outputs
 
@@ -420,7 +465,7 @@ class LubricationModel:
         """In the frame of the grid, which rides on the skirt."""
         return Entrainment(self._zero, -0.5 * inputs.sliding_velocity)
 
-    def _lift(self, state: State, pace: Pace, around: Surroundings) -> Lift:
+    def _lift(self, state: State, pace: Pace, around: Surroundings, step: float) -> Lift:
         """Lift of the film fraction at the axial faces, from the past alone."""
         past = PastTransport(
             state.film,
@@ -431,7 +476,7 @@ class LubricationModel:
             state.passed,
             state.travel,
         )
-        return transport.lift(past, pace, around.edges.film_fraction, self.grid.cells)
+        return transport.lift(past, pace, around.edges, step, self.grid.cells)
 
     def _bare(
         self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
@@ -501,6 +546,15 @@ class LubricationModel:
         )
 
     # ---- parts of a step
+
+    def _oil(self, content: Array, layer: OilLayer) -> dict[str, float]:
+        """Where the oil is."""
+        # the three terms of Eq. (T27)
+        return dict(
+            oil_in_film=float((content * self.area).sum()),
+            oil_on_bore=self._bore.volume(layer) if self._bore is not None else 0.0,
+            oil_supplied=layer.supplied,
+        )
 
     def _flow_film(self, inputs: Inputs) -> FlowFilm:
         """Film seen by flow and shear."""

@@ -11,6 +11,8 @@ from .grid import Flags
 from .oil import Oil
 from .roughness import FLOW_FACTORS
 
+OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -90,6 +92,32 @@ class Parameters:
     )
     coating_modulus: float = declared("Pa", 1e9, 1e6, 1e12, "Young's modulus of the coating")
     coating_poisson: float = declared("1", 0.3, 0.0, 0.45, "Poisson's ratio of the coating")
+
+    # oil outside the film, `oil_layer`
+    oil_supply: str = choice("Where oil at the edges comes from", OIL_SUPPLIES)
+    initial_film_fraction: float = declared(
+        "1", 1.0, 0.0, 1.0, "Film fraction at the start; below 1 without pressure"
+    )
+    initial_oil_layer: float = declared(
+        "m", 1e-5, 0.0, 1e-2, "Oil on the bore outside the skirt at the start"
+    )
+    stroke: float = declared(
+        "m", 0.1, 1e-3, 4.0, "Farthest that the skirt moves along the bore from where it starts"
+    )
+    chamfer_capacity: float = declared(
+        "m2", 1e-7, 0.0, 1.0, "Cross-section of the oil that an edge of the skirt can push along"
+    )
+    oil_ring_layer: float = declared(
+        "m", 2e-6, 0.0, 1e-3, "Oil that the oil ring leaves above the skirt", condition=True
+    )
+    oil_splash: float = declared(
+        "m/s",
+        0.0,
+        0.0,
+        10.0,
+        "Oil thrown onto the bore below the skirt, thickness a second",
+        condition=True,
+    )
 
     # what holds at the edges, and may change from step to step
     pressure_lower_edge: float = declared(
@@ -177,6 +205,42 @@ def edge_faults(conditions: Mapping[str, float], cavitation_pressure: float) -> 
     return sentences
 
 
+def bore_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
+    """What does not go with oil from the bore: an edge is then at cavitation pressure, and its
+    film fraction follows from the layer.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    conditions : mapping
+        Values of `CONDITION_NAMES`.
+
+    Returns
+    -------
+    list of str
+        One sentence a fault.
+    """
+    law = f"oil_supply = {parameters.oil_supply}"
+    sentences = []
+    for fraction_name, pressure_name in EDGES:
+        pressure = conditions[pressure_name]
+        if pressure != parameters.cavitation_pressure:
+            sentences.append(
+                f"{pressure_name} = {pressure:g} Pa with {law}: an edge that oil may not fill must "
+                f"be at cavitation_pressure = {parameters.cavitation_pressure:g} Pa"
+            )
+        if conditions[fraction_name] != 1.0:
+            sentences.append(
+                f"{fraction_name} = {conditions[fraction_name]:g} with {law}: follows from the oil "
+                "on the bore, leave it at 1"
+            )
+    if parameters.open_cells is not None and parameters.open_cells.any():
+        sentences.append(f"cells without a film with {law}: their oil is not followed")
+    if not CAVITATION[parameters.cavitation_model].conserving:
+        sentences.append(f"cavitation_model = {parameters.cavitation_model} with {law}: needs jfo")
+    return sentences
+
+
 def faults(parameters: Parameters) -> list[str]:
     """What is wrong between parameters that are each in range.
 
@@ -198,6 +262,8 @@ def faults(parameters: Parameters) -> list[str]:
             f"viscosity_40 = {oil.viscosity_40:g} Pa.s: must be above viscosity_100 = "
             f"{oil.viscosity_100:g} Pa.s"
         )
+    if p.oil_supply != "edges":
+        sentences += bore_faults(p, conditions)
     if p.flow_factors != "none" and p.roughness_rms <= 0.0:
         sentences.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
     return sentences

@@ -21,12 +21,17 @@ Tangent with the matrix M of the step:
 
 Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)
 
+Sliding drags in over an edge, T towards the film,
+
+Eq. (E12):  min(max(T, 0) f, S)
+
 A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
 centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
 film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
 h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
-without one, `transport`.
+without one, `transport`. f at an edge and S, the most that can be dragged in [m3/s], are given,
+`grid.Edges`.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where
@@ -250,15 +255,17 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
 
 
 @compiled(inline="always")
-def _inflow_part(k, t, pressure, fraction):
-    """Known part of the flow over an edge into a full film by Eq. (E5), what the edge drives in."""
-    return k * pressure + max(t, 0.0) * fraction + min(t, 0.0)
+def _dragged(t, fraction, limit):
+    """What sliding drags in over an edge, Eq. (E12); t transport into the film."""
+    return min(max(t, 0.0) * fraction, limit)  # Eq. (E12)
 
 
 @compiled(inline="always")
-def _outflow_part(k, t, pressure, fraction):
-    """The same where the edge lies behind the cell; positive into the film."""
-    return k * pressure - max(t, 0.0) - min(t, 0.0) * fraction
+def _inflow_part(k, t, pressure, fraction, limit):
+    """Known part of the flow over an edge into a full film by Eq. (E5), what the edge drives in; t
+    transport into the film.
+    """
+    return k * pressure + _dragged(t, fraction, limit) + min(t, 0.0)
 
 
 @compiled
@@ -286,7 +293,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
     """
     k_c, t_c, k_a, t_a = faces
     stored, content, area_per_step = storage
-    edge_pressure, edge_fraction = edges
+    edge_pressure, edge_fraction, _ = edges
     n_c, n_a = full.shape
     stencil = np.zeros((5, n_c, n_a))
     right = np.empty((n_c, n_a))
@@ -312,15 +319,19 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
                 right[b, j] += t
             elif i == 0:
                 stencil[CENTRE, b, j] -= c_b
-                right[b, j] += _inflow_part(k, t, edge_pressure[FIRST], edge_fraction[FIRST])
+                right[b, j] += _inflow_part(
+                    k, t, edge_pressure[FIRST], edge_fraction[FIRST], np.inf
+                )
             else:
                 stencil[CENTRE, a, j] += c_a
-                right[a, j] += _outflow_part(k, t, edge_pressure[LAST], edge_fraction[LAST])
+                right[a, j] += _inflow_part(k, -t, edge_pressure[LAST], edge_fraction[LAST], np.inf)
     for i in range(n_c):
         k = k_a[i, 0]
         t = t_a[i, 0]
         stencil[CENTRE, i, 0] -= -k if full[i, 0] else min(t, 0.0)
-        right[i, 0] += _inflow_part(k, t, edge_pressure[LOWER], edge_fraction[LOWER])
+        right[i, 0] += _inflow_part(
+            k, t, edge_pressure[LOWER], edge_fraction[LOWER], edges.limit[LOWER, i]
+        )
         for j in range(1, n_a):
             k = k_a[i, j]
             t = t_a[i, j]
@@ -335,7 +346,9 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         k = k_a[i, n_a]
         t = t_a[i, n_a]
         stencil[CENTRE, i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
-        right[i, n_a - 1] += _outflow_part(k, t, edge_pressure[UPPER], edge_fraction[UPPER])
+        right[i, n_a - 1] += _inflow_part(
+            k, -t, edge_pressure[UPPER], edge_fraction[UPPER], edges.limit[UPPER, i]
+        )
     return stencil, right
 
 
@@ -365,6 +378,42 @@ def _flow(k, t, p_a, p_b, f_a, f_b):
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b  # Eq. (E2)
 
 
+@compiled(inline="always")
+def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
+    """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
+    drawn = k * (pressure - cell_pressure)
+    return drawn + _dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
+
+
+@compiled(inline="always")
+def _inflow_below(filling, faces, edges, i):
+    """Flow into row i over the lower edge [m3/s]."""
+    return _inflow(
+        faces.conductance_a[i, 0],
+        faces.transport_a[i, 0],
+        edges.pressure[LOWER],
+        edges.film_fraction[LOWER],
+        filling.pressure[i, 0],
+        filling.film_fraction[i, 0],
+        edges.limit[LOWER, i],
+    )
+
+
+@compiled(inline="always")
+def _inflow_above(filling, faces, edges, i):
+    """Flow into row i over the upper edge [m3/s]."""
+    last = filling.pressure.shape[1] - 1
+    return _inflow(
+        faces.conductance_a[i, last + 1],
+        -faces.transport_a[i, last + 1],
+        edges.pressure[UPPER],
+        edges.film_fraction[UPPER],
+        filling.pressure[i, last],
+        filling.film_fraction[i, last],
+        edges.limit[UPPER, i],
+    )
+
+
 @compiled
 def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     """Flows out of the cells and over the edges, Eq. (E2).
@@ -382,14 +431,14 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     """
     p, f, lift = filling
     k_c, t_c, k_a, t_a = faces
-    edge_p, edge_f = edges
+    edge_p, edge_f, _ = edges
     n_c, n_a = p.shape
     out = np.zeros((n_c, n_a))
     inflow = np.zeros(4)
     gross = 0.0
     last = n_a - 1
     for i in range(n_c):
-        q = _flow(k_a[i, 0], t_a[i, 0], edge_p[LOWER], p[i, 0], edge_f[LOWER], f[i, 0])
+        q = _inflow_below(filling, faces, edges, i)
         inflow[LOWER] += q
         out[i, 0] -= q
         for j in range(1, n_a):
@@ -397,9 +446,9 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
             q += t_a[i, j] * lift[i, j]
             out[i, j - 1] += q
             out[i, j] -= q
-        q = _flow(k_a[i, n_a], t_a[i, n_a], p[i, last], edge_p[UPPER], f[i, last], edge_f[UPPER])
-        inflow[UPPER] -= q
-        out[i, last] += q
+        q = _inflow_above(filling, faces, edges, i)
+        inflow[UPPER] += q
+        out[i, last] -= q
         gross += k_a[i, 0] * (p[i, 0] + edge_p[LOWER]) + abs(t_a[i, 0])
         gross += k_a[i, n_a] * (p[i, last] + edge_p[UPPER]) + abs(t_a[i, n_a])
     last = n_c - 1
@@ -443,22 +492,12 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
     k, t = faces.conductance_a, faces.transport_a
     n_c, n_a = p.shape
     flow = np.empty((n_c, n_a + 1))
-    last = n_a - 1
     for i in range(n_c):
-        flow[i, 0] = _flow(
-            k[i, 0], t[i, 0], edges.pressure[LOWER], p[i, 0], edges.film_fraction[LOWER], f[i, 0]
-        )
+        flow[i, 0] = _inflow_below(filling, faces, edges, i)
+        flow[i, n_a] = -_inflow_above(filling, faces, edges, i)
         for j in range(1, n_a):
             flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
             flow[i, j] += t[i, j] * lift[i, j]
-        flow[i, n_a] = _flow(
-            k[i, n_a],
-            t[i, n_a],
-            p[i, last],
-            edges.pressure[UPPER],
-            f[i, last],
-            edges.film_fraction[UPPER],
-        )
     return flow
 
 
@@ -585,12 +624,18 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
     aspect = 2.0 * cells.dx / cells.dy
     for i in range(n_c):
         cell = _side(g, t, u, pressure, fraction, i, 0)
-        beyond = Side(g[i, 0], t[i, 0], u[i, 0], edges.pressure[LOWER], edges.film_fraction[LOWER])
+        entering = edges.film_fraction[LOWER]
+        if cells.dx * u[i, 0] * t[i, 0] * entering > edges.limit[LOWER, i]:
+            entering = 0.0  # a given inflow follows neither film nor velocity
+        beyond = Side(g[i, 0], t[i, 0], u[i, 0], edges.pressure[LOWER], entering)
         inward = _flow_slopes(beyond, cell, aspect, cells.dx)
         _add_edge(inward, -1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, 0)
         j = n_a - 1
         cell = _side(g, t, u, pressure, fraction, i, j)
-        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[UPPER], edges.film_fraction[UPPER])
+        entering = edges.film_fraction[UPPER]
+        if -cells.dx * u[i, j] * t[i, j] * entering > edges.limit[UPPER, i]:
+            entering = 0.0
+        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[UPPER], entering)
         outward = _flow_slopes(cell, beyond, aspect, cells.dx)
         _add_edge(outward, 1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, j)
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from .cavitation import NotConverged
-from .grid import Array, Edges
+from .grid import Array, Edges, in_plenty
 from .oil import Piezoviscosity
-from .parameters import CONDITION_NAMES, Parameters, edge_faults
+from .parameters import CONDITION_NAMES, Parameters, bore_faults, edge_faults
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,8 @@ class Surroundings:
     temperature, viscosity : ndarray, shape (n_c, n_a)
         T [K], low-shear mu_0 [Pa s].
     piezoviscosity : oil.Piezoviscosity or None
+    ring_layer, splash : float
+        Oil that the ring leaves above the skirt [m], and that is thrown below it [m/s].
     """
 
     edges: Edges
@@ -33,6 +35,8 @@ class Surroundings:
     temperature: Array
     viscosity: Array
     piezoviscosity: Piezoviscosity | None
+    ring_layer: float
+    splash: float
 
 
 def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
@@ -58,6 +62,8 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     p = parameters
     given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
     sentences = edge_faults(given, p.cavitation_pressure)
+    if p.oil_supply != "edges":
+        sentences += bore_faults(p, given)
     if sentences:
         raise NotConverged("; ".join(sentences))
     lower = given["pressure_lower_edge"] - p.cavitation_pressure
@@ -77,5 +83,15 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     fraction = np.array(
         [given["film_fraction_lower_edge"], given["film_fraction_upper_edge"], 1.0, 1.0]
     )
-    edges = Edges(law.reduced(pressure) if law else pressure, fraction)
-    return Surroundings(edges, lower, upper, temperature, viscosity, law)
+    reduced = law.reduced(pressure) if law else pressure
+    edges = Edges(reduced, fraction, in_plenty(p.shape))
+    return Surroundings(
+        edges,
+        lower,
+        upper,
+        temperature,
+        viscosity,
+        law,
+        given["oil_ring_layer"],
+        given["oil_splash"],
+    )

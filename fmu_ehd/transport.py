@@ -55,10 +55,10 @@ import numpy as np
 
 from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
-from .grid import LOWER, UPPER, Array, Cells, Flags
+from .grid import LOWER, UPPER, Array, Cells, Edges, Flags
 
-SHORTEST = 1e-12  # cells of travel in a step: less moves nothing, and a ratio to it may overflow
-FARTHEST = 16.0
+# cells of travel in a step between which there is a lift: below, nothing moves but round-off
+NEAREST, FARTHEST = 1e-9, 16.0
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
@@ -141,7 +141,7 @@ class Way(NamedTuple):
     between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
     travel : ndarray, shape (n_c, n_a + 1), X [m];
     resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
-    supply : ndarray, shape (4,), film fraction at the edges [-];
+    supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
     width : of a face [m].
     """
 
@@ -174,9 +174,9 @@ def _row_flow(content, i, way, steps, given, flow):
             continue
         beyond = 2 * up - down
         if beyond < 0:
-            before = supply[LOWER] * mobile[i, 0]
+            before = supply[LOWER, i] * mobile[i, 0]
         elif beyond == n_a:
-            before = supply[UPPER] * mobile[i, n_a - 1]
+            before = supply[UPPER, i] * mobile[i, n_a - 1]
         else:
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
         there = min(content[down] / stored[i, down], 1.0)
@@ -216,16 +216,23 @@ def _face_film(mobile, g):
     return between
 
 
+@compiled(inline="always")
+def _entering(fraction, limit, step, swept):
+    """Film fraction that comes in over an edge; swept: volume of the film dragged in [m3]."""
+    return min(fraction, limit * step / swept) if swept > 0.0 else fraction
+
+
 @compiled
-def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
+def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cells):
     """Lift of the film fraction at the axial faces for the step to come.
 
     Parameters
     ----------
     past : PastTransport
     pace : Pace
-    supply : ndarray, shape (4,)
-        Film fraction at the edges [-].
+    edges : grid.Edges
+    step : float
+        H [s].
     cells : grid.Cells
 
     Returns
@@ -245,6 +252,7 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
+    supply = np.empty((2, n_c))
     way = Way(stored, mobile, between, travel, past.resting, supply, width)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
@@ -259,19 +267,23 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
             swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
             farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
         courant = farthest / cells.dy
-        if not SHORTEST < courant <= FARTHEST:
+        if not NEAREST < courant <= FARTHEST:
             continue
         steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
             given[j] = pace.ratio * past.passed[i, j]
             through[j] = 0.0
         # what the implicit step lets in over a starved edge
-        if supply[LOWER] < 1.0 and travel[i, 0] > 0.0:
-            swept = width * travel[i, 0] * between_end[i, 0]
-            given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER]
-        if supply[UPPER] < 1.0 and travel[i, n_a] < 0.0:
-            swept = width * travel[i, n_a] * between_end[i, n_a]
-            given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER]
+        swept = width * travel[i, 0] * between_end[i, 0]
+        supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[LOWER, i], step, swept)
+        if supply[LOWER, i] < 1.0 and swept > 0.0:
+            given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER, i]
+        swept = width * travel[i, n_a] * between_end[i, n_a]
+        supply[UPPER, i] = _entering(
+            edges.film_fraction[UPPER], edges.limit[UPPER, i], step, -swept
+        )
+        if supply[UPPER, i] < 1.0 and swept < 0.0:
+            given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
         for j in range(n_a):
             content[j] = past.content[i, j]
             source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
@@ -290,7 +302,7 @@ def lift(past: PastTransport, pace: Pace, supply: Array, cells: Cells):
                     content[j] += source[j] + (flow[j] - flow[j + 1]) / area
         for j in range(1, n_a):
             x = travel[i, j]
-            if abs(x) <= SHORTEST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
+            if abs(x) <= NEAREST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
                 continue
             up = j - 1 if x > 0.0 else j
             swept = width * x * between_end[i, j]

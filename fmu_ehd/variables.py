@@ -178,6 +178,19 @@ SUMMARY = (
         "Oil flow into the film over the upper edge at the end of the step",
         1e-6,
     ),
+    output_variable("oil_in_film", "m3", "Oil in the film", 1e-8),
+    output_variable(
+        "oil_on_bore",
+        "m3",
+        "Oil on the bore and at the edges of the skirt; 0 with oil_supply = edges",
+        1e-8,
+    ),
+    output_variable(
+        "oil_supplied",
+        "m3",
+        "Oil that ring and splash brought since the start, less what fell off",
+        1e-8,
+    ),
     output_variable(
         "mass_imbalance",
         "1",

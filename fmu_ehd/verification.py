@@ -17,7 +17,7 @@ from .cavitation import NotConverged
 from .film_step import FilmSolution, FilmStep
 from .films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
 from .friction import ShearConstants, ShearInputs, shear_forces
-from .grid import LOWER, Array, Edges, Entrainment, Grid, flooded_edges
+from .grid import LOWER, Array, Edges, Entrainment, Grid, flooded_edges, in_plenty
 from .motored import DEGREE, motored, motored_until, physics, tangent_error
 from .parameters import Parameters
 from .storage import EulerStep, Past
@@ -109,7 +109,7 @@ def steady(
     return FilmStep(grid, model).solve(
         flow_film(film_thickness, viscosity),
         Entrainment(moving, still) if around else Entrainment(still, moving),
-        edges or flooded_edges(),
+        edges or flooded_edges(grid.shape),
         EulerStep(film_thickness, np.inf),
         np.ones(grid.shape, dtype=bool),
     )
@@ -290,7 +290,7 @@ def squeeze_plate(cells: int) -> SqueezePlate:
     film = FilmStep(grid).solve(
         flow_film(h, 1.0),
         Entrainment(still, still),
-        flooded_edges(),
+        flooded_edges(grid.shape),
         EulerStep(h + 1.0, 1.0),
         np.ones(grid.shape, dtype=bool),
     )
@@ -320,7 +320,7 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
     """
     grid = Grid((1, cells), 1.0, 1.0)
     film_step = FilmStep(grid)
-    edges = flooded_edges(0.025)
+    edges = flooded_edges(grid.shape, 0.025)
     still = Entrainment(np.zeros(grid.shape), np.zeros(grid.shape))
     content = np.full(grid.shape, 0.5)
     past = Past(content, np.zeros(grid.shape), np.zeros(grid.shape), 0.0)
@@ -527,7 +527,7 @@ def pocket_slider(cells: int, sliding: float = 1.0) -> PocketSlider:
     h = np.where((x > 2e-3) & (x < 5e-3), 10e-6, 1e-6)[None]
     if sliding < 0.0:
         h = np.ascontiguousarray(h[:, ::-1])
-    film = steady(grid, h, sliding, 0.01, flooded_edges(ambient - cavitation_pressure))
+    film = steady(grid, h, sliding, 0.01, flooded_edges(grid.shape, ambient - cavitation_pressure))
     p = film.pressure[0] + cavitation_pressure
     fraction = film.film_fraction[0]
     full = film.full[0]
@@ -898,7 +898,9 @@ def random_starved_films(count: int, seed: int = 0) -> RandomFilms:
         width, length = 10.0 ** rng.uniform(-3.0, -1.0, 2)
         grid = Grid(shape, width, length, ring=bool(rng.integers(2)))
         edges = Edges(
-            10.0 ** rng.uniform(2.0, 6.0, 4) * rng.integers(0, 2, 4), rng.uniform(0.0, 1.0, 4)
+            10.0 ** rng.uniform(2.0, 6.0, 4) * rng.integers(0, 2, 4),
+            rng.uniform(0.0, 1.0, 4),
+            in_plenty(shape),
         )
         # neighbours differ up to a hundredfold
         film = 10.0 ** rng.uniform(-6.5, -4.5) * 10.0 ** rng.uniform(-1.0, 1.0, shape)

@@ -76,6 +76,7 @@ def through_fmus(cells: int, modes: int) -> dict[str, np.ndarray]:
     changes += [(f"participants.{name}.build.grid", [cells, cells]) for name in ("bodies", "ehd")]
     for body in ("piston", "block"):
         changes.append((f"participants.bodies.build.{body}.modes", modes))
+    changes.append(("participants.ehd.build.mask", "none"))
     changes.append(("participants.bodies.build.piston.pin_offset", PIN_OFFSET))
     changes.append(("participants.bodies.parameters.crank_speed", CRANK_SPEED))
     changes += [(f"participants.bodies.parameters.{key}", BODIES[key]) for key in BODIES]

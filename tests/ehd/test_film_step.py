@@ -5,7 +5,7 @@ from piston_cosim.fmu_ehd import cavitation, reynolds
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep
 from piston_cosim.fmu_ehd.films import FilmSlopes, smooth_film
-from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid
+from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid, in_plenty
 from piston_cosim.fmu_ehd.reynolds import Filling, Storage
 from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
@@ -17,7 +17,7 @@ def problem(ring, seed=0, shape=(7, 9)):
     """A rough, partly starved film with entrainment in both directions."""
     rng = np.random.default_rng(seed)
     grid = Grid(shape, 7e-3, 9e-3, ring)
-    edges = Edges(np.array([1e4, 0.0, 2e4, 0.0]), np.array([0.9, 0.6, 1.0, 0.5]))
+    edges = Edges(np.array([1e4, 0.0, 2e4, 0.0]), np.array([0.9, 0.6, 1.0, 0.5]), in_plenty(shape))
     film = 2e-6 * (1.0 + 3.0 * rng.random(shape))
     across, along = rng.standard_normal((2, *shape))
     content = film * np.minimum(1.0, 0.7 + 0.5 * rng.random(shape))

@@ -181,3 +181,15 @@ def test_a_velocity_of_next_to_nothing_is_rest():
 
     # a volume of 1e-313 m3 is no divisor
     assert np.array_equal(pressed(-2e-313), pressed(0.0))
+
+
+def test_a_velocity_next_to_nothing_carries_nothing():
+    rng = np.random.default_rng(0)
+    films = 1e-6 * (1.0 + 0.8 * rng.uniform(-1.0, 1.0, (4, 12, 10)))
+    crawling = np.full((12, 10), 2.225e-313)  # its swept volumes are 0 in double precision
+    model = LubricationModel(Parameters((12, 10)))
+    state, _ = model.start(films[0], crawling)
+    state, _ = model.advance(state, films[1], crawling, DEGREE)
+    state, _ = model.advance(state, films[2], crawling, 0.7 * DEGREE)
+    _, outputs = model.advance(state, films[3], np.ones((12, 10)), DEGREE)
+    assert np.isfinite(outputs["nodal_pressure_force"]).all()

@@ -20,7 +20,16 @@ from piston_cosim.fmu_ehd.films import (
     smooth_film,
     thin,
 )
-from piston_cosim.fmu_ehd.grid import CENTRE, EAST, NORTH, WEST, Cells, Edges, Entrainment
+from piston_cosim.fmu_ehd.grid import (
+    CENTRE,
+    EAST,
+    NORTH,
+    WEST,
+    Cells,
+    Edges,
+    Entrainment,
+    in_plenty,
+)
 from piston_cosim.fmu_ehd.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
 
 VISCOSITY = 0.012  # [Pa s]
@@ -57,7 +66,7 @@ def test_one_cell_between_four_edges():
     still = Entrainment(np.zeros((1, 1)), np.zeros((1, 1)))
     faces = reynolds.faces(parallel((1, 1))[0], still, CELLS)
     full = np.ones((1, 1), dtype=bool)
-    edges = Edges(pressure, FLOODED)
+    edges = Edges(pressure, FLOODED, in_plenty((1, 1)))
     stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, False)
     across = 2.0 * DY / DX * CONDUCTIVITY
     along = 2.0 * DX / DY * CONDUCTIVITY
@@ -75,7 +84,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     hold what comes from upstream, and U h dy times that flows over both edges. u = f - 1.
     """
     shape = (2, 1)
-    edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]))
+    edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]), in_plenty(shape))
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, CELLS)
     cavitated = np.zeros(shape, dtype=bool)
@@ -104,7 +113,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
     follow = Entrainment(np.zeros(shape), np.ones(shape))
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
-    edges = Edges(NO_PRESSURE, FLOODED)
+    edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
     stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
     assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)

@@ -1,0 +1,284 @@
+"""Oil on the bore: what the skirt leaves behind and meets again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.grid import LOWER, UPPER, Grid
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, SkirtMotion, central_difference, motored_film
+from piston_cosim.fmu_ehd.oil_layer import Bore
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.fmu_ehd.storage import EulerStep
+
+SHAPE = (12, 10)
+TURN = 360
+
+
+def total(outputs):
+    """Eq. (T27)."""
+    return outputs["oil_in_film"] + outputs["oil_on_bore"] - outputs["oil_supplied"]
+
+
+def turns(parameters, count, **conditions):
+    """Outputs of each degree of the motored skirt."""
+    model = LubricationModel(parameters)
+    state, first = model.start(*motored_film(parameters.shape, 0.0))
+    history = [first]
+    for k in range(1, count * TURN + 1):
+        inputs = motored_film(parameters.shape, (k % TURN) * DEGREE)
+        state, outputs = model.advance(state, *inputs, DEGREE, **conditions)
+        history.append(outputs)
+    return history
+
+
+def slide(parameters, film, velocity, step, count):
+    """Model, state and outputs after steps of one velocity [m/s]."""
+    model = LubricationModel(parameters)
+    sliding = np.full(parameters.shape, velocity)
+    state, outputs = model.start(film, sliding)
+    for _ in range(count):
+        state, outputs = model.advance(state, film, sliding, step)
+    return model, state, outputs
+
+
+def pad(cells, layer):
+    """A skirt 20 mm long and 1 m wide on a bore with `layer` [m]."""
+    return Parameters(
+        (4, cells),
+        oil_supply="bore",
+        initial_oil_layer=layer,
+        initial_film_fraction=0.1,
+        bore_radius=0.5 / np.pi,
+        skirt_length=20e-3,
+        stroke=0.5,
+    )
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_slider_that_lives_on_a_given_layer(sign):
+    """A wedge from h_1 to h_o that meets lambda: lambda V flows all along, and p = 0 where the film
+    gets full and at the outlet. p' = 6 mu V (h - 2 lambda) / h^3 between, so it gets full at
+    h_a = lambda h_o / (h_o - lambda), and with a = (h_1 - h_o) / L the load is 6 mu V / a^2 times
+    ln(h_a/h_o) - 1 + h_o/h_a - lambda (1/h_o - 1/h_a - (h_a - h_o)/h_a^2).
+    """
+    cells, layer, inlet, outlet, speed = 200, 6e-6, 20e-6, 10e-6, 5.0
+    p = pad(cells, layer)
+    film = np.linspace(inlet, outlet, 2 * cells + 1)[1::2][:: int(sign)]
+    film = np.broadcast_to(film, p.shape).copy()
+    lengths = 18  # then what is left of the start is 2e-4 of the load
+    step = 4.0 * p.skirt_length / cells / speed
+    _, state, outputs = slide(p, film, -sign * speed, step, lengths * cells // 4)
+    full = layer * outlet / (outlet - layer)
+    slope = (inlet - outlet) / p.skirt_length
+    shape = np.log(full / outlet) - 1.0 + outlet / full
+    shape -= layer * (1.0 / outlet - 1.0 / full - (full - outlet) / full**2)
+    load = 6.0 * p.oil.viscosity * speed / slope**2 * shape
+    assert outputs["nodal_pressure_force"].sum() == pytest.approx(load, rel=1e-3)
+    # what comes in goes out again
+    assert nearest_behind(state, sign) == pytest.approx(layer, rel=1e-3)
+
+
+def nearest_behind(state, sign):
+    """Layer of the last ten cells that the skirt has uncovered, without the one it stands over
+    [m].
+    """
+    under = np.flatnonzero(state.bore[0] == 0.0)
+    if sign > 0.0:  # down: behind is above
+        return state.bore[0, under[-1] + 2 : under[-1] + 12]
+    return state.bore[0, under[0] - 11 : under[0] - 1]
+
+
+def test_a_layer_that_fills_no_gap_passes_as_it_is():
+    p = pad(20, 2e-6)
+    film = np.full(p.shape, 1e-5)
+    # a layer of h/5 fills two fifths of the gap
+    _, state, outputs = slide(p, film, -5.0, 1e-4, 400)
+    assert outputs["film_fraction"] == pytest.approx(0.4, rel=1e-12)  # round-off
+    assert outputs["maximum_pressure"] == 0.0
+    assert nearest_behind(state, 1.0) == pytest.approx(2e-6, rel=1e-12)
+
+
+def test_oil_in_plenty_is_a_flooded_skirt():
+    plenty = Parameters(
+        SHAPE,
+        oil_supply="bore_and_ring",
+        initial_oil_layer=1e-2,
+        oil_ring_layer=1e-3,
+        oil_splash=10.0,
+        chamfer_capacity=1.0,
+    )
+    flooded = turns(Parameters(SHAPE), 1)
+    supplied = turns(plenty, 1)
+    for a, b in zip(flooded, supplied):
+        assert np.array_equal(a["nodal_pressure_force"], b["nodal_pressure_force"])
+        assert np.array_equal(a["nodal_friction_force"], b["nodal_friction_force"])
+
+
+@pytest.mark.parametrize("supply, capacity", [("bore", 1.0), ("bore_and_ring", 1e-8)])
+def test_oil_is_kept_over_ten_cycles(supply, capacity):
+    p = Parameters(SHAPE, oil_supply=supply, initial_oil_layer=5e-6, chamfer_capacity=capacity)
+    history = turns(p, 20, oil_splash=1e-5 if supply == "bore_and_ring" else 0.0)
+    totals = np.array([total(outputs) for outputs in history])
+    assert np.abs(totals / totals[0] - 1.0).max() <= 1e-10  # round-off
+    assert min(outputs["film_fraction"].min() for outputs in history) >= -1e-15
+    if supply == "bore":  # nothing comes from outside
+        assert all(outputs["oil_supplied"] == 0.0 for outputs in history)
+    # oil goes to and fro between film and bore
+    in_film = np.array([outputs["oil_in_film"] for outputs in history[-TURN:]])
+    assert np.ptp(in_film) > 0.02 * in_film.mean()
+
+
+def test_the_cycle_does_not_know_its_start():
+    p = Parameters(
+        SHAPE,
+        oil_supply="bore_and_ring",
+        oil_ring_layer=3e-6,
+        oil_splash=1e-3,
+        chamfer_capacity=1e-8,
+    )
+    # ten times nearer with each turn
+    wet = turns(p, 9)[-TURN:]
+    dry = turns(replace(p, initial_oil_layer=0.0, initial_film_fraction=0.2), 9)[-TURN:]
+    wet_power = np.array([outputs["friction_power"] for outputs in wet])
+    dry_power = np.array([outputs["friction_power"] for outputs in dry])
+    assert wet_power == pytest.approx(dry_power, abs=1e-6 * wet_power.max())
+    for a, b in zip(wet, dry):
+        assert a["film_fraction"] == pytest.approx(b["film_fraction"], abs=1e-6)
+    # starved, and neither dry: it is a cycle of its own
+    assert 0.1 < np.mean([outputs["film_fraction"].mean() for outputs in wet]) < 0.9
+
+
+def test_a_start_that_is_not_full():
+    p = Parameters(SHAPE, initial_film_fraction=0.3)
+    film, velocity = motored_film(SHAPE, 0.0)
+    state, outputs = LubricationModel(p).start(film, velocity)
+    assert np.all(outputs["film_fraction"] == 0.3)
+    assert outputs["maximum_pressure"] == 0.0
+    assert state.content == pytest.approx(0.3 * film, rel=1e-15)
+
+
+@pytest.mark.parametrize("degrees", [60, 200])  # going one way and the other
+def test_the_tangent_with_a_limited_inflow(degrees):
+    p = Parameters(SHAPE, oil_supply="bore_and_ring", initial_film_fraction=0.5)
+    model = LubricationModel(p)
+    state, _ = model.start(*motored_film(SHAPE, 0.0))
+    for k in range(1, degrees + 1):
+        state, _ = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
+    inputs = motored_film(SHAPE, (degrees + 0.7) * DEGREE)
+    rng = np.random.default_rng(0)
+    change = SkirtMotion(1e-6 * rng.standard_normal(SHAPE), rng.standard_normal(SHAPE))
+    difference = central_difference(model, state, inputs, change)
+    assert difference is not None
+    model.advance(state, *inputs, 0.7 * DEGREE)
+    for tangent, reference in zip(model.tangent(*change), difference):
+        # third derivative times the difference squared
+        assert np.abs(tangent - reference).max() <= 1e-7 * np.abs(reference).max()
+
+
+# ---- by hand: 4 cells of 1 mm around 1 m of bore, skirt of 4 cells
+
+
+def bore_by_hand(**others):
+    p = Parameters(
+        (4, 4),
+        oil_supply="bore",
+        bore_radius=0.5 / np.pi,
+        skirt_length=4e-3,
+        stroke=2e-3,
+        initial_oil_layer=1e-5,
+    )
+    p = replace(p, **others)
+    return Bore(p, Grid(p.shape, 1.0, p.skirt_length))
+
+
+def test_the_layer_that_is_covered_goes_to_the_edge():
+    """Down 1.5 mm at 1.5 m/s in 1 ms: a cell and a half of 10 um x 0.25 m, and no more below."""
+    bore = bore_by_hand()
+    layer = bore.start(-1.5)
+    assert bore.volume(layer) == pytest.approx(4 * 4e-3 * 1e-5 * 0.25)
+    covered = bore.covered(layer, 1e-3, 0.0, 0.0, 0.0)
+    assert covered.reached == pytest.approx(-1.5e-3)
+    assert covered.reservoir[LOWER] == pytest.approx(1.5e-3 * 1e-5 * 0.25)
+    assert np.all(covered.reservoir[UPPER] == 0.0)
+    assert covered.bore[0, :3] == pytest.approx(np.array([0.5e-5, 0.0, 0.0]))
+    # 2 nm3 of what is there have gone in before: Eq. (T22)
+    limit = bore.limit(covered, np.full((2, 4), 2e-9), EulerStep(np.zeros((4, 4)), 1e-3))
+    assert limit[LOWER] == pytest.approx((3.75e-9 - 2e-9) / 1e-3)
+    assert np.all(limit[UPPER] == 0.0)
+
+
+def test_what_flows_out_stays_on_the_bore():
+    """3 mm3 out over the upper edge onto 1.5 mm x 0.25 m: 8 um, and at most the gap of 5 um where
+    there is less; 1 mm3 in over the lower one.
+    """
+    bore = bore_by_hand()
+    layer = bore.start(-1.5)
+    covered = bore.covered(layer, 1e-3, 0.0, 0.0, 0.0)
+    inflow = np.array([np.full(4, 1e-9), np.full(4, -3e-9)])
+    gap = np.array([np.full(4, 1e-5), np.array([1e-5, 1e-5, 1e-5, 5e-6])])
+    after = bore.left(covered, layer, inflow, gap, -1.5, 1e-3)
+    assert after.bore[0, 4:6] == pytest.approx(np.array([0.5 * 8e-6, 8e-6]))
+    assert after.bore[3, 4:6] == pytest.approx(np.array([0.5 * 5e-6, 5e-6]))
+    assert after.reservoir[UPPER] == pytest.approx(np.array([0.0, 0.0, 0.0, 3e-9 - 1.875e-9]))
+    assert after.reservoir[LOWER] == pytest.approx(np.full(4, 2.75e-9))
+    assert after.height == pytest.approx(-1.5e-3)
+
+
+def test_what_an_edge_cannot_push_along_falls_off():
+    """3.75 mm3 on 0.25 m, of which a cross-section of 0.01 mm2 holds 2.5."""
+    bore = bore_by_hand(chamfer_capacity=1e-8)
+    layer = bore.start(-1.5)
+    covered = bore.covered(layer, 1e-3, 0.0, 0.0, 0.0)
+    after = bore.left(covered, layer, np.zeros((2, 4)), np.ones((2, 4)), -1.5, 1e-3)
+    assert after.reservoir[LOWER] == pytest.approx(np.full(4, 2.5e-9))
+    assert after.supplied == pytest.approx(-4 * 1.25e-9)
+
+
+def test_ring_and_splash():
+    """Above the skirt the ring leaves 2 of 10 um on 2 mm x 1 m; below it 1 ms of 1 mm/s adds
+    1 um.
+    """
+    bore = bore_by_hand(oil_supply="bore_and_ring")
+    layer = bore.start(0.0)
+    after = bore.covered(layer, 1e-3, 0.0, 2e-6, 1e-3)
+    assert after.bore[0] == pytest.approx(np.array([11e-6, 11e-6, 0, 0, 0, 0, 2e-6, 2e-6]))
+    assert after.supplied == pytest.approx(2e-3 * (1e-6 - 8e-6))
+
+
+def test_where_the_skirt_is_in_steps_of_any_length():
+    """Eq. (T26) for V = 2 t + 1 m/s: exact from the second step on."""
+    bore = bore_by_hand(stroke=1.0)
+    layer = bore.start(1.0)
+    time = before = 0.0
+    for step in (1e-3, 2e-3, 0.5e-3, 1e-3):
+        covered = bore.covered(layer, step, before, 0.0, 0.0)
+        time += step
+        nothing = np.zeros((2, 4))
+        layer = bore.left(covered, layer, nothing, nothing, 2.0 * time + 1.0, step)
+        assert layer.height == pytest.approx(time**2 + time, rel=1e-12)
+        if before > 0.0:
+            assert layer.reached == pytest.approx(time**2 + time, rel=1e-12)
+        before = step
+
+
+def test_farther_than_the_stroke_is_refused():
+    bore = bore_by_hand()
+    with pytest.raises(NotConverged, match="stroke = 0.002 m"):
+        bore.covered(bore.start(-2.1), 1e-3, 0.0, 0.0, 0.0)
+
+
+def test_what_does_not_go_with_oil_from_the_bore_is_told():
+    p = Parameters(
+        oil_supply="bore",
+        pressure_upper_edge=1e5,
+        film_fraction_lower_edge=0.5,
+        cavitation_model="gumbel",
+        open_cells=np.ones((40, 40), dtype=bool),
+    )
+    found = "\n".join(faults(p))
+    for name in ("pressure_upper_edge", "film_fraction_lower_edge", "gumbel", "without a film"):
+        assert name in found
+    assert faults(Parameters(oil_supply="bore")) == []
