@@ -175,6 +175,7 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
     """Rows of the mask, None without one."""
     if chosen.mask is None or chosen.mask == "none":
         return None
+    shown = f"mask = {chosen.mask!r}" if isinstance(chosen.mask, str) else "mask"
     try:
         mask = (
             np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
@@ -182,14 +183,14 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
             else np.array(chosen.mask, dtype=float)
         )
     except (OSError, ValueError) as error:
-        faults.append(f"mask = {chosen.mask!r}: {error}")
+        faults.append(f"{shown}: {error}")
         return None
     if mask.shape != chosen.grid:
         given = " x ".join(map(str, mask.shape))
         wanted = " x ".join(map(str, chosen.grid))
-        faults.append(f"mask = {chosen.mask!r}: {given} values, the grid has {wanted} cells")
+        faults.append(f"{shown}: {given} values, the grid has {wanted} cells")
     elif not np.isin(mask, (0.0, 1.0)).all():
-        faults.append(f"mask = {chosen.mask!r}: only 1 (film) and 0 (cut-out) are allowed")
+        faults.append(f"{shown}: only 1 (film) and 0 (cut-out) are allowed")
     elif not mask.any():
-        faults.append(f"mask = {chosen.mask!r}: no cell is left with a film")
+        faults.append(f"{shown}: no cell is left with a film")
     return mask.astype(int).tolist()

@@ -50,6 +50,9 @@ def command(
         )
     table = checked.participants[name]
     if grid:
+        for one in checked.participants.values():
+            if "grid" in one.build:
+                one.build["grid"] = parse_grid(grid)
         table.build["grid"] = parse_grid(grid)
     if no_fields:
         table.build["no_fields"] = True

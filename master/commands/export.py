@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from ..case.export import export_fmu
+from ..case.given import build_options
 from ..case.schema import check_case, find_case, read_tree
 from ..case.ssp import export_ssp
 from ..case.system import open_system
@@ -57,8 +58,9 @@ def command(
 
 def built(case, folder):
     """The case with FMI 3.0 FMUs in the place of the packages it builds."""
+    options = build_options(case, folder, say)
     fmus = {
-        name: build_fmu(table.package, table.build, folder, say, "3.0")
+        name: build_fmu(table.package, options[name], folder, say, "3.0")
         for name, table in case.participants.items()
         if table.package
     }

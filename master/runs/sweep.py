@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..case.given import build_options
 from ..case.schema import check_case, read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
@@ -271,14 +272,17 @@ def build_all(points, case_folder, progress):
     """Build every FMU the points need, each once, before processes race for it; faults are left to
     the rows.
     """
-    tables = {}
+    wanted = {}
     for point in points:
-        for table in check_case(point.tree, case_folder).participants.values():
+        case = check_case(point.tree, case_folder)
+        builds = build_options(case, case_folder, progress)
+        for name, table in case.participants.items():
             if table.package:
-                tables[json.dumps([table.package, table.build], sort_keys=True)] = table
-    for table in tables.values():
+                one = table.package, builds[name]
+                wanted[json.dumps(one, sort_keys=True)] = one
+    for package, build in wanted.values():
         try:
-            build_fmu(table.package, table.build, Path(case_folder), progress)
+            build_fmu(package, build, Path(case_folder), progress)
         except BadInput:
             continue
 

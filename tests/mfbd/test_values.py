@@ -373,6 +373,16 @@ def test_free_crank(bodies, load):
 # ---- film geometry
 
 
+def spline(place, value, second):
+    """Periodic cubic at `place`, counted in points, from values and second derivatives there."""
+    first = np.floor(place).astype(int)
+    t = place - first
+    i, k = first % len(value), (first + 1) % len(value)
+    v, m = np.array(value), np.array(second)
+    straight = v[i] * (1 - t) + v[k] * t
+    return straight + ((1 - t) ** 3 - (1 - t)) * m[i] / 6 + (t**3 - t) * m[k] / 6
+
+
 def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
     """h = clearance + barrel + ovality - growth of the skirt + growth of the bore + orders +
     measured shapes - tilt y' cos theta - (x_A - angle y') sin theta, to the round-off of the bore's
@@ -416,13 +426,12 @@ def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
     film = film + 2e-6 + 5e-6 * np.cos(3.0 * (theta - np.radians(20.0)))
     film = film - 7e-4 * y * np.cos(theta)
     film = film - (13e-6 - 9e-4 * y) * np.sin(theta)
-    # measured: linear in height and around; the skirt's rises by 1 um a quarter turn, and falls by
-    # 3 um over the last; the bore's between 3 um at 45 deg and -1 um at 225 deg
-    quarter = np.degrees(theta) / 90.0
-    around = np.where(quarter <= 3.0, quarter, 3.0 * (4.0 - quarter))
-    film = film + 1e-6 * (1.0 + around + 4.0 * (y + 20e-3) / 40e-3)
-    turned = np.abs((np.degrees(theta) - 45.0 + 180.0) % 360.0 - 180.0) / 180.0
-    film = film + 1e-6 * (3.0 - 4.0 * turned)
+    # measured: linear between two heights; around, periodic cubic splines by their second
+    # derivatives M (times the square of the spacing), from M- + 4 M + M+ = 6 (v- - 2 v + v+):
+    # 1, 2, 3, 4 a quarter turn apart: M = 9, -3, 3, -9; 3, -1 half a turn apart: M = -24, 24
+    skirt = spline(np.degrees(theta) / 90.0, [1.0, 2.0, 3.0, 4.0], [9.0, -3.0, 3.0, -9.0])
+    film = film + 1e-6 * (skirt + 4.0 * (y + 20e-3) / 40e-3)
+    film = film + 1e-6 * spline((np.degrees(theta) - 45.0) / 180.0, [3.0, -1.0], [-24.0, 24.0])
     assert np.abs(seen(slave)["film_thickness"] - film).max() <= 1e-9
 
 
