@@ -32,6 +32,9 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
             giver = next((one for one in case.participants.values() if one.role == role), None)
             if key in table.build or giver is None or not giver.package:
                 continue
+            grids = [one.build["grid"] for one in (table, giver) if "grid" in one.build]
+            if grids[1:] and grids[0] != grids[1]:
+                continue  # told by the wires between them
             try:
                 prepare = import_part(f"{giver.package}.build").prepare
                 given, _ = prepare(giver.build, Path(folder), progress)

@@ -38,7 +38,7 @@ def test_diagnostic_fields_can_be_left_out(tmp_path):
 
 @pytest.mark.parametrize("supply", ["edges", "bore_and_ring"])
 def test_restored_state_repeats_the_bytes(slave, supply):
-    slave.string[slave.references["oil_supply"]] = supply
+    choose(slave, "oil_supply", supply)
     slave.exit_initialization_mode()
     slave.views["sliding_velocity"][...] = 3.0
     film = 1e-5 - 3e-6 * np.linspace(0.0, 1.0, 48).reshape(8, 6)
