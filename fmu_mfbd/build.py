@@ -178,8 +178,8 @@ def _check_own(
         load(Anatomy, path)
     except ValueError as lacking:
         raise ValueError(
-            f"{lacking}: not as `piston-cosim reduce` writes it now (its film grid used to lie half "
-            "a cell further around); reduce it again"
+            f"{lacking}: not as `piston-cosim reduce` writes it now (its film grid used to lie "
+            "half a cell further around); reduce it again"
         ) from None
     around, along = grid
     rows = around * along if kind is ReducedPiston else around
