@@ -174,7 +174,7 @@ class March:
             self.recorder = Recorder(
                 output,
                 system.participants,
-                case.record,
+                case,
                 {
                     "title": case.title,
                     "case": json.dumps(tree),
