@@ -273,3 +273,16 @@ def test_a_point_is_named_by_what_bears_on_its_run():
         point.name
     )
     assert Point({}, TREE | {"coupling": {"order": ["a"], "halvings": 5}}).name != point.name
+
+
+def test_a_page_of_figures_has_a_table_a_part(tmp_path, monkeypatch):
+    bad = Check("case b", "y|z [m]", 2.0, None, 1.0, "at most", "round-off", "")
+    good = Check("case a", "x [-]", 1.01, 1.0, 0.1, "relative", "by hand", "")
+    monkeypatch.setattr(rows, "checks", lambda parts, slow: [("ehd", good), ("mfbd", bad)])
+    silent = Console(file=io.StringIO())
+    assert rows.verify(["ehd", "mfbd"], False, silent, tmp_path / "figures.md") == 1
+    text = (tmp_path / "figures.md").read_text()
+    assert "2 figures, 1 of them outside" in text
+    assert "## ehd\n\n| case | quantity |" in text
+    assert "| case a | x [-] | 1.01 | 1 | 0.01 | 0.1 relative | by hand |\n\n## mfbd" in text
+    assert "| case b | y\\|z [m] | 2 |  | 2 | 1 at most | round-off |" in text
