@@ -7,12 +7,15 @@ and option classes by introspection; every equation by its label. mkdocs calls `
 
 import ast
 import inspect
+import os
 import posixpath
 import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
 PARTS = ("fmu_ehd", "fmu_mfbd", "master")
@@ -45,14 +48,20 @@ OPTION_CLASSES = {
 
 def on_config(config):
     """The package under its name, for mkdocstrings: the folder itself may have any."""
-    package = ROOT / "build" / "package" / "piston_cosim"
-    shutil.rmtree(package, ignore_errors=True)
-    package.mkdir(parents=True)
+    package = scratch("package") / "piston_cosim"
     for path in (path for room in ROOMS for path in found_in(ROOT / room)):
         target = package / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(set_apart(path.read_text()))
     return config
+
+
+def scratch(name):
+    """An empty folder for what is made on the way."""
+    folder = ROOT / "build" / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
 
 
 def found_in(room):
@@ -81,12 +90,11 @@ def set_apart(code):
 
 def on_files(files, config):
     """All pages that no file of `docs` holds."""
-    from mkdocs.structure.files import File
-
     pages = {page: moved(source, page) for source, page in TEXTS.items()}
     pages |= pictures() | reference() | theory()
     for page, content in pages.items():
         files.append(File.generated(config, page, content=content))
+    os.chdir(scratch("notebooks"))  # where they run: what they write goes there
     return files
 
 

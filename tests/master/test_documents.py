@@ -108,3 +108,26 @@ def test_commands_in_documents_are_there_with_their_options():
             if command not in COMMANDS or options - known:
                 wrong.append((name, words))
     assert wrong == []
+
+
+def test_the_citation_names_the_version_that_is_built():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert f"\nversion: {project['version']}\n" in citation
+    assert f"\nlicense: {project['license']}\n" in citation
+
+
+def test_the_shell_completes_every_command():
+    script = app.generate_completion(shell="bash")
+    assert [command for command in COMMANDS if command not in script] == []
+    assert "--summary-json" in script
+
+
+def test_every_option_has_words():
+    silent = [
+        (command, argument.name)
+        for command in COMMANDS
+        for argument in app[command].assemble_argument_collection(parse_docstring=True)
+        if not argument.parameter.help
+    ]
+    assert silent == []
