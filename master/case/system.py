@@ -102,6 +102,7 @@ def open_system(case, folder, progress):
         case.coupling.parallel,
         tuple(held),
         begin,
+        case.time.cycles,
     )
 
 
