@@ -3,11 +3,11 @@
 From `time.start` to `time.stop` is one cycle. What is compared are all wires that carry reals, and
 what the contract says an FMU of a role `repeats`: together film, motion and oil.
 
-Cycles are plainly repeated. With flooded edges each is nearer by a factor of ten (numerical example,
-rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6), which leaves nothing to gain by
-extrapolation. Where oil on the bore is followed its amount changes by a tenth a cycle less each
-(data sheet, 12 x 8 cells, a layer of 5 um, steps of 4 deg: from 0.06 in the third to 0.03 in the
-twelfth), and motion that is not smooth jumps about that: there one has to run on, or ask for less.
+Cycles are plainly repeated. With flooded edges each is nearer by a factor of ten (numerical
+example, rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6), which leaves nothing to
+gain by extrapolation. Where oil on the bore is followed, its amount is slower (data sheet, 12 x 8
+cells, a layer of 5 um, steps of 4 deg: 0.04 in the fifth, 0.03 in the eighth cycle), and on so
+coarse a grid motion jumps about by as much: extrapolating that would not be safe.
 """
 
 from collections.abc import Iterable, Mapping
