@@ -4,10 +4,10 @@ From `time.start` to `time.stop` is one cycle. What is compared are all wires th
 what the contract says an FMU of a role `repeats`: together film, motion and oil.
 
 Cycles are plainly repeated. With flooded edges each is nearer by a factor of ten (numerical
-example, rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6), which leaves nothing to
-gain by extrapolation. Where oil on the bore is followed, its amount is slower (data sheet, 12 x 8
-cells, a layer of 5 um, steps of 4 deg: 0.04 in the fifth, 0.03 in the eighth cycle), and on so
-coarse a grid motion jumps about by as much: extrapolating that would not be safe.
+example, rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6), which leaves nothing
+to gain by extrapolation. Where oil on the bore is followed, its amount is slower (data sheet,
+12 x 8 cells, a layer of 5 um, steps of 4 deg: 0.04 in the fifth, 0.03 in the eighth cycle), and on
+so coarse a grid motion jumps about by as much: extrapolating that would not be safe.
 """
 
 from collections.abc import Iterable, Mapping
