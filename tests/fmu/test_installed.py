@@ -152,8 +152,15 @@ def test_a_wheel_says_whose_it_is(wheel):
 def test_a_source_distribution_has_the_tests(tmp_path):
     pytest.importorskip("build")
     copy = tmp_path / "checkout"
-    away = (".git", ".venv", "build", "dist", "results", "__pycache__", "*.whl", "*.egg-info")
-    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(*away))
+    skipped = shutil.ignore_patterns("__pycache__", ".*_cache", "*.whl", "*.egg-info")
+    for path in ROOT.iterdir():
+        if path.name in (".git", ".venv", "build", "dist", "results"):
+            continue
+        if path.is_dir():
+            shutil.copytree(path, copy / path.name, ignore=skipped)
+        else:
+            copy.mkdir(exist_ok=True)
+            shutil.copy(path, copy)
     subprocess.run(
         [sys.executable, "-m", "build", "--sdist", copy], check=True, capture_output=True
     )
