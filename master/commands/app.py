@@ -51,6 +51,7 @@ for _order, (_name, _line) in enumerate(COMMANDS.items()):
     # the command called explains itself by its docstring
     _help = {} if sys.argv[1:2] == [_name] else {"help": _line}
     app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
+app.register_install_completion_command(help="Teach this shell to complete commands and options.")
 
 
 def main():

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+import matplotlib.pyplot as plt
+
 from ..case.schema import Case, Picture
 from ..fmi.errors import BadInput
 from .coordinates import crank_angle_port
@@ -14,7 +16,8 @@ if TYPE_CHECKING:
 
 
 class Plots:
-    """`results.plot`: each call draws one matplotlib figure.
+    """`results.plot`: each call draws one matplotlib figure; a notebook shows it, a script saves it
+    (`figure.savefig("film.png")`).
 
     Units are those asked for, name -> unit ("um", "MPa", "deg"); SI without. `beside` draws other
     runs into the same panels: label -> Results.
@@ -99,6 +102,7 @@ class Plots:
         figure = DRAWN[picture.kind](self._case, picture, runs)
         if picture.title:
             figure.suptitle(picture.title)
+        plt.close(figure)  # pyplot forgets it: a notebook shows what is returned, and once
         return figure
 
 
