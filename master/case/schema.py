@@ -67,6 +67,11 @@ class Time(Table):
     """Run time and macro step: times, or crank angles together with the input that holds the
     angular speed. start : default 0.
 
+    until_periodic : start to stop is one cycle, run again and again until film, motion and oil at
+    its end are this near to those at its beginning, as a share of their range (Eq. (Y2),
+    `runs/repetition.py`); results and summary are of the last one. most_cycles : that it is run at
+    most; a run that has not come so far by then says so.
+
     smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the
     longest macro step: it is divided by the local error, into none smaller than this; default step
     / 64.
@@ -77,6 +82,13 @@ class Time(Table):
     step: str
     smallest_step: str | None = None
     angular_speed: Port | None = None
+    until_periodic: float | None = Field(None, gt=0, lt=1)
+    most_cycles: int = Field(20, ge=2, le=1000)
+
+    @property
+    def cycles(self) -> int:
+        """That the run may take."""
+        return 1 if self.until_periodic is None else self.most_cycles
 
 
 class ParticipantTable(Table):

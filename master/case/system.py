@@ -106,6 +106,7 @@ def open_system(case, folder, progress, own=None):
         case.coupling.parallel,
         tuple(held),
         begin,
+        case.time.cycles,
     )
 
 

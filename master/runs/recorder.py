@@ -244,11 +244,16 @@ class Recorder:
         self._waiting, self._instants = [], []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
-    def write(self, time, solution=None):
+    def write(self, time, solution=None, turned=None):
         """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
         memory for the next `flush`.
+
+        turned : what (participant, variable) has grown by in the cycles before, and is not counted.
         """
         values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
+        if turned:
+            for owner, found in values.items():
+                values[owner] = {key: found[key] - turned((owner, key)) for key in found}
         row = [time]
         for name, found in values.items():
             row += [found[key] for key in self.names[name]]
