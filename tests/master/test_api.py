@@ -353,3 +353,41 @@ def test_an_fmu_of_a_case_has_the_options_asked_for(here):
         pc.build_fmu("data_sheet", "oil")
     with pytest.raises(pc.BadInput, match="no such file"):
         pc.open_fmu("film.fmu")
+
+
+OWN = """import piston_cosim as pc
+
+
+class Twice(pc.Slave):
+    name = "twice"
+
+    @staticmethod
+    def variables(options):
+        return [
+            pc.variables.input_variable("x", "m", "Question"),
+            pc.variables.output_variable("y", "m", "Answer"),
+        ]
+
+    def start(self, values):
+        return self.advance(None, values, 0.0, 0.0)
+
+    def advance(self, state, values, time, step):
+        return state, {"y": 2.0 * values["x"]}
+"""
+
+
+def test_a_file_that_imports_the_public_names_becomes_an_fmu(here):
+    """Inside the FMU there is no installed package: its own tree answers to the name."""
+    (here / "twice.py").write_text(OWN)
+    fmu = pc.open_fmu(pc.build_fmu("twice.py:Twice", output="twice.fmu"))
+    fmu.start({"x": 1.5}, 0.0, 1.0)
+    fmu.step(0.0, 0.1)
+    assert fmu.get("y") == 3.0
+    fmu.close()
+    code = (
+        "import sys; sys.modules['piston_cosim'] = None;"  # not to be had
+        "from fmpy import simulate_fmu;"
+        "print(simulate_fmu('twice.fmu', start_values={'x': 2.0}, stop_time=0.1)['y'][-1])"
+    )
+    alone = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert alone.stdout.strip() == "4.0", alone.stderr
