@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from copy import deepcopy
 from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -485,6 +486,16 @@ def read_tree(path, changes=()):
             tree = tomllib.loads(Path(path).read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{path}: {error}") from None
+    return changed(tree, changes)
+
+
+def changed(tree, changes):
+    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it; the tree
+    given stays as it is.
+
+    Raises BadInput for every change whose path leads nowhere.
+    """
+    tree = deepcopy(tree)
     faults = [fault for key, value in changes if (fault := _change(tree, key, value))]
     if faults:
         raise BadInput(faults)
@@ -511,6 +522,17 @@ def _change(tree, key, value):
         )
     node[last] = value
     return None
+
+
+def value_at(tree, key):
+    """Value at a dotted key of a case's tree; KeyError with the key where there is none."""
+    node = tree
+    for part in _parts(key):
+        try:
+            node = node[int(part) if isinstance(node, list) else part]
+        except (KeyError, IndexError, TypeError, ValueError):
+            raise KeyError(key) from None
+    return node
 
 
 def _parts(key):

@@ -7,6 +7,7 @@ import os
 # dense algebra here is small: a second BLAS thread costs up to a factor 7
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
+os.environ.setdefault("MPLBACKEND", "Agg")  # pictures are files, also where there is a display
 
 import sys
 import time

@@ -196,7 +196,7 @@ class March:
         }
         participants = self.system.participants
         rows = self.account.rows
-        return Recorder(self.output, participants, self.case.record, attributes, rows)
+        return Recorder(self.output, participants, self.case, attributes, rows)
 
     def go(self, heard):
         """March to the stop time, or cycle after cycle until one repeats the one before, to the end
