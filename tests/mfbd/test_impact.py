@@ -67,9 +67,9 @@ def random_impacts(limited):
 
 
 def test_a_stop_is_not_returned_as_a_rebound():
-    """A film takes all of the approach; 1 would be an elastic wall. One stop in a thousand builds
-    up over two steps and sends 7 % of the speed back. Without the limit generalised-alpha sends
-    the mass back faster than it came.
+    """A film takes all of the approach; 1 is an elastic wall. One stop in a thousand builds up
+    over two steps and sends 7 % of the speed back. Without the limit generalised-alpha sends the
+    mass back faster than it came.
     """
     limited = random_impacts(limited=True)
     assert limited.max() <= 0.1
@@ -113,8 +113,8 @@ def test_what_is_an_impact(velocity, acceleration, is_impact):
 
 
 def test_a_jump_counts_by_the_acceleration_before():
-    """0.2 m/s, jumps from -2e4 to -2.9e4 and to -3.1e4 m/s2: worth 0.09 and 0.11 m/s, both more
-    than a quarter of 0.2 m/s, 0.45 and 0.55 of the acceleration before.
+    """0.2 m/s, jumps from -2e4 to -2.9e4 and -3.1e4 m/s2: worth 0.09 and 0.11 m/s, both more than
+    a quarter of 0.2 m/s, 0.45 and 0.55 of the acceleration before.
     """
     for after, is_impact in ((-2.9e4, False), (-3.1e4, True)):
         before = Motion(np.zeros(2), np.array([0.2, 0.0]), np.array([-2e4, 0.0]))
