@@ -1,6 +1,19 @@
 """piston_cosim: elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.
 
-This folder is the installed package. Its rooms:
+    import piston_cosim as pc
+
+    case = pc.open_case("numerical_example", {"participants.ehd.parameters.viscosity": "20 mPa s"})
+    results = case.run()
+    results.plot.lines("ehd.minimum_film_thickness", units={"ehd.minimum_film_thickness": "um"})
+
+Cases       open_case, Case, sweep
+Results     open_results, Results
+Parts       Film, reduce_bodies
+Own models  Slave, variables, couple
+FMUs        build_fmu, open_fmu
+Errors      BadInput, Discard, StepFailed
+
+Each is imported when it is first used. This folder is the installed package. Its rooms:
 
     fmu_ehd     lubrication: knows films; no bodies, no coupling
     fmu_mfbd    flexible bodies: knows bodies; no films, no coupling
@@ -11,11 +24,78 @@ The three parts meet in `master.fmi` alone. Inside the project every import is r
 FMU can carry the same tree under a name of its own.
 """
 
+from typing import TYPE_CHECKING, Any
 
-def __getattr__(name):
-    """`__version__`, asked of the installation when it is wanted: a tree inside an FMU has none."""
-    if name != "__version__":
+if TYPE_CHECKING:
+    from .fmu_ehd.alone import Film
+    from .master.api.bodies import reduce_bodies
+    from .master.api.cases import Case, open_case, sweep
+    from .master.api.coupled import couple
+    from .master.api.fmus import build_fmu, open_fmu
+    from .master.coupling.stepping import StepFailed
+    from .master.fmi import variables
+    from .master.fmi.errors import BadInput, Discard
+    from .master.fmi.slave import FieldSlave as Slave
+    from .master.results.file import Results, open_results
+
+    __version__: str
+
+__all__ = [
+    "BadInput",
+    "Case",
+    "Discard",
+    "Film",
+    "Results",
+    "Slave",
+    "StepFailed",
+    "build_fmu",
+    "couple",
+    "open_case",
+    "open_fmu",
+    "open_results",
+    "reduce_bodies",
+    "sweep",
+    "variables",
+]
+
+_PLACES = {
+    "BadInput": "master.fmi.errors",
+    "Case": "master.api.cases",
+    "Discard": "master.fmi.errors",
+    "Film": "fmu_ehd.alone",
+    "Results": "master.results.file",
+    "Slave": "master.fmi.slave:FieldSlave",
+    "StepFailed": "master.coupling.stepping",
+    "build_fmu": "master.api.fmus",
+    "couple": "master.api.coupled",
+    "open_case": "master.api.cases",
+    "open_fmu": "master.api.fmus",
+    "open_results": "master.results.file",
+    "reduce_bodies": "master.api.bodies",
+    "sweep": "master.api.cases",
+    "variables": "master.fmi.variables:",
+}
+"""Public name -> module, or module:name in it; module: for the module itself."""
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, imported at its first use; `__version__`, asked of the installation: a tree
+    inside an FMU has none.
+    """
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("piston-cosim")
+    if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib.metadata import version
+    from importlib import import_module
 
-    return version("piston-cosim")
+    place, colon, inside = _PLACES[name].partition(":")
+    module = import_module(f"{__name__}.{place}")
+    value = module if colon and not inside else getattr(module, inside or name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

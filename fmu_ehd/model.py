@@ -53,6 +53,8 @@ class State:
         last step, `transport`.
     layer : oil_layer.OilLayer
         Oil outside the film; without it no cells of the bore.
+    friction_work, boundary_work : float
+        What sliding has cost since the start, and the asperities' part of it [J].
     """
 
     unknown: Array
@@ -67,6 +69,8 @@ class State:
     passed: Array
     travel: Array
     layer: OilLayer
+    friction_work: float
+    boundary_work: float
 
     @property
     def past(self) -> Past:
@@ -128,11 +132,14 @@ class Film:
 
 
 class Last(NamedTuple):
-    """What the tangent needs of the last step: film, asperity contact, what friction depends on."""
+    """What the tangent needs of the last step: film, asperity contact, what friction depends on;
+    and the power of asperity friction [W].
+    """
 
     film: Film
     contact: Contact
     shear: ShearInputs
+    boundary_power: float
 
 
 class Linear(NamedTuple):
@@ -237,7 +244,11 @@ class LubricationModel:
         film = self._film(inputs, flow, pressure, fraction)
         _, outputs = self._outputs(film)
         outputs |= dict(
-            flow_lower_edge=0.0, flow_upper_edge=0.0, mass_imbalance=0.0, solver_iterations=0
+            flow_lower_edge=0.0,
+            flow_upper_edge=0.0,
+            mass_imbalance=0.0,
+            solver_iterations=0,
+            boundary_friction_share=0.0,
         )
         content = fraction * flow.quantities[STORED]
         layer = NO_LAYER if self._bore is None else self._bore.start(float(sliding_velocity.mean()))
@@ -257,6 +268,8 @@ class LubricationModel:
             no_flow,
             no_flow,
             layer,
+            0.0,
+            0.0,
         )
         return state, outputs
 
@@ -322,12 +335,15 @@ class LubricationModel:
         inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
         self._last, outputs = self._outputs(film)
+        friction_work = state.friction_work + step * outputs["friction_power"]
+        boundary_work = state.boundary_work + step * self._last.boundary_power
         lower, upper = solution.edge_flow[BOTH_AXIAL_EDGES]
         outputs |= dict(
             flow_lower_edge=float(lower),
             flow_upper_edge=float(upper),
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
+            boundary_friction_share=boundary_work / friction_work if friction_work > 0.0 else 0.0,
         )
         passed = carried + begin.length * solution.axial_flow
         if self._bore is not None:
@@ -358,6 +374,8 @@ class LubricationModel:
             passed,
             transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
             layer,
+            friction_work,
+            boundary_work,
         )
         return state, outputs
 
@@ -423,7 +441,7 @@ class LubricationModel:
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
-        film, contact, shear = last
+        film, contact, shear, _ = last
         slopes = film.flow.slopes
         to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
         by_pressure = self._zero
@@ -677,7 +695,8 @@ class LubricationModel:
             radial_force_anti_thrust_side=summary.radial.anti_thrust,
             friction_force_anti_thrust_side=summary.friction.anti_thrust,
         )
-        return Last(film, contact, shear), outputs
+        boundary_power = -float(np.vdot(forces.boundary, sliding_velocity))  # Eq. (F3)
+        return Last(film, contact, shear, boundary_power), outputs
 
 
 def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:

@@ -137,6 +137,11 @@ SUMMARY = (
         "friction_power", "W", "Power that sliding costs, - axial force x velocity", 100.0
     ),
     output_variable(
+        "boundary_friction_share",
+        "1",
+        "Asperities' share of the work that sliding has cost since the start",
+    ),
+    output_variable(
         "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
     ),
     output_variable(

@@ -174,6 +174,13 @@ def _check_own(
 ) -> None:
     """Raise ValueError unless a user's file holds a body of this kind for this film grid."""
     body = load(kind, path)
+    try:
+        load(Anatomy, path)
+    except ValueError as lacking:
+        raise ValueError(
+            f"{lacking}: not as `piston-cosim reduce` writes it now (its film grid used to lie "
+            "half a cell further around); reduce it again"
+        ) from None
     around, along = grid
     rows = around * along if kind is ReducedPiston else around
     if len(body.radial) != rows:

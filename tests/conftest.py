@@ -18,6 +18,7 @@ TIERS = {
     "properties": "verification",
     "verification": "verification",
     "pinned": "pinned",
+    "docs": "docs",
 }
 
 

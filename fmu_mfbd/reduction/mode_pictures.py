@@ -2,10 +2,6 @@
 normal; and where the skirt is.
 """
 
-import matplotlib
-
-matplotlib.use("Agg")  # files only, also without a display
-
 from collections.abc import Sequence
 from pathlib import Path
 

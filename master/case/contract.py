@@ -50,6 +50,8 @@ class Role:
     model_parameter: str | None = None
     curves: tuple[Curve, ...] = field(default=())
     build: dict[str, str] = field(default_factory=dict)
+    repeats: tuple[str, ...] = ()
+    turning: tuple[str, ...] = ()
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from copy import deepcopy
 from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -66,6 +67,11 @@ class Time(Table):
     """Run time and macro step: times, or crank angles together with the input that holds the
     angular speed. start : default 0.
 
+    until_periodic : start to stop is one cycle, run again and again until film, motion and oil at
+    its end are this near to those at its beginning, as a share of their range (Eq. (Y2),
+    `runs/repetition.py`); results and summary are of the last one. most_cycles : that it is run at
+    most; a run that has not come so far by then says so.
+
     smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the
     longest macro step: it is divided by the local error, into none smaller than this; default step
     / 64.
@@ -76,6 +82,13 @@ class Time(Table):
     step: str
     smallest_step: str | None = None
     angular_speed: Port | None = None
+    until_periodic: float | None = Field(None, gt=0, lt=1)
+    most_cycles: int = Field(20, ge=2, le=1000)
+
+    @property
+    def cycles(self) -> int:
+        """That the run may take."""
+        return 1 if self.until_periodic is None else self.most_cycles
 
 
 class ParticipantTable(Table):
@@ -473,6 +486,16 @@ def read_tree(path, changes=()):
             tree = tomllib.loads(Path(path).read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{path}: {error}") from None
+    return changed(tree, changes)
+
+
+def changed(tree, changes):
+    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it; the tree
+    given stays as it is.
+
+    Raises BadInput for every change whose path leads nowhere.
+    """
+    tree = deepcopy(tree)
     faults = [fault for key, value in changes if (fault := _change(tree, key, value))]
     if faults:
         raise BadInput(faults)
@@ -499,6 +522,17 @@ def _change(tree, key, value):
         )
     node[last] = value
     return None
+
+
+def value_at(tree, key):
+    """Value at a dotted key of a case's tree; KeyError with the key where there is none."""
+    node = tree
+    for part in _parts(key):
+        try:
+            node = node[int(part) if isinstance(node, list) else part]
+        except (KeyError, IndexError, TypeError, ValueError):
+            raise KeyError(key) from None
+    return node
 
 
 def _parts(key):

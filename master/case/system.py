@@ -30,8 +30,9 @@ TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
 
 
-def open_system(case, folder, progress):
-    """Build or open every FMU of the case and check the whole before anything runs.
+def open_system(case, folder, progress, own=None):
+    """Build or open every FMU of the case and check the whole before anything runs; `own` holds
+    makers of participants that exist in this Python alone, by name.
 
     Raises
     ------
@@ -44,7 +45,10 @@ def open_system(case, folder, progress):
     builds = build_options(case, folder, progress)
     for name, table in case.participants.items():
         try:
-            participants[name] = _participant(name, table, builds[name], folder, progress)
+            make = (own or {}).get(name)
+            participants[name] = (
+                make() if make else _participant(name, table, builds[name], folder, progress)
+            )
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
     if faults:
@@ -102,6 +106,7 @@ def open_system(case, folder, progress):
         case.coupling.parallel,
         tuple(held),
         begin,
+        case.time.cycles,
     )
 
 

@@ -7,6 +7,7 @@ import os
 # dense algebra here is small: a second BLAS thread costs up to a factor 7
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
+os.environ.setdefault("MPLBACKEND", "Agg")  # pictures are files, also where there is a display
 
 import sys
 import time
@@ -50,6 +51,7 @@ for _order, (_name, _line) in enumerate(COMMANDS.items()):
     # the command called explains itself by its docstring
     _help = {} if sys.argv[1:2] == [_name] else {"help": _line}
     app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
+app.register_install_completion_command(help="Teach this shell to complete commands and options.")
 
 
 def main():

@@ -5,10 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from ..case.given import build_options
-from ..case.schema import check_case, find_case, read_tree
-from ..fmi.builder import build_fmu
-from ..fmi.errors import BadInput
+from ..api.fmus import build_fmu
 from .common import console, parse_grid, say
 
 
@@ -41,23 +38,8 @@ def command(
         Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that
         choke on thousands of scalars.
     """
-    path = find_case(case)
-    checked = check_case(read_tree(path), path)
+    options = {"grid": parse_grid(grid)} if grid else {}
+    fewer = {"no_fields": True} if no_fields else {}
     name = {"mfbd": "bodies"}.get(participant, participant)
-    if name not in checked.participants or not checked.participants[name].package:
-        raise BadInput(
-            f"participant {participant!r}: the case builds {', '.join(checked.participants)}"
-        )
-    table = checked.participants[name]
-    if grid:
-        for one in checked.participants.values():
-            if "grid" in one.build:
-                one.build["grid"] = parse_grid(grid)
-        table.build["grid"] = parse_grid(grid)
-    if no_fields:
-        table.build["no_fields"] = True
-    options = build_options(checked, path.parent, say)[name]
-    fmu = build_fmu(table.package, options, path.parent, say, fmi)
-    if output:
-        output.write_bytes(fmu.read_bytes())
-    console.print(str(output or fmu), soft_wrap=True, highlight=False)
+    fmu = build_fmu(case, name, output=output, options=options | fewer, fmi=fmi, say=say)
+    console.print(str(fmu), soft_wrap=True, highlight=False)

@@ -11,6 +11,11 @@ def command(fmu: Path):
     """Compare an FMU with the lubrication contract: names, units, shapes, capabilities.
 
     Example: piston-cosim check film.fmu
+
+    Parameters
+    ----------
+    fmu
+        An FMU that is to take the place of ours.
     """
     if not fmu.is_file():
         raise BadInput(f"{fmu}: no such file")

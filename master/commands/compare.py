@@ -41,8 +41,10 @@ def command(
     ----------
     files
         Results files; with --lubrication, a case.
-    x, y
-        Abscissa and curves, participant.variable; by default those of the case's first picture.
+    x
+        Abscissa, participant.variable; by default that of the case's first picture.
+    y
+        Curves, likewise; several allowed.
     period
         Hold each run's last period against the one before it.
     measured

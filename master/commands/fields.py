@@ -37,10 +37,14 @@ def command(
         .csv, .h5, or .vtu.
     time
         Only the recorded instant nearest to this time.
-    i, j
-        Only this line of grid points (1-based); both: one grid point.
-    radius, length
+    i
+        Only the grid points at this place around (1-based); with --j one grid point.
+    j
+        Only the grid points at this height (1-based).
+    radius
         Of the cylinder on which a VTU file shows the field.
+    length
+        Of that cylinder.
     """
     _, runs = open_runs((file,))
     (results,) = runs.values()

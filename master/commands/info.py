@@ -13,6 +13,11 @@ def command(fmu: Path):
     """Print what an FMU offers: capabilities, parameters with ranges, inputs, outputs.
 
     Example: piston-cosim info film.fmu
+
+    Parameters
+    ----------
+    fmu
+        An FMI 2.0 or 3.0 FMU.
     """
     if not fmu.is_file():
         raise BadInput(f"{fmu}: no such file")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..fmi.builder import build_fmu_of_file
+from ..api.fmus import build_fmu
 from .common import console, parse_grid, say
 
 
@@ -20,5 +20,5 @@ def command(slave: str, *, grid: str = "40x40", output: Path):
     output
         Where to put the FMU.
     """
-    output.write_bytes(build_fmu_of_file(slave, {"grid": parse_grid(grid)}, say).read_bytes())
-    console.print(str(output), soft_wrap=True, highlight=False)
+    fmu = build_fmu(slave, output=output, options={"grid": parse_grid(grid)}, say=say)
+    console.print(str(fmu), soft_wrap=True, highlight=False)

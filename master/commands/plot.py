@@ -10,5 +10,12 @@ def command(*files: Path, output: Path = Path("pictures")):
     describes them.
 
     Example: piston-cosim plot results/numerical_example/base.h5 results/numerical_example/rigid.h5
+
+    Parameters
+    ----------
+    files
+        Results files.
+    output
+        Folder for the pictures.
     """
     draw_pictures(*open_runs(files), output)

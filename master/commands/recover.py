@@ -5,12 +5,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..api.bodies import OFFLINE, build_table
 from ..case.schema import find_case
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from ..fmi.tree import import_part
 from .common import console, open_runs, say
-from .reduce import OFFLINE, build_table
 
 PORT = "{}.modal_coordinate"
 

@@ -4,15 +4,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from ..case.schema import case_names, find_case, read_tree
-from ..fmi.errors import BadInput
-from ..fmi.tree import import_part
+from ..api.bodies import reduced
+from ..case.schema import find_case, read_tree
 from .common import Changes, console, parse_change
-
-OFFLINE = "fmu_mfbd.offline"
-"""Module with `reduce(options, folder, output, progress)`, called by name: this package knows no
-bodies.
-"""
 
 
 def command(source: str, *, set_: Changes = [], output: Path | None = None):
@@ -45,25 +39,9 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
             status.update(text)
             console.print(f"[dim]{text}[/]", soft_wrap=True)
 
-        bodies = import_part(OFFLINE).reduce(build_table(tree), path.parent, folder, progress)
+        bodies = reduced(tree, path.parent, folder, progress)
     for body in bodies:
         print_body(body)
-
-
-def build_table(tree):
-    """The table that describes the bodies: of the case's participant that is made of them, or the
-    file itself.
-    """
-    if "participants" not in tree:
-        return tree
-    package = OFFLINE.split(".")[0]
-    for table in tree["participants"].values():
-        if table.get("package") == package:
-            return table.get("build", {})
-    raise BadInput(
-        f"no participant of the case has package = {package!r}; cases that come with the tool: "
-        f"{', '.join(case_names())}"
-    )
 
 
 def print_body(body):

@@ -16,6 +16,11 @@ def command(checkpoint: Path):
     happened.
 
     Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
+
+    Parameters
+    ----------
+    checkpoint
+        The file <results>.h5.checkpoint that the interrupted run left.
     """
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory

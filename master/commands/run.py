@@ -49,10 +49,12 @@ def command(
         Also write the summary there.
     plots
         Draw the case's pictures at the end.
-    lubrication, bodies
+    lubrication
         FMU to take instead of the case's own participant in this role, FILE or, where several
         have it, PARTICIPANT=FILE; what the case says of variables it does not have is left out and
         named.
+    bodies
+        The same for the participant in the role of the bodies.
     live
         Serve a page on this machine with curves while the run goes on, to pause and to stop it.
     """

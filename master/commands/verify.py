@@ -1,6 +1,7 @@
 """`piston-cosim verify`."""
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -15,7 +16,11 @@ from .common import console, say
 IMPORTERS = "importers"
 
 
-def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=())] = False):
+def command(
+    *parts: str,
+    all_: Annotated[bool, Parameter(name="--all", negative=())] = False,
+    output: Path | None = None,
+):
     """Compute every verification figure and print it beside its reference and its error.
 
     Example: piston-cosim verify ehd
@@ -28,13 +33,15 @@ def command(*parts: str, all_: Annotated[bool, Parameter(name="--all", negative=
         PISTON_COSIM_PYTHONS names, separated by colons.
     all_
         The slow studies too (minutes).
+    output
+        Also write the figures there, as Markdown.
     """
     unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
     if unknown:
         raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join((*PARTS, IMPORTERS))}")
     figures = [part for part in parts or PARTS if part != IMPORTERS]
     wide = Console(width=max(console.width, 190))
-    failed = compute(figures, all_, wide) if figures else 0
+    failed = compute(figures, all_, wide, output) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)
     if failed:

@@ -93,7 +93,8 @@ class System:
 
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
     divides macro steps [s]; parallel : Jacobi's order, every participant reads what the others said
-    in the evaluation before; held : wires that carry no real numbers.
+    in the evaluation before; held : wires that carry no real numbers; cycles : how often begin to
+    stop may be run, one behind the other.
     """
 
     participants: Mapping[str, Any]
@@ -107,6 +108,12 @@ class System:
     parallel: bool = False
     held: tuple[HeldWire, ...] = ()
     begin: float = 0.0
+    cycles: int = 1
+
+    @property
+    def end(self) -> float:
+        """Where the last of all cycles that the run may take would end [s]."""
+        return self.begin + self.cycles * (self.stop - self.begin)
 
 
 def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:

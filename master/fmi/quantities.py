@@ -105,4 +105,9 @@ def short(value, unit):
         return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
     if not is_known(unit):
         return f"{value:.3g} {unit}"
-    return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"
+    return one_micro(f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}")
+
+
+def one_micro(text):
+    """What pint has written, with the micro sign for the Greek letter that newer versions take."""
+    return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")

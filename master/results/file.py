@@ -1,11 +1,20 @@
 """A results file, read; `runs.recorder` says how it is laid out."""
 
 import json
+from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import h5py
 import numpy as np
+
+from ..fmi.errors import BadInput
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from .plots import Plots
 
 
 class Series(NamedTuple):
@@ -30,9 +39,9 @@ SLASH = "\u2215"
 
 
 def dataset_path(port: str) -> str:
-    """Where a results file holds "participant.name"."""
-    owner, _, name = port.partition(".")
-    return f"{owner}/{name.replace('/', SLASH)}"
+    """Where a results file holds "participant.name", or "time"."""
+    owner, dot, name = port.partition(".")
+    return f"{owner}/{name.replace('/', SLASH)}" if dot else owner
 
 
 def _port(path: str) -> str:
@@ -40,7 +49,30 @@ def _port(path: str) -> str:
 
 
 class Results:
-    """A results file, read: `time`, `series(port)`, `field(port, time)`, units and descriptions."""
+    """What a run has recorded, as arrays in SI with their units; `with` closes the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A results file, also one whose run goes on (`.partial`). A port is text,
+        "participant.variable".
+
+    Attributes
+    ----------
+    time : ndarray, shape (rows,)
+        End of every macro step, the start first [s].
+
+    Examples
+    --------
+    >>> results = pc.open_case("two_mass_oscillator", {"time.stop": "0.02 s"}).run()
+    >>> results.ports[:2]
+    ['coupling.derivative_products', 'coupling.iterations']
+    >>> values, unit, meaning = results.series("left.displacement")
+    >>> values.shape, unit, meaning
+    ((3,), 'm', 'Displacement of the mass')
+    >>> results.summary["steps"]
+    2
+    """
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
@@ -65,9 +97,23 @@ class Results:
         return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
 
     def series(self, port: str) -> Series:
-        """Scalar output "participant.name"."""
+        """A scalar output over the macro steps: (values, unit, description)."""
         dataset = self.file[dataset_path(port)]
         return Series(dataset[:], dataset.attrs["unit"], dataset.attrs["description"])
+
+    @property
+    def crank_angle(self) -> np.ndarray | None:
+        """Crank angle at `time`, shape (rows,) [rad]; None of a case without one."""
+        from .coordinates import crank_angle_port
+
+        port = crank_angle_port(self._checked)
+        return self.series(port).values if port in self.ports else None
+
+    @cached_property
+    def _checked(self) -> Any:
+        from ..case.schema import check_case
+
+        return check_case(self.case, self.path)
 
     @property
     def ports(self) -> list[str]:
@@ -124,6 +170,61 @@ class Results:
         unit = dataset.attrs["unit"]
         return RecordedField(dataset[k], float(instants[k]), unit, dataset.attrs["description"])
 
+    def to_xarray(self) -> "xarray.Dataset":
+        """All that was recorded with named dimensions; needs the extra `xarray`.
+
+        Scalars lie along `time` [s], fields along `instant` [s] and what the case says of their
+        indices (of a skirt: `angle` around it [deg], `height` over its length [-]). Of a case with
+        a crank, `crank_angle` [rad] stands beside `time`, `instant_crank_angle` beside `instant`.
+        All is read into memory.
+        """
+        from .labelled import to_xarray
+
+        return to_xarray(self, self._checked)
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """All scalar outputs, a column each, by time [s]; needs pandas, which the extra `xarray`
+        brings. `attrs["units"]` holds the units.
+        """
+        from .labelled import to_dataframe
+
+        return to_dataframe(self)
+
+    @property
+    def plot(self) -> "Plots":
+        """Pictures in one line: `plot()`, `plot.lines`, `plot.map`, `plot.section`; see `Plots`."""
+        from .plots import Plots
+
+        return Plots(self, self._checked)
+
+    def __enter__(self) -> "Results":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Results {self.path.name}: {self.title}, {len(self.time)} rows>"
+
     def close(self) -> None:
         """Close the file."""
         self.file.close()
+
+
+def open_results(path: str | Path) -> Results:
+    """The results file of a run.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file, or it is none of a run.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise BadInput(f"{path}: no such file")
+    try:
+        results = Results(path)
+        results.case  # noqa: B018  every results file has its case inside
+    except (OSError, KeyError, ValueError) as error:
+        raise BadInput(f"{path}: no results of a run: {error}") from None
+    return results

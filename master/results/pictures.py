@@ -5,9 +5,6 @@ here, at the edge.
 from itertools import cycle
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -72,8 +69,8 @@ def labelled(text: str, unit: str) -> str:
 
 
 def name_of(port: str) -> str:
-    """The variable of "participant.variable" in words."""
-    return port.partition(".")[2].replace("_", " ")
+    """The variable of "participant.variable" in words; of "time" just this."""
+    return port.partition(".")[2].replace("_", " ") or port
 
 
 def draw_lines(case, picture, runs):

@@ -1,6 +1,7 @@
 """Runs.
 
 run         one run, start to end
+repetition  a cycle again and again until it is periodic
 recorder    the results file, written
 logs        convergence, step by step
 console     progress and summary on the screen

@@ -18,6 +18,7 @@ from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
 from ..participants.plain import NotPlain, pack, unpack
 from .reductions import Reduction
+from .repetition import Repetition
 
 
 class Interrupted(RuntimeError):
@@ -43,8 +44,8 @@ class Account:
     """What a run has brought and taken so far: all that its summary is made of.
 
     counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they
-    went into; steps_done : macro steps of the case; rows : of the results file, and wall_time [s],
-    both as of the last checkpoint.
+    went into; steps_done : macro steps of the cycle; rows : of the results file, and wall_time [s],
+    both as of the last checkpoint; repetition : of a case that is run until it is periodic.
     """
 
     counters: Counters
@@ -54,6 +55,7 @@ class Account:
     steps_done: int = 0
     rows: int = 0
     wall_time: float = 0.0
+    repetition: Repetition | None = None
 
 
 MAGIC = b"piston-cosim checkpoint\n"
@@ -61,7 +63,7 @@ VERSION = 1
 CHECKSUM = 32
 """Bytes of a SHA-256."""
 
-ACCOUNTS = (Account, Counters, Reduction, InterfaceWork, ConjugatePair)
+ACCOUNTS = (Account, Counters, Reduction, Repetition, InterfaceWork, ConjugatePair)
 """Classes of what an account is made of."""
 
 

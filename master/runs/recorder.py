@@ -9,7 +9,12 @@ Layout
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
     /fields/time            instants of the recorded fields [s]
+    /fields/crank_angle     at those instants [rad], of a case with a crank
+    /fields/<dimension>     where the cells of a field lie: of a skirt angle [deg] and height [-]
     /fields/<participant>/<name>   shape (instants, *field shape)
+
+Every dataset has dimension scales: `xarray.open_dataset(file, group="fields/ehd",
+engine="h5netcdf")` knows time, angle and height by their names.
 """
 
 import json
@@ -24,6 +29,7 @@ import numpy as np
 
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
+from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
 from ..results.file import dataset_path
 
 ROOM = 2**18
@@ -68,19 +74,21 @@ class Recorder:
     ----------
     path : Path
     participants : dict of str to Participant
-    record : case.Record
+    case : case.Case
+        What is recorded, and what the indices of fields run along.
     attributes : dict of str to str
         Goes to the root.
     rows : int
         So many rows of an interrupted run's partial file are kept.
     """
 
-    def __init__(self, path, participants, record, attributes, rows=0):
+    def __init__(self, path, participants, case, attributes, rows=0):
         self.path = Path(path)
         self.partial = Path(f"{path}.partial")
         self.participants = participants
-        self.record = record
-        self.flush_every = 20 if record.fields else CHUNK
+        self.case = case
+        self.record = case.record
+        self.flush_every = 20 if self.record.fields else CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
@@ -98,6 +106,7 @@ class Recorder:
         }
         self.rows = rows
         self.names = {name: tuple(f.name for f in fields) for name, fields in self.scalars.items()}
+        self.crank = self._crank()
         self._make_datasets()
         self._forget()
         self._reserved = 0
@@ -108,9 +117,16 @@ class Recorder:
         os.replace(fresh, self.partial)
         self.file.swmr_mode = True
 
+    def _crank(self):
+        """(participant, output) that is the crank angle, None without one."""
+        port = crank_angle_port(self.case)
+        owner, name = port_of(port or "")
+        return (owner, name) if name in self.names.get(owner, ()) else None
+
     def _make_datasets(self):
         self.columns, self.fields = [], []
-        self._series(self.columns, "time", "s", "end of the macro step")
+        self.time = self._series(self.columns, "time", "s", "end of the macro step")
+        self.time.make_scale("time")
         for name, fields in self.scalars.items():
             for field in fields:
                 path = dataset_path(f"{name}.{field.name}")
@@ -121,15 +137,30 @@ class Recorder:
             ("residual", "largest residual / tolerance of the accepted step"),
         ):
             self._series(self.columns, f"coupling/{name}", "1", text)
-        self._series(self.fields, "fields/time", "s", "instants of the recorded fields")
+        self.time = self._series(self.fields, "fields/time", "s", "instants of the recorded fields")
+        self.time.make_scale("time")
+        if self.crank:
+            self._series(self.fields, f"fields/{CRANK_ANGLE}", "rad", "crank angle at `time`")
+        sizes = names_taken(self.participants)
         for port in self.record.fields:
             owner, name = port_of(port)
             field = self.participants[owner].fields[name]
             path = f"fields/{dataset_path(port)}"
-            self._series(self.fields, path, field.unit, field.description, field.shape)
+            dataset = self._series(self.fields, path, field.unit, field.description, field.shape)
+            for k, one in enumerate(dimensions(self.case, port, field.shape), start=1):
+                dataset.dims[k].attach_scale(self._scale(distinct(sizes, one, owner)))
+
+    def _scale(self, dimension):
+        """Dataset with the positions of a dimension, made at its first use."""
+        path = f"fields/{dimension.name}"
+        if path not in self.file:
+            made = self.file.create_dataset(path, data=dimension.positions)
+            made.attrs.update({"unit": dimension.unit, "description": dimension.description})
+            made.make_scale(dimension.name)
+        return self.file[path]
 
     def _series(self, names, name, unit, description, shape=()):
-        """Make a dataset, and add its name to `names`."""
+        """Make a dataset along `time`, and add its name to `names`."""
         names.append(name)
         chunk = (1, *shape) if shape else (CHUNK,)
         dataset = self.file.create_dataset(
@@ -141,6 +172,9 @@ class Recorder:
             compression="lzf" if shape else None,
         )
         dataset.attrs.update({"unit": unit, "description": description})
+        if name.rpartition("/")[-1] != "time":
+            dataset.dims[0].attach_scale(self.time)
+        return dataset
 
     def _take_over(self):
         """Copy the first rows of the interrupted run; its file may lack the mark of having been
@@ -155,7 +189,7 @@ class Recorder:
             instants = -(-self.rows // self.record.every)
 
             def copy(name, dataset):
-                if isinstance(dataset, h5py.Dataset):
+                if isinstance(dataset, h5py.Dataset) and dataset.chunks:
                     count = instants if name.startswith("fields/") else self.rows
                     dataset.resize(count, axis=0)
                     dataset[...] = old[name][:count]
@@ -173,7 +207,9 @@ class Recorder:
         """
         datasets = []
         self.file.visititems(
-            lambda name, item: datasets.append(item) if isinstance(item, h5py.Dataset) else None
+            lambda name, item: (
+                datasets.append(item) if isinstance(item, h5py.Dataset) and item.chunks else None
+            )
         )
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 2 for item in datasets]
         return sum(
@@ -208,11 +244,16 @@ class Recorder:
         self._waiting, self._instants = [], []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
-    def write(self, time, solution=None):
+    def write(self, time, solution=None, turned=None):
         """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
         memory for the next `flush`.
+
+        turned : what (participant, variable) has grown by in the cycles before, and is not counted.
         """
         values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
+        if turned:
+            for owner, found in values.items():
+                values[owner] = {key: found[key] - turned((owner, key)) for key in found}
         row = [time]
         for name, found in values.items():
             row += [found[key] for key in self.names[name]]
@@ -224,7 +265,9 @@ class Recorder:
         self._waiting.append(row)
         if self.rows % self.record.every == 0:
             ports = [port_of(port) for port in self.record.fields]
-            self._instants.append([time, *(self.participants[a].get(b) for a, b in ports)])
+            crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
+            fields = [self.participants[a].get(b) for a, b in ports]
+            self._instants.append([time, *crank, *fields])
         self.rows += 1
         if len(self._waiting) >= self.flush_every or clock.perf_counter() > self._flush_at:
             self.flush()

@@ -5,9 +5,11 @@ what it did.
 import json
 import platform
 import time as clock
+from collections.abc import Callable
 from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +32,7 @@ from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, writing
 from .reductions import Reduction
+from .repetition import repetition
 
 USUAL_CHECKPOINTS = 50
 """Macro steps from one checkpoint to the next, where the case does not say ..."""
@@ -39,7 +42,7 @@ VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5p
 
 
 def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None):
-    """Run to the stop time.
+    """Run to the stop time, again and again where the case says `until_periodic`.
 
     Parameters
     ----------
@@ -55,7 +58,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
-        Told in one line each what is done otherwise than the FMUs offer it.
+        Told in one line each what is done otherwise than the FMUs offer it, and how far each cycle
+        of a case that is run until periodic is from the one before.
 
     Returns
     -------
@@ -88,7 +92,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
             for line in sentences(objected):
                 say(line)
             negotiated = by_differences(system, objected)
-            march = March(negotiated, case, tree, output, watch, begin_at, objected)
+            told = Told(watch, say)
+            march = March(negotiated, case, tree, output, told, begin_at, objected)
             try:
                 return march.go(heard)
             finally:
@@ -119,20 +124,25 @@ def _trial(system, participant):
     return rollback_faults(participant, system.step, system.begin) if participant.can_redo else []
 
 
+class Told(NamedTuple):
+    """Who is told of a run: `watch` of every step, `say` in words; see `run`."""
+
+    watch: Callable[..., None]
+    say: Callable[[str], None]
+
+
 class March:
     """A run under way; see `run` for the arguments. What it has brought and taken so far is in
     `account`, why derivatives are not the participants' own in `objected` (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, watch, begin_at, objected):
+    def __init__(self, system, case, tree, output, told, begin_at, objected):
         self.objected = objected
-        self.system, self.case, self.tree, self.output, self.watch = (
-            system,
-            case,
-            tree,
-            output,
-            watch,
-        )
+        self.system = system
+        self.case = case
+        self.tree = tree
+        self.output = output
+        self.watch, self.say = told
         self.stepper = Stepper(
             system,
             method_of(case.coupling),
@@ -161,6 +171,7 @@ class March:
                 [Reduction(name, text) for name, text in case.summary.items()],
                 InterfaceWork(self.stepper.interface, case.wires, system.begin),
                 self.stepper.interface.spent,
+                repetition=repetition(case, tree, system),
             )
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
@@ -171,50 +182,99 @@ class March:
         self.kept_until = 0.0
         self.begin = clock.perf_counter() - self.account.wall_time
         with writing(output):
-            self.recorder = Recorder(
-                output,
-                system.participants,
-                case.record,
-                {
-                    "title": case.title,
-                    "case": json.dumps(tree),
-                    "versions": json.dumps(versions()),
-                    "derivatives": json.dumps(
-                        {name: why or "its own" for name, why in objected.items()}
-                    ),
-                },
-                self.account.rows,
-            )
+            self.recorder = self._recorder()
             self.log = CouplingLog(output, system.wires, self.account.counters)
 
+    def _recorder(self):
+        """Writer of the cycle's results, its rows so far taken over."""
+        derivatives = {name: why or "its own" for name, why in self.objected.items()}
+        attributes = {
+            "title": self.case.title,
+            "case": json.dumps(self.tree),
+            "versions": json.dumps(versions()),
+            "derivatives": json.dumps(derivatives),
+        }
+        participants = self.system.participants
+        rows = self.account.rows
+        return Recorder(self.output, participants, self.case, attributes, rows)
+
     def go(self, heard):
-        """March to the stop time, to the end of the macro step in which a signal is `heard`, or to
-        the last one before a participant asks for the end; the summary.
+        """March to the stop time, or cycle after cycle until one repeats the one before, to the end
+        of the macro step in which a signal is `heard`, or to the last one before a participant asks
+        for the end; the summary.
         """
-        begin, whole = self.system.begin, self.system.stop - self.system.begin
+        ended = self._cycle(heard)
+        while not ended and self._goes_on():
+            ended = self._cycle(heard)
+        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
+        if ended:
+            summary["ended_early"] = ended
+        if self.account.repetition:
+            summary |= self.account.repetition.summary()
+        if count := sum(map(bool, self.objected.values())):
+            summary["derivatives_by_differences"] = count
+        self.recorder.finish(summary)
+        Checkpoint.path(self.output).unlink(missing_ok=True)
+        return summary
+
+    def _cycle(self, heard):
+        """What is left of a cycle; who asks for the end of the run, or nothing."""
+        account = self.account
+        whole = self.system.stop - self.system.begin
+        begin = self.system.begin + self._behind()
         steps = round(whole / self.system.step)
-        if not self.account.rows:
-            self.recorder.write(begin)
-        ended = ""
-        for k in range(self.account.steps_done, steps):
+        if not account.rows:
+            if account.repetition:
+                account.repetition.begin(self.system.participants)
+            self._write(begin)
+        for k in range(account.steps_done, steps):
             before, after = begin + whole * k / steps, begin + whole * (k + 1) / steps
             if ended := self._advance(before, after - before):
-                break
-            self.account.steps_done = k + 1
+                return ended
+            account.steps_done = k + 1
             if hold := getattr(self.watch, "hold", None):
                 hold(heard)
             if heard.signal or self.is_due(k + 1):
                 self.keep()
             if heard.signal and k + 1 < steps:
                 raise Interrupted(self.output, after)
-        summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
-        if ended:
-            summary["ended_early"] = ended
-        if count := sum(map(bool, self.objected.values())):
-            summary["derivatives_by_differences"] = count
-        self.recorder.finish(summary)
-        Checkpoint.path(self.output).unlink(missing_ok=True)
-        return summary
+        return ""
+
+    def _goes_on(self):
+        """Whether another cycle is to be run; it then begins, and what was recorded and summed up
+        of the one before gives way.
+        """
+        account = self.account
+        if account.repetition is None:
+            return False
+        account.repetition.end(self.system.participants)
+        self.say(account.repetition.sentence())
+        if account.repetition.is_over:
+            return False
+        self.recorder.close()
+        account.steps_done = 0
+        account.reductions = [Reduction(name, text) for name, text in self.case.summary.items()]
+        begin = self.system.begin + self._behind()
+        account.work = InterfaceWork(self.stepper.interface, self.case.wires, begin)
+        account.rows = 0
+        # first the checkpoint: rows of the older one go with the file
+        if self.case.record.checkpoint_every != 0:
+            self.keep()
+        with writing(self.output):
+            self.recorder = self._recorder()
+        return True
+
+    def _behind(self):
+        """Length of the finished cycles [s]."""
+        cycles = self.account.repetition
+        finished = cycles.cycles if cycles else 0
+        return finished * (self.system.stop - self.system.begin)
+
+    def _write(self, time, solution=None):
+        """Record a row, counted from the beginning of its cycle."""
+        cycles = self.account.repetition
+        turned = cycles.turned if cycles else None
+        return self.recorder.write(time - self._behind(), solution, turned)
 
     def _advance(self, time, step):
         """One macro step of the case; who asks for the end of the run then, or nothing."""
@@ -244,7 +304,9 @@ class March:
     def accepted(self, time, solution):
         """Record an accepted step, and tell of it."""
         begin, account = clock.perf_counter(), self.account
-        values = self.recorder.write(time, solution)
+        values = self._write(time, solution)
+        if account.repetition:
+            account.repetition.note(self.system.participants)
         for reduction in account.reductions:
             reduction.add(values)
         account.spent["recording"] += clock.perf_counter() - begin
@@ -253,16 +315,18 @@ class March:
         monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
         for observer in self.observers:
             observer.accepted(time, solution)
-        self.watch(time, self.system.stop, solution, monitored)
+        self.watch(time, self.system.stop + self._behind(), solution, monitored)
 
     def keep(self):
         """Write a checkpoint, if all participants can put their states into a file."""
         if not all(participant.can_serialise for participant in self.system.participants.values()):
             return
         begin = clock.perf_counter()
-        self.recorder.flush()
+        if self.account.steps_done:
+            self.recorder.flush()
+            self.account.rows = self.recorder.rows
         self.log.flush()
-        self.account.rows, self.account.wall_time = self.recorder.rows, begin - self.begin
+        self.account.wall_time = begin - self.begin
         with writing(Checkpoint.path(self.output)):
             Checkpoint(
                 self.tree,

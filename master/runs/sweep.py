@@ -18,7 +18,7 @@ from ..case.given import build_options
 from ..case.schema import check_case, read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput
-from ..fmi.quantities import registry
+from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
 from .pool import LocalPool
 
@@ -94,7 +94,8 @@ def _range(text, rest):
         ) from None
     if number < 2:
         raise BadInput(f"--vary {text!r}: a range needs at least 2 values")
-    return tuple(f"{value:.10g} {first.units:~}".replace("µ", "u").strip() for value in points)
+    unit = one_micro(f"{first.units:~}").replace("\N{MICRO SIGN}", "u")
+    return tuple(f"{value:.10g} {unit}".strip() for value in points)
 
 
 @dataclass(frozen=True)

@@ -363,3 +363,22 @@ def test_a_step_with_such_an_edge_is_refused():
         )
     state, o = model.advance(state, film, velocity, 1e-4, film_fraction_lower_edge=0.5)
     assert o["mass_imbalance"] <= 1e-12  # round-off
+
+
+def test_boundary_friction_share_is_that_of_the_work_since_the_start():
+    """Steps of 1 and 3 degrees; axial forces times one velocity for the whole skirt."""
+    p = Parameters(SHAPE, roughness_rms=3e-6)
+    model = LubricationModel(p)
+    film, sliding = motored_film(SHAPE, 0.0)
+    state, outputs = model.start(0.3 * film, sliding)
+    assert outputs["boundary_friction_share"] == 0.0
+    boundary = total = 0.0
+    time = 0.0
+    for step in (DEGREE, 3.0 * DEGREE, DEGREE):
+        time += step
+        film, sliding = motored_film(SHAPE, time)
+        state, outputs = model.advance(state, 0.3 * film, sliding, step)
+        boundary -= outputs["friction_force_asperity"] * sliding[0, 0] * step
+        total += outputs["friction_power"] * step
+    assert outputs["boundary_friction_share"] == pytest.approx(boundary / total, rel=1e-12)
+    assert 0.001 < outputs["boundary_friction_share"] < 0.999

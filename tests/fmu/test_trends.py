@@ -1,4 +1,8 @@
-"""Trends published for clearance, ovality and speed, by a sweep of fired runs in two processes."""
+"""Trends by a sweep of fired runs in two processes: those published for clearance, ovality, speed
+and oil, and those that theory wants for viscosity, barrel, pin offset and supply.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -8,15 +12,83 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.sweep import all_points, build_all, local_executor, parse_axis, sweep
 
 PATH = find_case("fired_motorcycle")
+FLOODED = {
+    "clearance": "radial_clearance=15um;30um;45um",
+    "ovality": "ovality=100um;200um;400um",
+    "speed": "crank_speed=3000rpm;5000rpm;7000rpm",
+    "viscosity": "viscosity=6mPa*s;14mPa*s",
+    "barrel": "barrel=10um;40um",
+    "pin offset": "pin_offset=-0.5mm;0.5mm",
+}
+# a layer on the bore, on a skirt rough enough to touch
+STARVED = {
+    "layer": "participants.ehd.parameters.oil_ring_layer+"
+    "participants.ehd.parameters.initial_oil_layer"
+    "=1um;10um",
+    "starved clearance": "radial_clearance=15um;30um;45um",
+}
+
+
+class Outcome(NamedTuple):
+    """Of a run: range of the lateral motion [m]; fastest lateral motion from 20 deg before firing
+    top dead centre on, where the piston changes sides [m/rad]; thinnest film [m]; mean friction
+    power [W]; mean oil in the film [m3]; asperities' share of friction [-]; mean tilt from firing
+    top dead centre to 40 deg after it [rad].
+    """
+
+    travel: float
+    slap: float
+    film: float
+    power: float
+    oil: float
+    boundary: float
+    tilt: float
+
+
+def outcome(path):
+    results = Results(path)
+
+    def curve(port):
+        return results.series(port)[0]
+
+    lateral = curve("bodies.lateral_displacement")
+    angle = curve("bodies.crank_angle")
+    velocity = np.gradient(lateral, angle)[np.degrees(angle) > -20.0]
+    found = Outcome(
+        np.ptp(lateral),
+        np.abs(velocity).max(),
+        curve("ehd.minimum_film_thickness").min(),
+        curve("ehd.friction_power").mean(),
+        curve("ehd.oil_in_film").mean(),
+        curve("ehd.boundary_friction_share")[-1],
+        curve("bodies.rocking_angle")[(angle > 0.0) & (angle < np.radians(40.0))].mean(),
+    )
+    results.close()
+    return found
+
+
+def run_all(axes, changes, tree, folder):
+    """Axis -> outcomes."""
+    points = {
+        name: all_points(PATH, changes, [parse_axis(text, tree)]) for name, text in axes.items()
+    }
+    flat = sum(points.values(), [])
+    build_all(flat, PATH.parent, lambda text: None)
+    with local_executor(2) as executor:
+        rows = sweep(flat, PATH.parent, folder, executor)
+    assert {row["status"] for row in rows} == {"done"}
+    return {
+        name: [outcome(folder / "runs" / f"{point.name}.h5") for point in own]
+        for name, own in points.items()
+    }
 
 
 @pytest.fixture(scope="module")
 def trends(tmp_path_factory):
-    """Rows of short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing
-    top dead centre.
+    """Short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing top dead
+    centre.
     """
     tree = read_tree(PATH)
-    folder = tmp_path_factory.mktemp("sweep")
     changes = [
         ("participants.bodies.build.grid", [16, 12]),
         ("participants.ehd.build.grid", [16, 12]),
@@ -26,40 +98,107 @@ def trends(tmp_path_factory):
         ("record.fields", []),
         *tree["variants"]["rigid"].items(),
     ]
-    axes = {
-        name: parse_axis(text, tree)
-        for name, text in (
-            ("clearance", "radial_clearance=15um;30um;45um"),
-            ("ovality", "ovality=100um;200um;400um"),
-            ("speed", "crank_speed=3000rpm;5000rpm;7000rpm"),
-        )
-    }
-    points = {name: all_points(PATH, changes, [axis]) for name, axis in axes.items()}
-    build_all(points["speed"], PATH.parent, lambda text: None)
-    with local_executor(2) as executor:
-        rows = sweep(sum(points.values(), []), PATH.parent, folder, executor)
-    assert {row["status"] for row in rows} == {"done"}
-    files = iter(folder / "runs" / f"{p.name}.h5" for p in sum(points.values(), []))
-    return {name: [travel(next(files)) for _ in points[name]] for name in points}
+    starved = [*changes, *tree["variants"]["starved"].items()]
+    folder = tmp_path_factory.mktemp("sweep")
+    return run_all(FLOODED, changes, tree, folder / "flooded") | run_all(
+        STARVED, starved, tree, folder / "starved"
+    )
 
 
-def travel(path):
-    """Range of the lateral motion in the power stroke [m]."""
-    results = Results(path)
-    values = results.series("bodies.lateral_displacement")[0]
-    results.close()
-    return np.ptp(values)
+def rises(outcomes, name, least=0.0):
+    """Whether a figure rises from run to run by more than `least`."""
+    return np.all(np.diff([getattr(one, name) for one in outcomes]) > least)
+
+
+def falls(outcomes, name, least=0.0):
+    """Whether it falls."""
+    return np.all(np.diff([getattr(one, name) for one in outcomes]) < -least)
+
+
+# least differences: a hundred times the coupling tolerance of 1 nm or more
 
 
 def test_larger_clearance_moves_more(trends):
-    assert np.all(
-        np.diff(trends["clearance"]) > 1e-6
-    )  # a micrometre: a thousand times the coupling tolerance
+    """Published; a longer way under the same side force ends faster."""
+    assert rises(trends["clearance"], "travel", 1e-6)
+    assert rises(trends["clearance"], "slap", 1e-6)
+
+
+def test_larger_clearance_shears_less(trends):
+    """Flooded: mu V / h in a wider gap."""
+    assert falls(trends["clearance"], "power", 1.0)
 
 
 def test_larger_ovality_moves_more(trends):
-    assert np.all(np.diff(trends["ovality"]) > 1e-7)
+    """Published."""
+    assert rises(trends["ovality"], "travel", 1e-7)
+
+
+def test_larger_ovality_carries_on_less_of_the_skirt(trends):
+    """The land that is near the bore narrows: its film is thinner at the same load, and most of the
+    skirt shears less.
+    """
+    assert falls(trends["ovality"], "film", 1e-7)
+    assert falls(trends["ovality"], "power", 1.0)
 
 
 def test_higher_speed_moves_less_in_the_power_stroke(trends):
-    assert np.all(np.diff(trends["speed"]) < -1e-6)
+    """Published; oil is squeezed for a shorter time."""
+    assert falls(trends["speed"], "travel", 1e-6)
+
+
+def test_higher_speed_lifts_and_costs_more(trends):
+    """A wedge film grows with the root of mu V; its power is mu V^2 / h."""
+    assert rises(trends["speed"][:2], "film", 1e-6)
+    assert rises(trends["speed"], "power", 1.0)
+
+
+def test_thicker_oil_carries_dampens_and_costs_more(trends):
+    """At a given load a wedge film and its shear grow with the root of mu V; a squeezed film holds
+    the piston back in proportion to mu.
+    """
+    assert rises(trends["viscosity"], "film", 1e-6)
+    assert rises(trends["viscosity"], "power", 10.0)
+    assert falls(trends["viscosity"], "slap", 1e-6)
+
+
+def test_a_rounder_barrel_carries_on_less_of_the_skirt(trends):
+    """A shorter land: thinner at the same load, and less held against tilting and slap."""
+    assert falls(trends["barrel"], "film", 1e-6)
+    assert rises(trends["barrel"], "slap", 1e-6)
+    assert falls(trends["barrel"], "power")
+
+
+def test_gas_beside_the_pin_turns_the_piston(trends):
+    """Gas acts on the bore's axis: with the pin at pin_offset > 0 its moment about the pin is gas x
+    pin_offset about +z, where it is highest.
+    """
+    assert rises(trends["pin offset"], "tilt", 1e-4)
+
+
+def test_a_thicker_layer_fills_more_of_the_gap(trends):
+    """More oil is sheared, and asperities have less of what is rubbed."""
+    assert rises(trends["layer"], "oil", 1e-8)
+    assert rises(trends["layer"], "power", 1.0)
+    assert falls(trends["layer"], "boundary", 1e-3)
+
+
+@pytest.mark.parametrize("k", range(3))
+def test_where_oil_lacks_the_piston_slaps(trends, k):
+    """Nothing is squeezed until it is across: it arrives faster and comes nearer, and less oil is
+    sheared on the way.
+    """
+    both = [trends["clearance"][k], trends["starved clearance"][k]]
+    assert both[1].slap > 3.0 * both[0].slap
+    assert falls(both, "film", 1e-6)
+    assert falls(both, "oil", 1e-7)
+    assert falls(both, "power", 1.0)
+
+
+def test_starved_friction_falls_with_clearance_for_there_is_more_oil(trends):
+    """SAE 2019-01-0590: measured and computed FMEP falls with installation clearance, for more oil
+    is at hand in the expansion stroke. Asperities rub less for it.
+    """
+    assert falls(trends["starved clearance"], "power", 0.1)
+    assert rises(trends["starved clearance"], "oil", 1e-9)
+    assert falls(trends["starved clearance"], "boundary", 1e-4)

@@ -3,10 +3,14 @@ has its work.
 """
 
 import re
+import tomllib
 from collections import Counter
 from pathlib import Path
 
 import pytest
+
+import piston_cosim as pc
+from piston_cosim.master.commands.app import COMMANDS, app
 
 ROOT = Path(__file__).parents[2]
 LABEL = r"\(([A-Z]\d+[a-z]?)\)"
@@ -57,14 +61,73 @@ def test_every_citation_can_be_looked_up(texts):
 
 
 def test_every_file_that_a_document_names_is_there():
-    documents = [
-        *ROOT.glob("*.md"),
-        *(ROOT / "docs").rglob("*.md"),
-        *(ROOT / "models").rglob("*.md"),
-    ]
     path = re.compile(
         r"\b(?:fmu_ehd|fmu_mfbd|master|models|tests|docs)/[\w/]+\.(?:py|toml|csv|md|png|c|h)\b"
     )
-    named = {name for document in documents for name in path.findall(document.read_text())}
+    named = {name for document in documents() for name in path.findall(document.read_text())}
     assert named
     assert {name for name in named if not (ROOT / name).exists()} == set()
+
+
+def documents():
+    """Texts for readers."""
+    return [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "models").rglob("*.md")]
+
+
+def blocks(language):
+    """(file, code) of all code blocks of a language."""
+    fence = re.compile(rf"(?ms)^```{language}(?: \w+)?\n(.*?)^```$")
+    return [(path.name, code) for path in documents() for code in fence.findall(path.read_text())]
+
+
+def test_python_in_documents_is_python_and_names_what_is_public():
+    named = set()
+    for name, code in blocks("python"):
+        compile(code, name, "exec")
+        named |= set(re.findall(r"\bpc\.(\w+)", code))
+    assert named >= {"open_case", "Film"}
+    assert named - set(pc.__all__) == set()
+
+
+def test_cases_in_documents_are_toml():
+    found = blocks("toml")
+    assert len(found) >= 5
+    for _, code in found:
+        tomllib.loads(code)
+
+
+def test_commands_in_documents_are_there_with_their_options():
+    wrong = []
+    for name, code in [*blocks(""), *blocks("bash")]:
+        for words in re.findall(r"(?m)piston-cosim (\w+.*)$", code):
+            command, rest = re.match(r"(\w+)(.*)", words.partition("   ")[0]).groups()
+            options = set(re.findall(r"(?<!\S)--[a-z-]+", rest))
+            known = {"--help"}
+            if command in COMMANDS:
+                known |= {n for a in app[command].assemble_argument_collection() for n in a.names}
+            if command not in COMMANDS or options - known:
+                wrong.append((name, words))
+    assert wrong == []
+
+
+def test_the_citation_names_the_version_that_is_built():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert f"\nversion: {project['version']}\n" in citation
+    assert f"\nlicense: {project['license']}\n" in citation
+
+
+def test_the_shell_completes_every_command():
+    script = app.generate_completion(shell="bash")
+    assert [command for command in COMMANDS if command not in script] == []
+    assert "--summary-json" in script
+
+
+def test_every_option_has_words():
+    silent = [
+        (command, argument.name)
+        for command in COMMANDS
+        for argument in app[command].assemble_argument_collection(parse_docstring=True)
+        if not argument.parameter.help
+    ]
+    assert silent == []

@@ -147,3 +147,25 @@ def test_study_tables_are_shown(case, results, tmp_path):
         and "<td>0.01235</td>" in page
         and "<th>lateral displacement</th>" in page
     )
+
+
+@pytest.mark.parametrize(
+    "periodic, verdict",
+    [(True, '<span class="good">Periodic</span>'), (False, '<span class="fair">Not periodic')],
+)
+def test_cycles_are_judged(case, results, tmp_path, periodic, verdict):
+    cycles = {"cycles": 3, "cycle_distance": 1.2e-4, "periodic": periodic}
+    whole = {"steps": STEPS, "halved_steps": 0} | cycles
+    path = tmp_path / "cycles.h5"
+    shutil.copy(results.path, path)
+    with h5py.File(path, "a") as file:
+        file.attrs["summary"] = json.dumps(whole)
+    opened = Results(path)
+    page = write_report(case, {"run": opened}, tmp_path / "report").read_text()
+    opened.close()
+    assert verdict in page
+    assert "3 cycles" in page and "0.00012 of the range" in page
+
+
+def test_a_plain_run_has_no_cycles_to_judge(case, results, tmp_path):
+    assert "eriodic" not in write_report(case, {"run": results}, tmp_path / "r").read_text()

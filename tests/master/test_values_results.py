@@ -2,14 +2,17 @@
 option.
 """
 
+import io
 import json
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
+from rich.console import Console
 
 from piston_cosim.master.case.schema import check_case, times
+from piston_cosim.master.fmi.checks import Check
 from piston_cosim.master.fmi.description import BASE_UNITS
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import pint_unit, registry, short, to_si
@@ -31,6 +34,7 @@ from piston_cosim.master.results.judgement import (
     windows,
 )
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
+from piston_cosim.master.verification import rows
 
 TREE = {
     "title": "Four strokes",
@@ -273,3 +277,16 @@ def test_a_point_is_named_by_what_bears_on_its_run():
         point.name
     )
     assert Point({}, TREE | {"coupling": {"order": ["a"], "halvings": 5}}).name != point.name
+
+
+def test_a_page_of_figures_has_a_table_a_part(tmp_path, monkeypatch):
+    bad = Check("case b", "y|z [m]", 2.0, None, 1.0, "at most", "round-off", "")
+    good = Check("case a", "x [-]", 1.01, 1.0, 0.1, "relative", "by hand", "")
+    monkeypatch.setattr(rows, "checks", lambda parts, slow: [("ehd", good), ("mfbd", bad)])
+    silent = Console(file=io.StringIO())
+    assert rows.verify(["ehd", "mfbd"], False, silent, tmp_path / "figures.md") == 1
+    text = (tmp_path / "figures.md").read_text()
+    assert "2 figures, 1 of them outside" in text
+    assert "## ehd\n\n| case | quantity |" in text
+    assert "| case a | x [-] | 1.01 | 1 | 0.01 | 0.1 relative | by hand |\n\n## mfbd" in text
+    assert "| case b | y\\|z [m] | 2 |  | 2 | 1 at most | round-off |" in text

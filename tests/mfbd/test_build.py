@@ -223,6 +223,12 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
             folder,
             lambda text: None,
         )
+    with np.load(tmp_path / "own.npz") as new:
+        np.savez(tmp_path / "old.npz", **{name: new[name] for name in new if name != "skirt"})
+    with pytest.raises(BadInput, match="old.npz lacks skirt.*half a cell further around"):
+        prepare(
+            small | {"piston": {"reduced": str(tmp_path / "old.npz")}}, folder, lambda text: None
+        )
     np.savez(tmp_path / "poor.npz", mass=1.0)
     with pytest.raises(BadInput, match="poor.npz lacks S, I0"):
         prepare(

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 
+import piston_cosim as pc
 from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
 from piston_cosim.fmu_mfbd.offline import reduce
 
@@ -57,6 +58,9 @@ modes = 3
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
+    [block] = pc.reduce_bodies(tmp_path / "bodies.toml", tmp_path / "again", {"block.modes": 2})
+    assert len(block.modes) == 2 and (tmp_path / "again" / "block.npz").is_file()
+    assert f"mass {block.mass:.6g} kg" in done.stdout
     wrong = subprocess.run(
         [*call, "--set", "block.young=1 mm"], cwd=tmp_path, capture_output=True, text=True
     )

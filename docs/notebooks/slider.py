@@ -1,0 +1,69 @@
+# %% [markdown]
+# # A slider with plain arrays
+# `pc.Film` is the film alone: film thickness and velocity in, pressure and forces out. An
+# inclined pad has a closed form to be held against: for h = h0 (1 + K (1 - y/L)) the load per
+# width is W = 6 mu U (L/h0)^2 [ln(1 + K) - 2 K/(2 + K)] / K^2.
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import piston_cosim as pc
+
+LENGTH, RADIUS, VISCOSITY, SPEED, LEAST = 27e-3, 28.25e-3, 0.02, 8.0, 10e-6
+
+
+def pad(cells, ratio=1.0):
+    """Pressure along an inclined pad, and its load per width."""
+    film = pc.Film((4, cells), bore_radius=RADIUS, skirt_length=LENGTH, viscosity=VISCOSITY)
+    y = (np.arange(cells) + 0.5) / cells
+    thickness = np.broadcast_to(LEAST * (1.0 + ratio * (1.0 - y)), (4, cells))
+    film.start(thickness, -SPEED)
+    outputs = film.step(thickness, -SPEED, 1e-3)  # nothing moves apart: steady at once
+    return y, outputs["pressure"][0], outputs["nodal_pressure_force"].sum() / (2 * np.pi * RADIUS)
+
+
+def exact(ratio=1.0):
+    """Its load per width in closed form."""
+    scale = 6 * VISCOSITY * SPEED * (LENGTH / LEAST) ** 2
+    return scale * (np.log(1 + ratio) - 2 * ratio / (2 + ratio)) / ratio**2
+
+
+# %%
+cells = [20, 40, 80, 160]
+errors = [abs(pad(n)[2] / exact() - 1) for n in cells]
+orders = np.log2(np.array(errors[:-1]) / errors[1:])
+print("errors", [f"{error:.1e}" for error in errors], "orders", np.round(orders, 2))
+assert np.allclose(orders, 2.0, atol=0.1)
+
+# %% [markdown]
+# The load by inclination, and the pressure of the best one:
+
+# %%
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+ratios = np.linspace(0.3, 3.0, 10)
+left.plot(ratios, [pad(60, ratio)[2] / 1e3 for ratio in ratios], "o", label="film")
+left.plot(ratios, [exact(ratio) / 1e3 for ratio in ratios], label="closed form")
+left.set(xlabel="inclination K [-]", ylabel="load per width [kN/m]")
+left.legend(frameon=False)
+y, pressure, _ = pad(160, 1.189)
+right.plot(1e3 * LENGTH * y, pressure / 1e6)
+right.set(xlabel="along the pad [mm]", ylabel="pressure [MPa]")
+figure.suptitle("Inclined pad")
+
+# %% [markdown]
+# With roughness the asperities carry a part, and a film that opens again cavitates: the same
+# model, other parameters. `pc.Film.parameters()` lists them all.
+
+# %%
+film = pc.Film(
+    (4, 40), viscosity="20 mPa s", roughness_rms="0.5 um", flow_factors="patir_cheng_1978"
+)
+film.start(1e-5, 0.0)
+for thickness in (8e-6, 9e-6, 11e-6):
+    outputs = film.step(thickness, 0.0, 1e-2)
+    filled = outputs["film_fraction"].mean()
+    print(
+        f"h = {1e6 * thickness:.0f} um: {filled:.3f} filled, "
+        f"highest pressure {outputs['maximum_pressure'] / 1e3:7.1f} kPa"
+    )

@@ -1,0 +1,203 @@
+"""A film alone, stepped by hand in Python: `piston_cosim.Film`. Units are read here; the model
+inside is that of the FMU.
+"""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from ..master.fmi.errors import BadInput, Discard
+from ..master.fmi.quantities import to_si
+from ..master.fmi.variables import Variable
+from .cavitation import NotConverged
+from .grid import Array, Flags
+from .model import LubricationModel, State
+from .oil import Oil
+from .parameters import Parameters, faults
+from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
+
+KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
+"""Every parameter of a film, as its FMU declares it."""
+
+
+class Film:
+    """The oil film between a skirt and its bore, without bodies: arrays in, arrays out, SI.
+
+    The grid lies on the developed skirt: index i around it, which closes on itself, j along the
+    axis from the lower edge to the upper one. Film thickness and sliding velocity are those at the
+    end of a step, as in the interface of the FMU.
+
+    Parameters
+    ----------
+    grid : tuple of int
+        Cells around and along.
+    open_cells : ndarray of bool, shape `grid`, optional
+        Where there is no skirt, and no film.
+    **parameters
+        Parameters of the lubrication FMU by their names: text with a unit, or a number in SI;
+        `Film.parameters()` lists them.
+
+    Raises
+    ------
+    BadInput
+        With every parameter that is unknown, of another unit or out of its range.
+
+    Examples
+    --------
+    An infinite inclined pad, h = h0 (1 + K (1 - y/L)) with K = 1, has the load
+    W = 6 mu U (L/h0)^2 (ln 2 - 2/3) per width:
+
+    >>> film = pc.Film(
+    ...     (4, 80), bore_radius="28.25 mm", skirt_length="27 mm", viscosity="20 mPa s"
+    ... )
+    >>> y = (np.arange(80) + 0.5) / 80
+    >>> thickness = np.broadcast_to(10e-6 * (2.0 - y), (4, 80))
+    >>> outputs = film.start(thickness, -8.0)
+    >>> outputs = film.step(thickness, -8.0, 1e-3)
+    >>> load = outputs["nodal_pressure_force"].sum() / (2 * np.pi * 28.25e-3)
+    >>> exact = 6 * 0.02 * 8.0 * (27e-3 / 10e-6) ** 2 * (np.log(2) - 2 / 3)
+    >>> print(f"{load / exact:.3f}")
+    1.000
+    """
+
+    def __init__(
+        self,
+        grid: tuple[int, int] = (40, 40),
+        *,
+        open_cells: Flags | None = None,
+        **parameters: str | float,
+    ):
+        values = _read(parameters)
+        of_oil = {v.name for v in OIL_VARIABLES}
+        oil = Oil(**{name: value for name, value in values.items() if name in of_oil})
+        others: dict[str, Any] = {n: value for n, value in values.items() if n not in of_oil}
+        chosen = Parameters(_grid(grid), oil, open_cells=_cells(grid, open_cells), **others)
+        if contradictions := faults(chosen):
+            raise BadInput(contradictions)
+        self.grid = chosen.shape
+        self.model = LubricationModel(chosen)
+        self.state: State | None = None
+        """All that the next step needs of the past; setting it back repeats a step, bit for bit."""
+
+    @staticmethod
+    def parameters() -> dict[str, Variable]:
+        """Every parameter by its name: unit, default (`start`), allowed range, description."""
+        return dict(KNOWN)
+
+    def start(
+        self, film_thickness: Array | float, sliding_velocity: Array | float, **conditions: Any
+    ) -> dict[str, Any]:
+        """Begin with a full film at rest.
+
+        Parameters
+        ----------
+        film_thickness, sliding_velocity : float or ndarray, shape `grid`
+            Bore minus skirt [m]; axial velocity of skirt minus bore [m/s].
+        **conditions
+            What holds at the edges, in place of the parameter of that name [SI], and
+            `oil_temperature` [K], a number or of shape `grid`.
+
+        Returns
+        -------
+        dict
+            Outputs by their names, as those of the FMU: `pressure` [Pa], `film_fraction`,
+            `nodal_pressure_force` [N], `friction_power` [W], `minimum_film_thickness` [m], ...
+
+        Raises
+        ------
+        BadInput
+            If an array has another shape, or what holds at the edges is impossible.
+        """
+        motion = self._field(film_thickness), self._field(sliding_velocity)
+        try:
+            self.state, outputs = self.model.start(*motion, **conditions)
+        except NotConverged as trouble:
+            raise BadInput(str(trouble)) from None
+        return outputs
+
+    def step(
+        self,
+        film_thickness: Array | float,
+        sliding_velocity: Array | float,
+        step: float,
+        **conditions: Any,
+    ) -> dict[str, Any]:
+        """One step of length `step` [s] to the given film and velocity; otherwise as `start`.
+
+        Raises
+        ------
+        BadInput
+            Before `start`, for another shape, or a step that is not positive.
+        Discard
+            If the film has no solution; the state is as before then.
+        """
+        if self.state is None:
+            raise BadInput("the film has not been started: call start first")
+        if not 0.0 < step < np.inf:
+            raise BadInput(f"step = {step:g} s: must be positive and finite")
+        motion = self._field(film_thickness), self._field(sliding_velocity)
+        try:
+            self.state, outputs = self.model.advance(self.state, *motion, step, **conditions)
+        except NotConverged as trouble:
+            raise Discard(str(trouble)) from None
+        return outputs
+
+    def tangent(
+        self, dfilm_thickness: Array | float, dsliding_velocity: Array | float
+    ) -> tuple[Array, Array]:
+        """Change of `nodal_pressure_force` and `nodal_friction_force` [N] at the end of the last
+        step for a change of the inputs there [m], [m/s]; exact.
+        """
+        return self.model.tangent(self._field(dfilm_thickness), self._field(dsliding_velocity))
+
+    def _field(self, values: Array | float) -> Array:
+        """An array of the grid."""
+        array = np.asarray(values, dtype=float)
+        if array.shape not in ((), self.grid):
+            raise BadInput(f"an array has shape {array.shape}: the grid is {self.grid}")
+        if not np.isfinite(array).all():
+            raise BadInput("an array is not finite")
+        return np.ascontiguousarray(np.broadcast_to(array, self.grid))
+
+
+def _read(parameters: Mapping[str, str | float]) -> dict[str, Any]:
+    """Parameters in SI; BadInput with every fault."""
+    values, sentences = {}, []
+    for name, given in parameters.items():
+        variable = KNOWN.get(name)
+        if variable is None:
+            close = get_close_matches(name, KNOWN, 1)
+            hint = f" (did you mean {close[0]}?)" if close else ""
+            sentences.append(f"{name}: a film has no such parameter{hint}")
+            continue
+        try:
+            is_quantity = isinstance(given, str) and not variable.choices
+            values[name] = to_si(given, variable.unit) if is_quantity else given
+        except ValueError as error:
+            sentences.append(f"{name}: {error}")
+            continue
+        if fault := variable.fault(values[name]):
+            sentences.append(fault)
+    if sentences:
+        raise BadInput(sentences)
+    return values
+
+
+def _grid(grid: tuple[int, int]) -> tuple[int, int]:
+    """Numbers of cells, checked."""
+    if len(grid) != 2 or not all(isinstance(n, (int, np.integer)) and n >= 1 for n in grid):
+        raise BadInput(f"grid = {grid}: two numbers of cells, around and along")
+    around, along = grid
+    return int(around), int(along)
+
+
+def _cells(grid: tuple[int, int], open_cells: Flags | None) -> Flags | None:
+    """Cut-outs, checked."""
+    if open_cells is None:
+        return None
+    cells = np.asarray(open_cells, dtype=bool)
+    if cells.shape != tuple(grid):
+        raise BadInput(f"open_cells has shape {cells.shape}: the grid is {tuple(grid)}")
+    return cells

@@ -1,0 +1,86 @@
+"""Bodies reduced, by the part that knows them."""
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..case.schema import case_names, find_case, read_tree
+from ..fmi.errors import BadInput
+from ..fmi.tree import import_part
+from .cases import Case, Changes
+
+log = logging.getLogger("piston_cosim")
+
+OFFLINE = "fmu_mfbd.offline"
+"""Module with `reduce(options, folder, output, progress)`, called by name: this package knows no
+bodies.
+"""
+
+
+def reduce_bodies(
+    source: Case | str | Path, output: str | Path, changes: Changes | None = None
+) -> list[Any]:
+    """Reduce the bodies of a case, or find them in the cache, and write all about them.
+
+    Parameters
+    ----------
+    source : Case, str or Path
+        A case that builds bodies (its name, folder or file), or a TOML file with `grid` and the
+        tables `[piston]`, `[block]` or both.
+    output : path
+        Folder for the reduced bodies (`NAME.npz`, which a case may name as `reduced`), their tables
+        and pictures of modes.
+    changes : mapping, optional
+        Dotted key -> value, as for `Case.changed`.
+
+    Returns
+    -------
+    list of fmu_mfbd.offline.BodyReport
+        Of each body: `name`, `mass` [kg], `centre` of mass [m], `inertia` about it [kg m2], `modes`
+        (number, frequency [Hz], modal mass [kg], share in the film), `files`, `seconds`.
+
+    Raises
+    ------
+    BadInput
+        With every fault of the tables, then of meshes and matrices.
+
+    Examples
+    --------
+    The first call takes a minute, every other one finds the bodies in the cache:
+
+    >>> piston, block = pc.reduce_bodies("numerical_example", "bodies")    # doctest: +SKIP
+    >>> f"{piston.mass:.4f} kg, {len(piston.modes)} modes"                 # doctest: +SKIP
+    '0.1102 kg, 60 modes'
+    """
+    if isinstance(source, Case):
+        case = source.changed(changes) if changes else source
+        tree, folder = case.tree, case.path.parent
+    else:
+        path = find_case(str(source))
+        tree, folder = read_tree(path, (changes or {}).items()), path.parent
+    return reduced(tree, folder, Path(output), log.info)
+
+
+def reduced(
+    tree: dict[str, Any], folder: Path, output: Path, progress: Callable[[str], object]
+) -> list[Any]:
+    """The same of a tree whose paths begin in `folder`."""
+    offline: Any = import_part(OFFLINE)
+    return offline.reduce(build_table(tree), folder, output, progress)
+
+
+def build_table(tree: dict[str, Any]) -> dict[str, Any]:
+    """The table that describes the bodies: of the case's participant that is made of them, or the
+    file itself.
+    """
+    if "participants" not in tree:
+        return tree
+    package = OFFLINE.split(".")[0]
+    for table in tree["participants"].values():
+        if table.get("package") == package:
+            return table.get("build", {})
+    raise BadInput(
+        f"no participant of the case has package = {package!r}; cases that come with the tool: "
+        f"{', '.join(case_names())}"
+    )

@@ -1,0 +1,255 @@
+"""Cases in Python: opened, changed, run, swept."""
+
+import itertools
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..case import schema
+from ..case.system import open_system
+from ..fmi.errors import BadInput
+from ..participants.participant import Participant
+from ..results.file import Results
+from ..runs import sweep as sweeps
+from ..runs.run import run as run_system
+
+log = logging.getLogger("piston_cosim")
+
+Changes = Mapping[str, Any]
+"""Dotted key of the case -> value: text with a unit ("20 mPa s"), number, truth value, list."""
+
+
+class Progress(NamedTuple):
+    """Where a run is, after a macro step.
+
+    share : of the whole time that is done, 0 to 1; time, stop : [s]; iterations : of the step;
+    residual : its largest residual over its tolerance; monitored : the case's monitor entries,
+    name -> (value, SI unit).
+    """
+
+    share: float
+    time: float
+    stop: float
+    iterations: int
+    residual: float
+    monitored: dict[str, tuple[float, str]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case: what is simulated, unchangeable; `changed` gives another one.
+
+    Made by `open_case`, or by `couple` of participants of your own.
+
+    Parameters
+    ----------
+    tree : dict
+        The resolved TOML tree.
+    path : Path
+        Its file; relative paths in the tree start from its folder.
+    own : mapping of str to callable
+        Participants that exist in this Python alone: name -> maker.
+
+    Examples
+    --------
+    >>> case = pc.open_case("two_mass_oscillator")
+    >>> case.title
+    'Two-mass oscillator: order of the coupled step by the inputs inside it'
+    >>> case.variants
+    ('hermite', 'linear', 'held')
+    >>> shorter = case.changed({"time.stop": "0.03 s", "wires.0.tolerance": "1 nm"})
+    >>> shorter["time.stop"], case["time.stop"]
+    ('0.03 s', '1 s')
+    >>> shares = []
+    >>> results = shorter.run(progress=lambda step: shares.append(round(step.share, 2)))
+    >>> shares
+    [0.33, 0.67, 1.0]
+    """
+
+    tree: dict[str, Any]
+    path: Path
+    own: Mapping[str, Callable[[], Participant]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        schema.check_case(self.tree, self.path)
+
+    @property
+    def title(self) -> str:
+        """Title of the case."""
+        return self.tree["title"]
+
+    @property
+    def label(self) -> str:
+        """Name of the case among its variants."""
+        return self.tree.get("label", "base")
+
+    @property
+    def name(self) -> str:
+        """Name of the case: of its folder, or of its file where that is no case.toml."""
+        return self.path.parent.name if self.path.name == "case.toml" else self.path.stem
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Labels: the case itself, then its variants."""
+        return (self.label, *self.tree.get("variants", {}))
+
+    def variant(self, label: str) -> "Case":
+        """The case as one of its variants; BadInput without one of that label."""
+        if label not in self.variants:
+            raise BadInput(f"no variant {label!r}: the case has {', '.join(self.variants)}")
+        changes = self.tree.get("variants", {}).get(label, {})
+        return self.changed({**changes, "label": label, "variants": {}})
+
+    def changed(self, changes: Changes) -> "Case":
+        """The case with other values.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted key -> value: "participants.ehd.parameters.viscosity" -> "20 mPa s"; an entry of
+            a list by its number, counted from 0: "wires.0.tolerance" -> "2 nm".
+
+        Raises
+        ------
+        BadInput
+            With every key that leads nowhere and every value that the case cannot have.
+        """
+        return replace(self, tree=schema.changed(self.tree, changes.items()))
+
+    def __getitem__(self, key: str) -> Any:
+        """Value at a dotted key, as the case has it (text with a unit); KeyError without one."""
+        return schema.value_at(self.tree, key)
+
+    def run(
+        self,
+        output: str | Path | None = None,
+        progress: Callable[[Progress], object] | None = None,
+    ) -> Results:
+        """Run to the stop time; Ctrl-C ends the run after its macro step, with a checkpoint.
+
+        Parameters
+        ----------
+        output : path, optional
+            The results file; results/NAME/LABEL.h5 without it.
+        progress : callable, optional
+            Called with a `Progress` after every macro step. What is done before the first one
+            (bodies reduced, FMUs built) is told to the logger "piston_cosim".
+
+        Returns
+        -------
+        Results
+
+        Raises
+        ------
+        BadInput
+            With every fault that was found before the run.
+        StepFailed
+            If a macro step cannot be converged.
+        """
+        output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
+        checked = schema.check_case(self.tree, self.path)
+        system = open_system(checked, self.path.parent, log.info, self.own)
+        watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
+        run_system(system, checked, self.tree, output, watch, say=log.info)
+        return Results(output)
+
+    def __repr__(self) -> str:
+        return f"<Case {self.name}, {self.label}: {self.title}>"
+
+
+def _telling(progress, begin):
+    """`progress` as the `watch` of a run."""
+
+    def watch(time, stop, solution, monitored):
+        share = (time - begin) / (stop - begin)
+        residual = float(solution.history[-1])
+        progress(Progress(share, time, stop, solution.iterations, residual, monitored))
+
+    return watch
+
+
+def open_case(case: str | Path, changes: Changes | None = None, variant: str | None = None) -> Case:
+    """A case, checked.
+
+    Parameters
+    ----------
+    case : str or Path
+        Name of a case that comes with the package ("numerical_example"), its folder, or a file:
+        TOML or SSP.
+    changes : mapping, optional
+        Dotted key -> value, as for `Case.changed`.
+    variant : str, optional
+        Label of one of its variants.
+
+    Raises
+    ------
+    BadInput
+        With every fault of the file, each with its place.
+
+    Examples
+    --------
+    >>> pc.open_case("numerical_example", variant="rigid")["participants.bodies.build.piston.modes"]
+    0
+    >>> pc.open_case("numerical_example", {"coupling.max_iterations": 0})
+    Traceback (most recent call last):
+    piston_cosim.master.fmi.errors.BadInput: ...coupling.max_iterations: ... (given: 0)
+    """
+    path = schema.find_case(str(case))
+    opened = Case(schema.read_tree(path), path)
+    if variant is not None:
+        opened = opened.variant(variant)
+    return opened.changed(changes) if changes else opened
+
+
+def sweep(
+    case: Case,
+    vary: Mapping[str, Sequence[Any]],
+    output: str | Path | None = None,
+    workers: int | None = None,
+    progress: Callable[[dict[str, Any], int, int], object] = lambda row, done, total: None,
+) -> list[dict[str, Any]]:
+    """Run a case over all combinations of values of its keys.
+
+    Parameters
+    ----------
+    case : Case
+        Of a file; participants of your own cannot go to other processes.
+    vary : mapping
+        Dotted key -> values.
+    output : path, optional
+        Folder: `sweep.csv` and the results of each run; results/sweep_NAME without it. What is
+        there of an earlier sweep is taken, what failed is tried again.
+    workers : int, optional
+        Processes; one a processor without it. A script that calls this needs
+        `if __name__ == "__main__":` around it, as with all of Python's processes.
+    progress : callable, optional
+        Called with (row, number done, number of all) after each run.
+
+    Returns
+    -------
+    list of dict
+        A row a run, in the order of the combinations: its values, `status` ("done", "failed", "bad
+        input"), `message`, and the entries of its summary. `pandas.DataFrame(rows)` is a table.
+
+    Raises
+    ------
+    BadInput
+        With every fault of every combination.
+    """
+    if case.own:
+        raise BadInput(f"{', '.join(case.own)}: participants of this Python cannot be swept")
+    combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]
+    faults, points = [], []
+    for values in combinations:
+        try:
+            points.append(sweeps.Point(values, case.changed(values).tree))
+        except BadInput as error:
+            faults += [fault for fault in error.faults if fault not in faults]
+    if faults:
+        raise BadInput(faults)
+    folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
+    sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
+    with sweeps.local_executor(workers) as executor:
+        return sweeps.sweep(points, case.path.parent, folder, executor, progress)

@@ -1,0 +1,167 @@
+"""Participants of your own under the master, described in Python instead of in a case file."""
+
+import json
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..fmi.errors import BadInput
+from ..fmi.slave import FieldSlave
+from ..participants.derivatives import Differenced
+from ..participants.local import LocalParticipant
+from ..participants.participant import Participant
+from .cases import Case
+
+Origin = type[FieldSlave] | str | Path | Callable[[], Participant]
+"""Where a participant comes from, see `couple`."""
+
+
+def couple(
+    participants: Mapping[str, Origin],
+    wires: Sequence[str | Mapping[str, Any]],
+    *,
+    stop: str,
+    step: str,
+    method: str = "newton",
+    order: Sequence[str] | None = None,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None,
+    build: Mapping[str, Mapping[str, Any]] | None = None,
+    record: Sequence[str] = (),
+    title: str = "",
+    **coupling: Any,
+) -> Case:
+    """A case of participants and wires: every macro step is iterated until all wires agree.
+
+    Parameters
+    ----------
+    participants : mapping
+        Name -> a class derived from `Slave` (it runs in this Python); an FMU's path;
+        "FILE.py:CLASS" (packed as an FMU); a CSV file of signals; or a function without arguments
+        that makes an object with the methods of `master.participants.participant.Participant`.
+    wires : sequence
+        "spring.force -> mass.force", or a mapping with the keys of a case's wires, for example
+        {"from": "spring.force", "to": "mass.force", "tolerance": "1 mN"}.
+    stop, step : str
+        Stop time and macro step, "1 s", "1 ms".
+    method : str
+        newton, iqn_ils, iqn_imvj, iqn_ageing, aitken, constant, or explicit.
+    order : sequence of str, optional
+        In which the participants step; that of the mapping without it. Wires that run against it
+        are the unknowns.
+    parameters : mapping, optional
+        Participant -> name -> value with its unit: parameters, and start values of inputs.
+    build : mapping, optional
+        Participant -> what its `variables(options)` is given.
+    record : sequence of str
+        Arrays to be recorded, "participant.variable"; scalar outputs always are.
+    **coupling
+        Further keys of a case's `[coupling]`: max_iterations, relaxation, predictor, ...
+
+    Returns
+    -------
+    Case
+        Its `run` and `changed` are those of any other.
+
+    Raises
+    ------
+    BadInput
+        With every fault of the description; those of units, shapes and names that need the
+        participants follow from `Case.run`.
+
+    Examples
+    --------
+    A mass on a spring, stepped by the implicit midpoint rule, one class each side:
+
+    >>> class Spring(pc.Slave):
+    ...     name = "spring"
+    ...     @staticmethod
+    ...     def variables(options):
+    ...         return [
+    ...             pc.variables.parameter("stiffness", "N/m", "Stiffness", 100.0, 0.0),
+    ...             pc.variables.input_variable("length", "m", "Elongation", 0.0, 1.0),
+    ...             pc.variables.output_variable("force", "N", "Pulls back", 1.0),
+    ...         ]
+    ...     def start(self, values):
+    ...         return self.advance(None, values, 0.0, 0.0)
+    ...     def advance(self, state, values, time, step):
+    ...         return state, {"force": -values["stiffness"] * values["length"]}
+    >>> class Mass(pc.Slave):
+    ...     name = "mass"
+    ...     @staticmethod
+    ...     def variables(options):
+    ...         return [
+    ...             pc.variables.input_variable("force", "N", "Force", 0.0, 1.0),
+    ...             pc.variables.output_variable("position", "m", "Position", 1.0),
+    ...         ]
+    ...     def start(self, values):
+    ...         return (1.0, 0.0, values["force"]), {"position": 1.0}
+    ...     def advance(self, state, values, time, step):
+    ...         position, velocity, before = state
+    ...         faster = velocity + step * (before + values["force"]) / 2.0
+    ...         position += step * (velocity + faster) / 2.0
+    ...         return (position, faster, values["force"]), {"position": position}
+    >>> case = pc.couple(
+    ...     {"spring": Spring, "mass": Mass},
+    ...     ["mass.position -> spring.length", "spring.force -> mass.force"],
+    ...     stop="0.2 s", step="2 ms", method="aitken", parameters={"spring": {"length": "1 m"}},
+    ... )
+    >>> position = case.run().series("mass.position").values
+    >>> print(f"{position[-1]:.3f}")      # cos(10/s 0.2 s) = -0.416
+    -0.416
+    """
+    given = {name: dict(values) for name, values in (parameters or {}).items()}
+    options = {name: dict(values) for name, values in (build or {}).items()}
+    strangers = sorted((given.keys() | options.keys()) - participants.keys())
+    if strangers:
+        raise BadInput(
+            f"no participant {', '.join(strangers)}: there are {', '.join(participants)}"
+        )
+    tables, own = {}, {}
+    for name, origin in participants.items():
+        tables[name] = {"parameters": given.get(name, {}), "build": options.get(name, {})}
+        if isinstance(origin, (str, Path)):
+            tables[name] |= _file(str(origin))
+            continue
+        tables[name]["plugin"] = getattr(origin, "__qualname__", type(origin).__qualname__)
+        own[name] = (
+            partial(in_process, name, origin, options.get(name, {}))
+            if isinstance(origin, type) and issubclass(origin, FieldSlave)
+            else origin
+        )
+    tree = {
+        "title": title or " and ".join(participants),
+        "time": {"stop": stop, "step": step},
+        "participants": tables,
+        "wires": [_wire(wire) for wire in wires],
+        "coupling": {"method": method, "order": list(order or participants), **coupling},
+        "record": {"fields": list(record)},
+    }
+    return Case(tree, Path.cwd() / "coupled.toml", own)
+
+
+def in_process(name: str, slave: type[FieldSlave], options: Mapping[str, Any]) -> Any:
+    """A slave of this Python as a participant, without an FMU around it."""
+    with tempfile.TemporaryDirectory() as folder:  # asked for its options alone, at once
+        (Path(folder) / "build.json").write_text(json.dumps(dict(options)))
+        participant = LocalParticipant(name, slave(instance_name=name, resources=folder))
+    participant.can_serialise = False  # a checkpoint is for a process without this class
+    return participant if participant.has_derivatives else Differenced(participant)
+
+
+def _file(origin: str) -> dict[str, str]:
+    """Table entry of a participant that lies in a file."""
+    if ".py:" in origin:
+        return {"file": origin}
+    return {"table" if origin.endswith(".csv") else "fmu": origin}
+
+
+def _wire(wire: str | Mapping[str, Any]) -> dict[str, Any]:
+    """Table of a wire."""
+    if not isinstance(wire, str):
+        return dict(wire)
+    source, arrow, target = (part.strip() for part in wire.partition("->"))
+    if not arrow:
+        raise BadInput(f"wire {wire!r}: write 'participant.output -> participant.input'")
+    return {"from": source, "to": target}

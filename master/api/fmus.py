@@ -1,0 +1,129 @@
+"""FMUs built and loaded."""
+
+import logging
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from ..case.given import build_options
+from ..case.schema import check_case
+from ..fmi import builder
+from ..fmi.errors import BadInput
+from ..participants import open as opening
+from .cases import Case, open_case
+
+log = logging.getLogger("piston_cosim")
+
+
+def build_fmu(
+    source: Case | str | Path,
+    participant: str | None = None,
+    *,
+    output: str | Path | None = None,
+    options: Mapping[str, Any] | None = None,
+    fmi: Literal["2.0", "3.0"] = "2.0",
+    say: Callable[[str], object] = log.info,
+) -> Path:
+    """The FMU of one participant of a case, or of a slave written in one file.
+
+    Parameters
+    ----------
+    source : Case, str or Path
+        A case, or "FILE.py:CLASS".
+    participant : str, optional
+        Its name in the case; without one `source` is a file.
+    output : path, optional
+        Where to put the FMU; it stays in the user's cache alone without it.
+    options : mapping, optional
+        Build options in place of the case's ({"grid": [60, 30]}, for all participants that have
+        them); of a file what its `variables(options)` is given.
+    fmi : {"2.0", "3.0"}
+        Version of the standard; 3.0 needs a C compiler.
+    say : callable
+        Told a line of text before long work.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadInput
+        With every fault of the options, or if there is no such participant, file or class.
+
+    Examples
+    --------
+    >>> path = pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}, output="film.fmu")
+    >>> path.name
+    'film.fmu'
+    """
+    if participant is None:
+        built = builder.build_fmu_of_file(str(source), dict(options or {}), say, fmi)
+    else:
+        case = source if isinstance(source, Case) else open_case(source)
+        built = _of_case(case, participant, options or {}, fmi, say)
+    if output is None:
+        return built
+    return Path(shutil.copyfile(built, output))
+
+
+def _of_case(
+    case: Case,
+    participant: str,
+    options: Mapping[str, Any],
+    fmi: str,
+    say: Callable[[str], object],
+) -> Path:
+    """FMU of a case's participant with some build options of another value."""
+    checked, folder = check_case(case.tree, case.path), case.path.parent
+    buildable = [name for name, table in checked.participants.items() if table.package]
+    if participant not in buildable:
+        raise BadInput(f"participant {participant!r}: the case builds {', '.join(buildable)}")
+    for name, table in checked.participants.items():
+        shared = options.keys() if name == participant else options.keys() & table.build.keys()
+        table.build |= {key: options[key] for key in shared}
+    build = build_options(checked, folder, say)[participant]
+    package: Any = checked.participants[participant].package
+    return builder.build_fmu(package, build, folder, say, fmi)
+
+
+def open_fmu(path: str | Path, name: str = "fmu") -> Any:
+    """An FMU of either version of the standard, ready to be stepped by hand.
+
+    Parameters
+    ----------
+    path : str or Path
+        An FMI 2.0 or 3.0 FMU for co-simulation.
+    name : str
+        What error messages call it.
+
+    Returns
+    -------
+    Participant
+        `fields` (name -> unit, causality, shape, allowed range, description);
+        `start(parameters, start_time, stop_time)`; `set(name, value)`, `get(name)` with whole
+        arrays; `step(time, step)`; `save()`, `restore(state)`; `derivative(seeds, products)` where
+        `has_derivatives`; `close()`. Values in the units that the FMU declares.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file, or it is no FMU that can be used.
+
+    Examples
+    --------
+    >>> film = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
+    >>> film.fields["film_thickness"].shape, film.fields["film_thickness"].unit
+    ((16, 8), 'm')
+    >>> film.start({"viscosity": 0.01}, 0.0, 1.0)
+    >>> film.set("sliding_velocity", np.full((16, 8), 2.0))
+    >>> film.step(0.0, 1e-4)
+    >>> bool(film.get("friction_power") > 0.0)
+    True
+    >>> film.close()
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise BadInput(f"{path}: no such file")
+    return opening.open_fmu(name, path)

@@ -1,0 +1,110 @@
+"""Pictures of a run in one line, by the same functions that draw a case's pictures."""
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib.pyplot as plt
+
+from ..case.schema import Case, Picture
+from ..fmi.errors import BadInput
+from .coordinates import crank_angle_port
+from .pictures import DRAWN
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .file import Results
+
+
+class Plots:
+    """`results.plot`: each call draws one matplotlib figure; a notebook shows it, a script saves it
+    (`figure.savefig("film.png")`).
+
+    Units are those asked for, name -> unit ("um", "MPa", "deg"); SI without. `beside` draws other
+    runs into the same panels: label -> Results.
+
+    Examples
+    --------
+    >>> results = pc.open_case("two_mass_oscillator", {"time.stop": "0.02 s"}).run()
+    >>> figure = results.plot.lines("left.displacement", units={"left.displacement": "mm"})
+    >>> figure.axes[0].get_ylabel()
+    'displacement [mm]'
+    """
+
+    def __init__(self, results: "Results", case: Case):
+        self._results, self._case = results, case
+
+    def __call__(self, beside: "dict[str, Results] | None" = None) -> "dict[str, Figure]":
+        """Every picture that the case describes: its file's name -> figure."""
+        return {p.file: self._drawn(p, beside) for p in self._case.pictures}
+
+    def lines(
+        self,
+        *ports: str,
+        x: str | None = None,
+        units: dict[str, str] | None = None,
+        beside: "dict[str, Results] | None" = None,
+    ) -> "Figure":
+        """Scalar outputs over `x`, a panel each.
+
+        Parameters
+        ----------
+        *ports : str
+            "participant.variable".
+        x : str, optional
+            The same for the abscissa; crank angle without it, time in a case without a crank.
+        """
+        x = x or self._abscissa()
+        self._known([*ports, *([x] if x != "time" else [])], self._results.ports)
+        y = [[port] for port in ports]
+        picture = _picture("lines", x=ports[0], y=y, units=units or {})
+        return self._drawn(picture.model_copy(update={"x": x}), beside)
+
+    def map(
+        self,
+        *ports: str,
+        time: str,
+        units: dict[str, str] | None = None,
+        beside: "dict[str, Results] | None" = None,
+    ) -> "Figure":
+        """Recorded fields at the instant nearest to `time` ("18 ms"), developed, a row each."""
+        self._known(ports, self._results.recorded)
+        chosen = dict(fields=list(ports), time=time, units=units or {})
+        return self._drawn(_picture("map", **chosen), beside)
+
+    def section(
+        self,
+        *ports: str,
+        time: str,
+        height: float = 0.5,
+        angles: tuple[str, str] = ("0 deg", "360 deg"),
+        units: dict[str, str] | None = None,
+        beside: "dict[str, Results] | None" = None,
+    ) -> "Figure":
+        """Recorded fields at `time` along their first index, at a share `height` of the second."""
+        self._known(ports, self._results.recorded)
+        where = dict(fields=list(ports), time=time, height=height, angles=angles)
+        return self._drawn(_picture("section", **where, units=units or {}), beside)
+
+    def _abscissa(self) -> str:
+        port = crank_angle_port(self._case)
+        return port if port is not None and port in self._results.ports else "time"
+
+    def _known(self, ports: Any, known: list[str]) -> None:
+        """BadInput for ports that the file does not have."""
+        unknown = [port for port in ports if port not in known]
+        if unknown or not ports:
+            raise BadInput(
+                f"{', '.join(unknown) or 'nothing to draw'}: recorded are {', '.join(known)}"
+            )
+
+    def _drawn(self, picture: Picture, beside: "dict[str, Results] | None") -> "Figure":
+        runs = {self._results.path.stem: self._results, **(beside or {})}
+        figure = DRAWN[picture.kind](self._case, picture, runs)
+        if picture.title:
+            figure.suptitle(picture.title)
+        plt.close(figure)  # pyplot forgets it: a notebook shows what is returned, and once
+        return figure
+
+
+def _picture(kind: str, **given: Any) -> Picture:
+    return Picture.model_validate(dict(file=f"{kind}.png", title="", kind=kind) | given)

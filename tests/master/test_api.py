@@ -1,0 +1,355 @@
+"""The Python interface: `help()` is enough, examples run, and what it gives is what a run holds."""
+
+import doctest
+import inspect
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import piston_cosim as pc
+from piston_cosim.master.results.labelled import to_dataframe
+from piston_cosim.master.results.plots import Plots
+
+DOCUMENTED = [name for name in pc.__all__ if name not in ("variables", "Slave")]
+ERRORS = ("BadInput", "Discard", "StepFailed")
+LARGEST_IMPORT = 0.05
+"""Seconds over an empty Python: what the issue asks; measured 0.01."""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def oscillator(here):
+    """Three steps of the two-mass oscillator."""
+    return pc.open_case("two_mass_oscillator", {"time.stop": "0.03 s"}).run()
+
+
+@pytest.fixture(scope="module")
+def skirt(tmp_path_factory):
+    """A rigid skirt on a coarse grid for eight degrees, fields at every second of them."""
+    changes = {
+        "time.stop": "8 deg",
+        "participants.bodies.build.grid": [16, 8],
+        "participants.ehd.build.grid": [16, 8],
+        "record.every": 2,
+    }
+    return pc.open_case("data_sheet", changes).run(tmp_path_factory.mktemp("skirt") / "rigid.h5")
+
+
+@pytest.mark.parametrize(
+    "thing", [*map(pc.__getattr__, DOCUMENTED), Plots], ids=lambda t: t.__name__
+)
+def test_examples_run(here, thing):
+    finder = doctest.DocTestFinder(recurse=False)
+    runner = doctest.DocTestRunner(verbose=False, optionflags=doctest.ELLIPSIS)
+    tests = finder.find(thing, globs={"pc": pc, "np": np})
+    for test in tests:
+        runner.run(test, out=sys.stderr.write)
+    assert runner.failures == 0
+    # the others are run by tests of their own
+    assert runner.tries > 0 or thing.__name__ in ERRORS + ("open_results", "reduce_bodies", "sweep")
+
+
+@pytest.mark.parametrize("name", pc.__all__)
+def test_every_public_name_is_documented_and_typed(name):
+    thing = getattr(pc, name)
+    assert inspect.getdoc(thing)
+    callables = [thing] if inspect.isfunction(thing) else []
+    if inspect.isclass(thing) and name not in (*ERRORS, "Slave"):
+        members = [m for m in vars(thing).values() if inspect.isfunction(m)]
+        callables = [m for m in members if not m.__name__.startswith("_")]
+        assert all(inspect.getdoc(m) for m in callables)
+    for one in callables:
+        signature = inspect.signature(one)
+        parameters = [p for p in signature.parameters.values() if p.name != "self"]
+        assert all(p.annotation is not p.empty for p in parameters), one
+        assert signature.return_annotation is not signature.empty, one
+
+
+def test_importing_is_cheap():
+    code = (
+        "import sys, time; import typing; begin = time.perf_counter(); import piston_cosim as pc;"
+        "print(time.perf_counter() - begin, 'numba' in sys.modules, 'numpy' in sys.modules)"
+    )
+    runs = [
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        for _ in range(3)  # the quickest: another process may have had the processor
+    ]
+    seconds = [run.stdout.split() for run in runs]
+    assert min(float(line[0]) for line in seconds) < LARGEST_IMPORT
+    assert all(line[1:] == ["False", "False"] for line in seconds)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'run_case'"):
+        pc.run_case  # noqa: B018
+    assert set(pc.__all__) <= set(dir(pc))
+
+
+def test_a_case_changed_leaves_the_first_as_it_was():
+    case = pc.open_case("numerical_example")
+    thick = case.changed({"participants.ehd.parameters.viscosity": "20 mPa s"})
+    assert case["participants.ehd.parameters.viscosity"] == "12 mPa s"
+    assert thick["participants.ehd.parameters.viscosity"] == "20 mPa s"
+    assert thick["wires.0.tolerance"] == "1 nm"
+    assert case.variant("rigid").label == "rigid"
+    assert case.variant("rigid")["participants.bodies.build.block.modes"] == 0
+    assert repr(case).startswith("<Case numerical_example, flexible: Motored single")
+    with pytest.raises(KeyError, match="no.such"):
+        case["no.such"]
+
+
+def test_faults_of_a_case_are_told_together():
+    with pytest.raises(pc.BadInput) as told:
+        pc.open_case("numerical_example", {"coupling.halvings": -1, "time.speed": 3})
+    assert len(told.value.faults) == 2
+    with pytest.raises(pc.BadInput, match="no table participants.oil in the case"):
+        pc.open_case("numerical_example", {"participants.oil.viscosity": "1 Pa s"})
+    with pytest.raises(pc.BadInput, match="no variant 'soft': the case has flexible, rigid"):
+        pc.open_case("numerical_example", variant="soft")
+
+
+def test_a_run_is_that_of_the_command(oscillator, here):
+    subprocess.run(
+        [sys.executable, "-m", "piston_cosim", "run", "two_mass_oscillator", "--only", "hermite"]
+        + ["--set", "time.stop=0.03 s", "--output", "command"],
+        check=True,
+        capture_output=True,
+    )
+    other = pc.open_results("command/hermite.h5")
+    for port in other.ports:
+        assert np.array_equal(other.series(port).values, oscillator.series(port).values)
+    assert oscillator.path == here / "results" / "two_mass_oscillator" / "hermite.h5"
+
+
+def test_progress_is_told_after_every_step(here):
+    steps = []
+    changes = {"time.stop": "0.03 s", "monitor": {"x": "last left.displacement"}}
+    results = pc.open_case("two_mass_oscillator", changes).run(progress=steps.append)
+    assert [step.time for step in steps] == pytest.approx([0.01, 0.02, 0.03])
+    assert [step.share for step in steps] == pytest.approx([1 / 3, 2 / 3, 1])
+    last, unit = steps[-1].monitored["x"]
+    assert (last, unit) == (results.series("left.displacement").values[-1], "m")
+    assert [step.iterations for step in steps] == list(
+        results.series("coupling.iterations").values[1:]
+    )
+
+
+def test_an_exception_in_progress_ends_the_run(here):
+    def refuse(step):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        pc.open_case("two_mass_oscillator").run("run.h5", refuse)
+    assert not (here / "run.h5").exists()
+    assert (here / "run.h5.partial").exists()
+
+
+def test_files_that_are_no_results_are_told(here):
+    (here / "a.h5").write_text("no")
+    for name, words in (("a.h5", "no results of a run"), ("b.h5", "no such file")):
+        with pytest.raises(pc.BadInput, match=words):
+            pc.open_results(name)
+
+
+def test_results_as_xarray_have_named_dimensions(skirt):
+    pytest.importorskip("xarray")
+    data = skirt.to_xarray()
+    pressure = data["ehd.pressure"]
+    assert pressure.dims == ("instant", "angle", "height")
+    assert pressure.attrs["units"] == "Pa"
+    assert data.sizes["angle"] == 16 and data.sizes["height"] == 8
+    # cell floor(16/4) + 1 = 5 has its centre on the thrust side, 90 deg from the pin axis
+    assert float(data["angle"][4]) == 90.0 and data["angle"].attrs["units"] == "deg"
+    assert data["height"].values == pytest.approx((np.arange(8) + 0.5) / 8)
+    # 1 deg at 1680 rpm are 99.2 us; fields at every second one from -360 deg on
+    assert np.degrees(data["instant_crank_angle"].values) == pytest.approx(
+        [-360, -358, -356, -354, -352]
+    )
+    assert np.degrees(data["crank_angle"].values) == pytest.approx(np.arange(-360, -351))
+    assert np.array_equal(data["time"], skirt.time)
+    chosen = pressure.sel(angle=90, instant=data["instant"][1])
+    assert np.array_equal(chosen, skirt.field("ehd.pressure", skirt.instants[1]).values[4])
+
+
+def test_the_file_opens_in_plain_xarray(skirt):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    scalars = xarray.open_dataset(skirt.path, group="ehd", engine="h5netcdf")
+    assert scalars["friction_power"].dims == ("time",)
+    where = xarray.open_dataset(skirt.path, group="fields", engine="h5netcdf")
+    fields = xarray.open_dataset(skirt.path, group="fields/ehd", engine="h5netcdf")
+    fields = fields.assign_coords(where.variables)
+    assert fields["pressure"].dims == ("time", "angle", "height")
+    assert float(fields["angle"][4]) == 90.0
+    assert np.degrees(fields["crank_angle"].values) == pytest.approx([-360, -358, -356, -354, -352])
+    skirt.close()
+
+
+def test_results_as_a_table(oscillator):
+    pytest.importorskip("pandas")
+    table = oscillator.to_dataframe()
+    assert list(table.columns) == oscillator.ports
+    assert table.index.to_numpy() == pytest.approx([0, 0.01, 0.02, 0.03])
+    assert table.attrs["units"]["left.displacement"] == "m"
+
+
+def test_a_missing_library_is_told(oscillator, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(pc.BadInput, match=r"pandas is not installed: pip install"):
+        to_dataframe(oscillator)
+
+
+def test_own_participants_take_part(here):
+    """x = 1 + f, f = -x/2 every step: x = 2/3, whatever the method."""
+    for method in ("newton", "aitken", "iqn_ils"):
+        results = _pair(method=method).run("pair.h5")
+        assert results.series("one.x").values[1:] == pytest.approx([2 / 3] * 3, abs=1e-6)
+        assert results.series("one.x").description == "Answer"
+
+
+def test_what_is_wrong_with_a_description_is_told(here):
+    with pytest.raises(pc.BadInput, match="no participant three: there are one, two"):
+        _pair(parameters={"three": {}})
+    with pytest.raises(pc.BadInput, match="write 'participant.output -> participant.input'"):
+        _pair(wires=["one.x two.x"])
+    with pytest.raises(pc.BadInput, match="two.y is no input"):
+        _pair(wires=["one.x -> two.y"]).run("pair.h5")
+    with pytest.raises(pc.BadInput, match="participants of this Python cannot be swept"):
+        pc.sweep(_pair(), {"coupling.relaxation": [0.5, 0.6]})
+
+
+def _pair(wires=("one.x -> two.x", "two.f -> one.f"), **given):
+    class Linear(pc.Slave):
+        name, gain, offset, ends = "linear", 1.0, 1.0, ("f", "x")
+
+        @classmethod
+        def variables(cls, options):
+            source, target = cls.ends
+            return [
+                pc.variables.input_variable(source, "1", "Question", 0.0, 1.0),
+                pc.variables.output_variable(target, "1", "Answer", 1.0),
+            ]
+
+        def start(self, values):
+            return self.advance(None, values, 0.0, 0.0)
+
+        def advance(self, state, values, time, step):
+            source, target = self.ends
+            return state, {target: self.offset + self.gain * values[source]}
+
+    class Back(Linear):
+        gain, offset, ends = -0.5, 0.0, ("x", "f")
+
+    given.setdefault("stop", "3 s")
+    return pc.couple({"one": Linear, "two": Back}, list(wires), step="1 s", **given)
+
+
+def test_a_sweep_has_a_row_for_each_combination(here):
+    case = pc.open_case("two_mass_oscillator", {"time.stop": "0.02 s"})
+    told = []
+    key = "participants.left.parameters.start_displacement"
+    rows = pc.sweep(
+        case, {key: ["1 m", "2 m"]}, "swept", workers=1, progress=lambda *row: told.append(row)
+    )
+    assert [row[key] for row in rows] == ["1 m", "2 m"]
+    assert [row["status"] for row in rows] == ["done", "done"]
+    heavy = case.changed({key: "2 m"}).run("heavy.h5")
+    assert rows[1]["left_displacement_last_m"] == heavy.summary["left_displacement_last_m"]
+    assert [done for _, done, _ in told] == [1, 2]
+    with pytest.raises(pc.BadInput, match="coupling.relaxation"):
+        pc.sweep(case, {"coupling.relaxation": [0.5, 7.0]})
+
+
+def test_a_film_tells_every_wrong_parameter():
+    with pytest.raises(pc.BadInput) as told:
+        pc.Film(viscosty="1 Pa s", bore_radius="3 kg", skirt_length=5.0, cavitation_model="wet")
+    assert [fault.split(" ")[0].strip(":") for fault in told.value.faults] == [
+        "viscosty",
+        "bore_radius",
+        "skirt_length",
+        "cavitation_model",
+    ]
+    assert "did you mean viscosity?" in told.value.faults[0]
+    with pytest.raises(pc.BadInput, match="must be above viscosity_100"):
+        pc.Film(viscosity_law="two_point", viscosity_40="5 mPa s", viscosity_100="9 mPa s")
+    with pytest.raises(pc.BadInput, match="two numbers of cells"):
+        pc.Film((4.5, 3))
+    with pytest.raises(pc.BadInput, match=r"open_cells has shape \(2,\)"):
+        pc.Film((8, 8), open_cells=np.zeros(2))
+
+
+def test_a_film_asks_for_what_it_needs():
+    film = pc.Film((8, 4))
+    with pytest.raises(pc.BadInput, match="call start first"):
+        film.step(1e-5, 0.0, 1e-4)
+    with pytest.raises(pc.BadInput, match=r"shape \(4, 8\): the grid is \(8, 4\)"):
+        film.start(np.full((4, 8), 1e-5), 0.0)
+    film.start(1e-5, 0.0)
+    with pytest.raises(pc.BadInput, match="must be positive"):
+        film.step(1e-5, 0.0, 0.0)
+    with pytest.raises(pc.BadInput, match="not finite"):
+        film.step(np.nan, 0.0, 1e-4)
+    with pytest.raises(pc.Discard, match="there is no film"):
+        film.step(-1e-5, 0.0, 1e-4)
+
+
+def test_a_film_set_back_repeats_its_step_and_its_tangent_is_the_difference():
+    film = pc.Film((8, 16), viscosity="20 mPa s")
+    film.start(1e-5, 2.0)
+    before = film.state
+    first = film.step(0.9e-5, 2.0, 1e-4)["nodal_pressure_force"]
+    change, _ = film.tangent(1.0, 0.0)
+    film.state = before
+    assert np.array_equal(film.step(0.9e-5, 2.0, 1e-4)["nodal_pressure_force"], first)
+    film.state = before
+    size = 1e-10
+    moved = film.step(0.9e-5 + size, 2.0, 1e-4)["nodal_pressure_force"]
+    # of first order in 1e-5 of the film, on forces that go with its inverse cube: 1e-4
+    assert (moved - first) / size == pytest.approx(change, rel=1e-3)
+
+
+def test_what_a_film_is_told_at_the_edges_counts():
+    film = pc.Film((8, 16))
+    film.start(1e-5, 0.0, pressure_upper_edge=2e5)
+    outputs = film.step(1e-5, 0.0, 1e-4, pressure_upper_edge=2e5)
+    # a film of equal thickness: pressure linear along it, in the middle of cell j (j + 1/2)/16
+    assert outputs["pressure"][0] == pytest.approx(2e5 * (np.arange(16) + 0.5) / 16, rel=1e-9)
+
+
+def test_pictures_of_a_run(skirt):
+    results = pc.open_results(skirt.path)
+    drawn = results.plot()
+    assert list(drawn) == [p["file"] for p in results.case["pictures"]]
+    lines = results.plot.lines("ehd.minimum_film_thickness")
+    assert lines.axes[0].get_xlabel() == "crank angle [rad]"
+    shown = results.plot.map("ehd.pressure", time="0 s", units={"ehd.pressure": "kPa"})
+    assert shown.axes[-1].get_ylabel() == "pressure [kPa]"
+    section = results.plot.section("bodies.film_thickness", time="0 s", beside={"again": results})
+    assert len(section.axes[0].lines) == 2
+    with pytest.raises(pc.BadInput, match=r"ehd.presure: recorded are .*ehd.pressure"):
+        results.plot.map("ehd.presure", time="0 s")
+
+
+def test_time_is_the_abscissa_without_a_crank(oscillator):
+    assert oscillator.crank_angle is None
+    figure = oscillator.plot.lines("left.displacement")
+    assert figure.axes[0].get_xlabel() == "time [s]"
+    (line,) = figure.axes[0].lines
+    assert np.array_equal(line.get_xdata(), oscillator.time)
+
+
+def test_an_fmu_of_a_case_has_the_options_asked_for(here):
+    film = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
+    assert film.fields["film_thickness"].shape == (16, 8)
+    with pytest.raises(pc.BadInput, match="participant 'oil': the case builds bodies, ehd"):
+        pc.build_fmu("data_sheet", "oil")
+    with pytest.raises(pc.BadInput, match="no such file"):
+        pc.open_fmu("film.fmu")
