@@ -11,6 +11,7 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
+from .dynamics.instant import Response, RingForce
 from .dynamics.model import EnergyCreated, Inputs, NotConverged, State
 from .dynamics.parameters import Parameters
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
@@ -24,8 +25,14 @@ class Mfbd(FieldSlave):
         "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
     )
     state_type = State
-    derivative_inputs = ("nodal_pressure_force", "nodal_friction_force")
-    derivative_outputs = ("film_thickness", "sliding_velocity")
+    derivative_inputs = (
+        "nodal_pressure_force",
+        "nodal_friction_force",
+        "ring_side_force",
+        "ring_axial_force",
+        "ring_moment",
+    )
+    derivative_outputs = Response._fields
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
@@ -80,10 +87,10 @@ class Mfbd(FieldSlave):
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Product of the step map's derivative with the seed fields."""
-        film, sliding = self.model.directional_derivative(
-            seeds["nodal_pressure_force"], seeds["nodal_friction_force"]
+        response = self.model.directional_derivative(
+            seeds["nodal_pressure_force"], seeds["nodal_friction_force"], _rings(seeds)
         )
-        return {"film_thickness": film, "sliding_velocity": sliding}
+        return response._asdict()
 
 
 def _inputs(values: dict[str, Any]) -> Inputs:
@@ -92,4 +99,10 @@ def _inputs(values: dict[str, Any]) -> Inputs:
         values["gas_pressure"],
         values["nodal_pressure_force"],
         values["nodal_friction_force"],
+        _rings(values),
     )
+
+
+def _rings(values: dict[str, Any]) -> RingForce:
+    names = ("ring_side_force", "ring_axial_force", "ring_moment")
+    return RingForce(*(float(values[name]) for name in names))

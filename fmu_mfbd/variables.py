@@ -34,6 +34,27 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
             grid,
         ),
         input_variable("gas_pressure", "Pa", "Gauge pressure on the piston crown", 0.0, 1e6),
+        input_variable(
+            "ring_side_force",
+            "N",
+            "Force of the rings on the piston towards the thrust side",
+            0.0,
+            1e2,
+        ),
+        input_variable(
+            "ring_axial_force",
+            "N",
+            "Force of the rings on the piston towards the head, on the axis of the bore",
+            0.0,
+            1e2,
+        ),
+        input_variable(
+            "ring_moment",
+            "N.m",
+            "Moment of the rings on the piston about A, about +z, beside that of their axial force",
+            0.0,
+            1.0,
+        ),
         Variable(
             "crank_speed",
             "rad/s",
@@ -93,6 +114,7 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             "Torque of the drive on the crank in its direction of turning",
             10.0,
         ),
+        output_variable("cylinder_pressure", "Pa", "Gauge pressure on the crown now", 1e6),
         output_variable("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
         output_variable("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
         output_variable(

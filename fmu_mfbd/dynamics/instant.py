@@ -74,6 +74,37 @@ class System(NamedTuple):
     gas_force: np.ndarray
 
 
+class RingForce(NamedTuple):
+    """What the rings do to the piston.
+
+    lateral : float
+        Along x, towards the thrust side [N].
+    axial : float
+        Along y, towards the head, on the bore's axis [N].
+    moment : float
+        About A, about +z, beside that of `axial` [N m].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+
+
+NO_RINGS = RingForce(0.0, 0.0, 0.0)
+
+
+class OtherForces(NamedTuple):
+    """What acts on the piston beside the film and the pin.
+
+    gas : float
+        Along -y on the crown [N].
+    rings : RingForce
+    """
+
+    gas: float
+    rings: RingForce
+
+
 class Instant(NamedTuple):
     """Motion, forces and film at an instant.
 
@@ -91,7 +122,9 @@ class Instant(NamedTuple):
         Energy across the bore.
     window : Window
     load : Load
-        On the piston, gas included.
+        On the piston, all but the pin's.
+    side_force : float
+        Of the piston on the bore through the film [N].
     film_thickness, sliding_velocity : ndarray, shape (c, a)
         [m], [m/s]
     piston_position, piston_velocity : float
@@ -115,6 +148,7 @@ class Instant(NamedTuple):
     ledger: Ledger
     window: Window
     load: Load
+    side_force: float
     film_thickness: np.ndarray
     sliding_velocity: np.ndarray
     piston_position: float
@@ -136,17 +170,19 @@ def end_of_step(
     before: Motion,
     auxiliary: np.ndarray,
     crank: CrankMotion,
-    gas: float,
+    others: OtherForces,
     pressure_force: np.ndarray,
     friction_force: np.ndarray,
 ) -> Instant:
     """One step: accelerations at its end that fulfil the equations of motion with the forces there,
     and everything that follows from them.
 
-    Eq. (D8):  moment of the gas about A = gas (pin offset + x_A)
+    Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
 
-    The rings seal against the bore and float in their grooves: the gas acts along the bore's axis,
-    wherever the piston stands and however it leans, and A stands at pin offset + x_A from it.
+    The rings seal against the bore and float in their grooves: the gas, and F_y that the rings rub
+    with, act along the bore's axis, wherever the piston stands and however it leans, and A stands
+    at pin offset + x_A from it. M is the moment of what the rings do across the bore. Rings push a
+    rigid piston: the modes feel the film and the gas alone.
 
     Parameters
     ----------
@@ -158,8 +194,8 @@ def end_of_step(
         Auxiliary acceleration at the start of the step.
     crank : CrankMotion
         At its end.
-    gas : float
-        Gas force on the piston along -y [N].
+    others : OtherForces
+        At its end.
     pressure_force, friction_force : ndarray, shape (c, a)
         On the film grid at its end [N].
 
@@ -177,12 +213,14 @@ def end_of_step(
     guided_velocity = guided.lever * crank.speed
     window = window_at(bore.lowest, bore.spacing, guided.height, skirt.height)
     film_forces = generalised(skirt, bore, window, forces)
-    push = _piston_push(system, film_forces, gas)
+    push = _piston_push(system, film_forces, others.gas)
+    rings = others.rings
+    guided_force = others.gas - rings.axial
     load = Load(
-        lateral=film_forces.lateral,
-        axial=film_forces.axial - gas,
-        moment=film_forces.moment + skirt.pin_offset * gas,  # Eq. (D8)
-        guided=gas,
+        lateral=film_forces.lateral + rings.lateral,
+        axial=film_forces.axial - guided_force,
+        moment=film_forces.moment + skirt.pin_offset * guided_force + rings.moment,  # Eq. (D8)
+        guided=guided_force,
         modal=push[: n - RIGID],
     )
     own = end_accelerations(
@@ -226,6 +264,7 @@ def end_of_step(
         ledger=ledger,
         window=window,
         load=load,
+        side_force=-film_forces.lateral,
         film_thickness=film.film_thickness,
         sliding_velocity=film.sliding_velocity,
         piston_position=now.height,
@@ -384,6 +423,8 @@ class Linear(NamedTuple):
         dY/dx_A [-].
     axial_velocity_slope : float
         Change of A's velocity along y with x_A [1/s].
+    arm : float
+        Of A from the bore's axis, pin offset + x_A [m].
     rod_slope : float
         dpsi/dx_A [1/m].
     friction_x, friction_y : float
@@ -400,6 +441,7 @@ class Linear(NamedTuple):
     coupling: np.ndarray
     slope: float
     axial_velocity_slope: float
+    arm: float
     rod_slope: float
     friction_x: float
     friction_y: float
@@ -452,6 +494,7 @@ def linearise(
         coupling=mode_coupling(piston, now.acceleration[ROCKING], w, c1, c2),
         slope=link.slope,
         axial_velocity_slope=link.axial_by_velocity / 2,
+        arm=system.skirt.pin_offset + lateral.position,
         rod_slope=rod.slope,
         friction_x=friction.by_x,
         friction_y=friction.by_y,
@@ -466,17 +509,22 @@ def linearise(
     )
 
 
-class FilmChange(NamedTuple):
-    """Change of the film's geometry.
+class Response(NamedTuple):
+    """Change of the film's geometry and of the piston's motion.
 
     Parameters
     ----------
     film_thickness, sliding_velocity : ndarray, shape (c, a)
         [m], [m/s]
+    lateral_velocity, rocking_velocity, piston_velocity : float
+        [m/s], [rad/s], [m/s]
     """
 
     film_thickness: np.ndarray
     sliding_velocity: np.ndarray
+    lateral_velocity: float
+    rocking_velocity: float
+    piston_velocity: float
 
 
 class Change(NamedTuple):
@@ -493,9 +541,9 @@ def response(
     linear: Linear,
     pressure_force: np.ndarray,
     friction_force: np.ndarray,
-) -> FilmChange:
-    """Change of film thickness and sliding velocity at the end of a step with the forces at its
-    end.
+    rings: RingForce,
+) -> Response:
+    """Change of film and motion at the end of a step with the forces at its end.
 
     Eq. (D7):  J d(acceleration) = dQ
                d(position) = c2 d(acceleration),  d(velocity) = c1 d(acceleration)
@@ -508,16 +556,18 @@ def response(
     linear : Linear
     pressure_force, friction_force : ndarray, shape (c, a)
         Direction [N].
+    rings : RingForce
+        Direction.
 
     Returns
     -------
-    FilmChange
+    Response
     """
     skirt = system.skirt
     bore = system.bore
     film_forces = generalised(skirt, bore, window, NodalForces(pressure_force, friction_force))
     acceleration = solve_coupled(  # Eq. (D7)
-        linear.arrow, linear.coupling, _right_side(linear, film_forces)
+        linear.arrow, linear.coupling, _right_side(linear, film_forces, rings)
     )
     lateral = acceleration[LATERAL]
     axial_slope = (
@@ -525,7 +575,7 @@ def response(
     )
     piston = _piston_change(system, linear, acceleration, film_forces.piston)
     block = _block_change(system, linear, film_forces.block)
-    return FilmChange(
+    return Response(
         opening(
             skirt,
             bore,
@@ -544,17 +594,25 @@ def response(
             piston.velocity[RIGID:],
             block.velocity,
         ),
+        piston.velocity[LATERAL],
+        piston.velocity[ROCKING],
+        axial_slope * lateral,
     )
 
 
 @compiled
-def _right_side(linear, forces):
-    """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what the film does not."""
-    rubbing = -linear.friction_x * forces.lateral - linear.friction_y * forces.axial
+def _right_side(linear, forces, rings):
+    """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what film and rings do
+    not.
+    """
+    lateral = forces.lateral + rings.lateral
+    axial = forces.axial + rings.axial
+    moment = forces.moment + rings.moment - rings.axial * linear.arm  # Eq. (D8)
+    rubbing = -linear.friction_x * lateral - linear.friction_y * axial
     modes = len(linear.arrow.diagonal)
     right = np.empty(RIGID + modes)
-    right[LATERAL] = forces.lateral + linear.slope * forces.axial - linear.rod_slope * rubbing
-    right[ROCKING] = forces.moment + rubbing
+    right[LATERAL] = lateral + linear.slope * axial - linear.rod_slope * rubbing
+    right[ROCKING] = moment + rubbing
     for k in range(modes):
         right[RIGID + k] = forces.piston[k]
     return right

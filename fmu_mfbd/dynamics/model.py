@@ -9,7 +9,17 @@ import numpy as np
 
 from ..geometry.film import Window
 from .generalised_alpha import Coefficients, Motion, coefficients
-from .instant import FilmChange, Instant, System, end_of_step, linearise, response
+from .instant import (
+    NO_RINGS,
+    Instant,
+    OtherForces,
+    Response,
+    RingForce,
+    System,
+    end_of_step,
+    linearise,
+    response,
+)
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
 from .slider_crank import CrankMotion
 from .speed_table import SpeedTable, crank_motion
@@ -72,12 +82,14 @@ class Inputs:
         On the crown, gauge [Pa].
     pressure_force, friction_force : ndarray, shape (c, a)
         On the skirt grid [N].
+    rings : RingForce
     """
 
     crank_speed: float
     gas_pressure: float
     pressure_force: np.ndarray
     friction_force: np.ndarray
+    rings: RingForce = NO_RINGS
 
 
 @dataclass(frozen=True)
@@ -296,7 +308,7 @@ class PistonInBore:
             before,
             auxiliary,
             crank,
-            self.gas_area * pressure,
+            OtherForces(self.gas_area * pressure, inputs.rings),
             inputs.pressure_force,
             inputs.friction_force,
         )
@@ -322,7 +334,7 @@ class PistonInBore:
         end = Motion(now.position, now.velocity, now.acceleration)
         self._last = LastStep(c, now.load, end, crank, now.window)
         self._linear = None
-        outputs = self._outputs(now, crank)
+        outputs = self._outputs(now, crank) | {"cylinder_pressure": pressure}
         if self.crank.free:
             freed = self._release(crank, outputs["crank_torque"])
             outputs["crank_torque"] = -self.crank.load_torque
@@ -364,7 +376,7 @@ class PistonInBore:
             "rocking_angle": position[ROCKING],
             "lateral_velocity": velocity[LATERAL],
             "rocking_velocity": velocity[ROCKING],
-            "side_force": -now.load.lateral,
+            "side_force": now.side_force,
             "crank_torque": now.torque + self.crank.inertia * crank.acceleration,
             "pin_force_x": now.pin_x,
             "pin_force_y": now.pin_y,
@@ -383,24 +395,30 @@ class PistonInBore:
         return outputs
 
     def directional_derivative(
-        self, pressure_force: np.ndarray, friction_force: np.ndarray
-    ) -> FilmChange:
-        """Change of film thickness and sliding velocity at the end of the last step with the forces
-        at its end (Eq. (D7)).
+        self,
+        pressure_force: np.ndarray,
+        friction_force: np.ndarray,
+        rings: RingForce = NO_RINGS,
+    ) -> Response:
+        """Change of film and motion at the end of the last step with the forces at its end
+        (Eq. (D7)).
 
         Parameters
         ----------
         pressure_force, friction_force : ndarray, shape (c, a)
             Direction [N].
+        rings : RingForce
+            Direction.
 
         Returns
         -------
-        FilmChange
-            film_thickness, sliding_velocity [m], [m/s], shape (c, a).
+        Response
         """
         last = self._last
         if self._linear is None:
             piston = self._of_piston(last.end)
             self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
             self.jacobian_evaluations += 1
-        return response(self.system, last.window, self._linear, pressure_force, friction_force)
+        return response(
+            self.system, last.window, self._linear, pressure_force, friction_force, rings
+        )

@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, damping, damping_bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
+from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
 from piston_cosim.fmu_mfbd.dynamics.model import EnergyCreated, Inputs, NotConverged
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import rod_turn
@@ -80,8 +81,10 @@ def test_directional_derivative_against_differences(which, request):
     model = request.getfixturevalue(which)
     state, _ = run(model)
     base = inputs(model, 50)
+    base = dataclasses.replace(base, rings=RingForce(40.0, -60.0, 0.3))
     rng = np.random.default_rng(1)
     dF, df = rng.standard_normal((2, *model.system.skirt.gap.shape))
+    dring = np.array([0.3, -0.2, 0.005])
     ends = [
         model.advance(
             state,
@@ -89,13 +92,15 @@ def test_directional_derivative_against_differences(which, request):
                 base,
                 pressure_force=base.pressure_force + e * dF,
                 friction_force=base.friction_force + e * df,
+                rings=RingForce(*(base.rings + e * dring)),
             ),
             STEP,
         )[1]
         for e in (1.0, -1.0)
     ]
     model.advance(state, base, STEP)
-    for name, product in model.directional_derivative(dF, df)._asdict().items():
+    response = model.directional_derivative(dF, df, RingForce(*dring))
+    for name, product in response._asdict().items():
         difference = (ends[0][name] - ends[1][name]) / 2
         assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
 

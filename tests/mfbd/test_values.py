@@ -115,7 +115,8 @@ def cross(a, b):
 def newton_euler(o, gas, turn=0.0, load_torque=None):
     """Accelerations and forces of the single parts: piston, pin, rod, crank.
 
-    Piston, about A:  m A'' + al Z s - w^2 s = P + film + gas,   (Z s).A'' + I0 al = M + moments
+    Piston, about A:  m A'' + al Z s - w^2 s = P + film + gas + rings
+                      (Z s).A'' + I0 al = M + moments
     Pin:              m_p A'' = S - P
     Rod, about G:     m_r G'' = B - S,   J psi'' = (A - G) x (-S) + (C - G) x B - M
     Joint:            A'' - C'' = psi'' Z (A - C) - psi'^2 (A - C)
@@ -142,7 +143,10 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
     sine = np.sin(THETA)[:, None]
     film = np.array([-(push * sine).sum(), drag.sum()])
     moment = (push * sine * HEIGHT + drag * (BORE * sine - PIN_OFFSET)).sum()
-    moment += gas * (PIN_OFFSET + x)  # along the bore's axis, x = 0
+    rings = np.array([o["ring_side_force"], o["ring_axial_force"]])
+    film += rings
+    moment += (gas - rings[1]) * (PIN_OFFSET + x)  # along the bore's axis, x = 0
+    moment += o["ring_moment"]
     m, spin = PISTON["mass"], o["rocking_velocity"]
     slip = spin - rod_rate
 
@@ -198,6 +202,7 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
     )
 
 
+RINGS = dict(ring_side_force=130.0, ring_axial_force=-90.0, ring_moment=2.5)
 RUBBING = dict(
     pin_friction_coefficient=0.08,
     pin_radius=9e-3,
@@ -221,6 +226,7 @@ def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
         gas_pressure=7e5,
         nodal_pressure_force=push,
         nodal_friction_force=drag,
+        **RINGS,
         **rubbing,
     )
     gas = 7e5 * pi * BORE**2
@@ -238,6 +244,7 @@ def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
         assert o["piston_velocity"] == near(want["velocity"])
         assert o["side_force"] == near((push * np.sin(THETA)[:, None]).sum())
         assert o["interface_work_error"] <= 1e-13
+        assert o["cylinder_pressure"] == 7e5
         if turn == 0.0:
             slave.views["crank_speed"][...] = 310.0 + 2e5 * step
             assert slave.do_step(0.0, step)
@@ -256,6 +263,7 @@ def test_accelerations_are_those_of_newton_and_euler(bodies):
         gas_pressure=-3e5,
         nodal_pressure_force=push,
         nodal_friction_force=drag,
+        **RINGS,
     )
     want = newton_euler(seen(slave), -3e5 * pi * BORE**2)
     assert slave.do_step(0.0, 1e-9)

@@ -1,0 +1,85 @@
+"""A ring pack as one participant: what the rings do to the piston, from its motion and the gas."""
+
+from dataclasses import dataclass
+from math import exp, hypot, pi, sqrt
+
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
+
+PAD = 1.94
+"""C of Eq. (U10): a ring face as a plane pad that closes to half its gap, flooded: load 0.1589
+eta U b^2/h^2 and friction 0.7726 eta U b/h per length, so F' = 0.7726/sqrt(0.1589) sqrt(eta U W').
+"""
+
+
+@dataclass(frozen=True)
+class State:
+    """A quasi-static pack remembers nothing."""
+
+
+class RingPack(FieldSlave):
+    """Quasi-static ring pack: Stribeck friction on the bore, dry friction in the grooves.
+
+    Eq. (U9):   W' = elastic_load + gas_width p
+    Eq. (U10):  F_y = -pi D W' [mu_b exp(-|V|/V_s) + C sqrt(eta |V|/W')] V/sqrt(V^2 + V_0^2)
+    Eq. (U11):  F_x = -mu_g pi D gas_depth p v/sqrt(v^2 + v_0^2),   v = x_A' - height w
+    Eq. (U12):  M = -height F_x
+
+    W' load of all rings on the bore over their length, p gauge pressure of the gas, D bore, V
+    velocity of the piston, v that of the grooves across the bore, where the rings stay; V_0, v_0
+    below which dry friction gives way to creep. Gas presses the rings on the lower flanks of their
+    grooves; their inertia, flutter and blow-by are left out. Valid for p >= 0 (below it is 0).
+    """
+
+    name, description, state_type = "ring_pack", "Quasi-static piston ring pack", State
+
+    @staticmethod
+    def variables(options):
+        return [
+            input_variable("cylinder_pressure", "Pa", "p, gauge", 0.0, 1e6),
+            input_variable("piston_velocity", "m/s", "V, towards the head", 0.0, 10.0),
+            input_variable("lateral_velocity", "m/s", "x_A', towards the thrust side", 0.0, 1e-2),
+            input_variable("rocking_velocity", "rad/s", "w, about the pin axis", 0.0, 1.0),
+            parameter("bore", "m", "D", 73e-3, 1e-3, 2.0),
+            parameter("height", "m", "Of the pack above the pin axis", 25e-3, -1.0, 1.0),
+            parameter("elastic_load", "N/m", "Of all rings by their tension", 1000.0, 0.0, 1e6),
+            parameter("gas_width", "m", "Width of the faces that gas presses on", 1.5e-3, 0.0, 0.1),
+            parameter("gas_depth", "m", "Depth of the flanks gas presses on", 3e-3, 0.0, 0.1),
+            parameter("viscosity", "Pa.s", "eta, of the oil", 0.01, 1e-5, 10.0),
+            parameter("boundary_friction", "1", "mu_b", 0.1, 0.0, 1.0),
+            parameter("groove_friction", "1", "mu_g", 0.1, 0.0, 1.0),
+            parameter("mixed_velocity", "m/s", "V_s, where boundary friction fades", 0.5, 1e-3, 50.0),
+            parameter("creep_velocity", "m/s", "V_0, along the bore", 0.1, 1e-6, 10.0),
+            parameter("groove_creep_velocity", "m/s", "v_0, across the bore", 2e-3, 1e-6, 1.0),
+            output_variable("side_force", "N", "F_x on the piston", 1e2),
+            output_variable("axial_force", "N", "F_y on the piston", 1e2),
+            output_variable("moment", "N.m", "M on the piston about A", 1.0),
+            output_variable("friction_power", "W", "-F_y V - F_x v", 1e2),
+        ]
+
+    def start(self, values):
+        return State(), _forces(values)
+
+    def advance(self, state, values, time, step):
+        return state, _forces(values)
+
+
+def _forces(of):
+    """Outputs at an instant."""
+    pressure = max(of["cylinder_pressure"], 0.0)
+    around = pi * of["bore"]
+    climb = of["piston_velocity"]
+    across = of["lateral_velocity"] - of["height"] * of["rocking_velocity"]
+    load = of["elastic_load"] + of["gas_width"] * pressure  # Eq. (U9)
+    rubbing = of["boundary_friction"] * exp(-abs(climb) / of["mixed_velocity"]) * load
+    shear = PAD * sqrt(of["viscosity"] * abs(climb) * load)
+    axial = -around * (rubbing + shear) * climb / hypot(climb, of["creep_velocity"])  # Eq. (U10)
+    pressed = around * of["gas_depth"] * pressure
+    sliding = across / hypot(across, of["groove_creep_velocity"])
+    side = -of["groove_friction"] * pressed * sliding  # Eq. (U11)
+    return {
+        "side_force": side,
+        "axial_force": axial,
+        "moment": -of["height"] * side,  # Eq. (U12)
+        "friction_power": -axial * climb - side * across,
+    }
