@@ -19,6 +19,7 @@ from ..fmi.errors import BadInput
 STARTED = time.perf_counter()
 COMMANDS = {
     "list": "List the cases that come with the tool.",
+    "keys": "List every key of a case: unit, default, allowed values, meaning.",
     "run": "Run a case and its variants: results file, summary, pictures.",
     "resume": "Go on with an interrupted run, with the same bits.",
     "plot": "Draw runs side by side.",

@@ -15,6 +15,15 @@ Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 """KEY=VALUE pairs; several allowed."""
 
 
+NARROWEST = 150
+"""Columns of a table that is piped into a file or another program."""
+
+
+def wide_console():
+    """The console for wide tables: a terminal as wide as it is, a pipe as wide as is needed."""
+    return console if console.is_terminal else Console(width=max(console.width, NARROWEST))
+
+
 def say(text):
     """Tell what is being done."""
     console.print(f"[dim]{text}[/]", soft_wrap=True)

@@ -3,10 +3,12 @@ the edge alone.
 """
 
 import re
+from dataclasses import dataclass
 from functools import cache
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import core_schema
 
 
 @cache
@@ -74,9 +76,26 @@ def is_known(unit: str) -> bool:
     return True
 
 
-def in_unit(unit: str) -> BeforeValidator:
-    """Reads a pydantic field of floats from text with a unit, into SI `unit`."""
-    return BeforeValidator(lambda value: to_si(value, unit))
+@dataclass(frozen=True)
+class in_unit:
+    """Reads a pydantic field of floats from text with a unit, into SI `unit`; its JSON schema says
+    the unit, and that of it a text is wanted.
+    """
+
+    unit: str
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_before_validator_function(
+            lambda value: to_si(value, self.unit), handler(source)
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        written = ["number", "string"] if self.unit == "1" else "string"
+        return {**handler(schema), "type": written, "unit": self.unit}
 
 
 def Quantity(unit):
