@@ -95,7 +95,7 @@ def prepare(
         Every fault of the table; then every fault of the meshes.
     """
     build = read_options(options, folder)
-    tables = _tables(build)
+    tables = read_tables(build)
     bodies = _bodies(build, progress)
     piston = load(ReducedPiston, bodies["piston"])
     block = load(ReducedBlock, bodies["block"])
@@ -220,7 +220,7 @@ def _carried(name: str, body: ReducedBody) -> Path:
     return path
 
 
-def _tables(build: Build) -> Tables:
+def read_tables(build: Build) -> Tables:
     """All tables, read before any long computation; every fault in one message."""
     faults = []
 

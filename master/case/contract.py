@@ -50,6 +50,7 @@ class Role:
     model_parameter: str | None = None
     curves: tuple[Curve, ...] = field(default=())
     build: dict[str, str] = field(default_factory=dict)
+    agree: dict[str, str] = field(default_factory=dict)
 
 
 @cache

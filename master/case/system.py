@@ -56,30 +56,41 @@ def faults_ahead(case, folder):
     list of str
     """
     faults: list[str] = []
-    declared, complete = {}, True
+    declared = declared_participants(case, folder, faults)
+    parameters = parameters_ahead(case, declared, faults)
+    _check_sources(case.wires, faults)
+    for table in case.wires:
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
+            _wire(table, declared, case.coupling, faults)
+    if declared.keys() == case.participants.keys():
+        _check_ports(case, declared, faults)
+        _check_time(case, parameters, faults)
+    return faults
+
+
+def declared_participants(case, folder, faults):
+    """Participants whose parts declare their variables, by name; faults of their build options
+    are appended.
+    """
+    declared = {}
     for name, table in case.participants.items():
         try:
             variables = declared_variables(table, folder)
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
-            variables = None
-        if variables is None:
-            complete = False
             continue
-        fields = {one.name: _as_fmu(one) for one in variables}
-        declared[name] = Declared(name, Path(table.package), fields)
-    parameters = {
+        if variables is not None:
+            fields = {one.name: _as_fmu(one) for one in variables}
+            declared[name] = Declared(name, Path(table.package), fields)
+    return declared
+
+
+def parameters_ahead(case, declared, faults):
+    """What the case gives declared participants, in SI, by their names; faults are appended."""
+    return {
         name: _parameters(participant, case.participants[name].parameters, faults)
         for name, participant in declared.items()
     }
-    _check_sources(case.wires, faults)
-    for table in case.wires:
-        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
-            _wire(table, declared, case.coupling, faults)
-    if complete:
-        _check_ports(case, declared, faults)
-        _check_time(case, parameters, faults)
-    return faults
 
 
 def _as_fmu(variable):

@@ -1,6 +1,7 @@
 """What several commands do: read --set and --grid, resolve variants, open results, speak."""
 
 import tomllib
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -49,6 +50,11 @@ def parse_grid(text):
     if len(sizes) != 2:
         raise BadInput(f"--grid {text!r}: write CIRCUMFERENTIALxAXIAL cells, e.g. 40x40")
     return sizes
+
+
+def default_folder(path):
+    """Folder for the results of a case file, where --output names none."""
+    return Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
 
 
 def variant_trees(path, changes, only):

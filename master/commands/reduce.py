@@ -7,7 +7,7 @@ from rich.table import Table
 from ..case.schema import case_names, find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
-from .common import Changes, console, parse_change
+from .common import Changes, console, default_folder, parse_change
 
 OFFLINE = "fmu_mfbd.offline"
 """Module with `reduce(options, folder, output, progress)`, called by name: this package knows no
@@ -33,12 +33,7 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
     """
     path = find_case(source)
     tree = read_tree(path, [parse_change(text) for text in set_])
-    folder = (
-        output
-        or Path("results")
-        / (path.parent.name if path.name == "case.toml" else path.stem)
-        / "bodies"
-    )
+    folder = output or default_folder(path) / "bodies"
     with console.status("reducing") as status:
 
         def progress(text):

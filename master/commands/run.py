@@ -14,7 +14,15 @@ from ..runs.console import print_summary, watching
 from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system
 from .app import STARTED
-from .common import Changes, console, draw_pictures, parse_change, say, variant_trees
+from .common import (
+    Changes,
+    console,
+    default_folder,
+    draw_pictures,
+    parse_change,
+    say,
+    variant_trees,
+)
 
 
 def command(
@@ -62,9 +70,7 @@ def command(
         variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
     )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
-    folder = output or Path("results") / (
-        path.parent.name if path.name == "case.toml" else path.stem
-    )
+    folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
     begun_in = Path.cwd()

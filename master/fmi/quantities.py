@@ -103,12 +103,12 @@ def Quantity(unit):
     return Annotated[float, in_unit(unit)]
 
 
-def short(value, unit):
+def short(value, unit, digits=3):
     """A value with a unit of handy size: 5.2e-6 m -> "5.2 um"."""
     if unit == "1":
-        return f"{value:.3g}"
+        return f"{value:.{digits}g}"
     if unit == "rad":
         return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
     if not is_known(unit):
-        return f"{value:.3g} {unit}"
-    return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}"
+        return f"{value:.{digits}g} {unit}"
+    return f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.{digits}g~P}"

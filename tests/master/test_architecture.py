@@ -20,6 +20,7 @@ OUTER = {
     "options.py",
     "verification.py",
     "offline.py",
+    "preview.py",
 }
 
 
