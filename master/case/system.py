@@ -14,7 +14,7 @@ from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import near
-from ..fmi.quantities import is_known, pint_unit, registry, to_si
+from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
@@ -194,28 +194,14 @@ def _participant(name, table, build, folder, progress):
     path = _fmu(table, build, folder, progress)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
-    return (
-        IsolatedParticipant(participant, _duration(table, "timeout"))
-        if table.isolated
-        else (participant)
-    )
+    if table.isolated:
+        return IsolatedParticipant(participant, duration("timeout", table.timeout))
+    return participant
 
 
 def _own_step(table):
     """Step [s] that a participant takes inside a macro step, or None."""
-    return None if table.step is None else _duration(table, "step")
-
-
-def _duration(table, key):
-    """A positive time of a participant's table [s]."""
-    text = getattr(table, key)
-    try:
-        seconds = to_si(text, "s")
-    except ValueError as error:
-        raise BadInput(f"{key}: {error}") from None
-    if not seconds > 0:
-        raise BadInput(f"{key} = {text}: must be positive")
-    return seconds
+    return None if table.step is None else duration("step", table.step)
 
 
 def _sizes(participant, given):

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from ..case.schema import find_case, read_tree
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
+from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
 from .app import say_faults
@@ -98,10 +98,4 @@ def _seconds(time_limit, dask):
         return None
     if dask:
         raise BadInput("--time-limit: is of local processes only, not of --dask")
-    try:
-        limit = to_si(time_limit, "s")
-    except ValueError as error:
-        raise BadInput(f"--time-limit: {error}") from None
-    if not limit > 0:
-        raise BadInput(f"--time-limit {time_limit}: must be positive")
-    return limit
+    return duration("--time-limit", time_limit)

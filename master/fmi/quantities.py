@@ -10,6 +10,8 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
+from .errors import BadInput
+
 
 @cache
 def registry():
@@ -65,6 +67,17 @@ def to_si(value, unit):
             else f"{value!r} has no unit: {wanted} is needed"
         )
     return float(quantity.to(target).magnitude)
+
+
+def duration(name, text):
+    """A positive time that a user gave for `name`, in seconds; BadInput if it is none."""
+    try:
+        seconds = to_si(text, "s")
+    except ValueError as error:
+        raise BadInput(f"{name}: {error}") from None
+    if not seconds > 0:
+        raise BadInput(f"{name} = {text}: must be positive")
+    return seconds
 
 
 def is_known(unit: str) -> bool:

@@ -96,6 +96,19 @@ def test_longer_communication_steps_are_cut_into_macro_steps(coupled, reference)
     np.testing.assert_allclose(watched(participant), values[-1], rtol=1e-6)
 
 
+def test_a_step_a_hair_too_long_is_one_macro_step(coupled, reference):
+    """An importer's clock in whole nanoseconds, rounded up: the run's own values but for 1e-5 of a
+    step; two macro steps of half the length differ by 1 % in the lateral motion.
+    """
+    values, step = reference
+    rounded = np.ceil(step * 1e9) * 1e-9
+    assert step < rounded < 1.0001 * step
+    participant = started(coupled)
+    for k in range(STEPS):
+        participant.step(k * rounded, rounded)
+    np.testing.assert_allclose(watched(participant), values[-1], rtol=2e-4)
+
+
 def test_state_is_whole(coupled, reference):
     """A step repeated from a saved, or a serialised, state gives the same bytes, in this instance
     and in another.
