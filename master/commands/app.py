@@ -19,6 +19,7 @@ from ..fmi.errors import BadInput
 STARTED = time.perf_counter()
 COMMANDS = {
     "list": "List the cases that come with the tool.",
+    "new": "Write a case of an own engine, from a few lengths, a mesh or a STEP file.",
     "keys": "List every key of a case: unit, default, allowed values, meaning.",
     "check": "Look at a case before it runs, or at an FMU beside the contract.",
     "run": "Run a case and its variants: results file, summary, pictures.",

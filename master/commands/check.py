@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from ..case.check import check
+from ..case.check import CheckedCase, check
 from ..case.contract import check_fmu
-from ..case.schema import find_case
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
@@ -30,6 +29,11 @@ def command(source: str, *, set_: Changes = [], picture: Path | None = None):
         _check_fmu(Path(source))
         return
     found = check(source, [parse_change(text) for text in set_])
+    print_checked(found, picture or default_folder(found.path) / "check.png")
+
+
+def print_checked(found: CheckedCase, picture: Path):
+    """Print what was seen of a case, and draw it; BadInput with its faults."""
     console.print(f"[bold]{found.title}[/]", highlight=False, soft_wrap=True)
     for preview in found.previews.values():
         groups: dict[str, list[Figure]] = {}
@@ -40,7 +44,7 @@ def command(source: str, *, set_: Changes = [], picture: Path | None = None):
             console.print(f"  {group:10s} {told}", highlight=False, markup=False, soft_wrap=True)
     for line in found.remarks:
         console.print(f"[yellow]look[/]  {line}", highlight=False, soft_wrap=True)
-    for file in found.draw(picture or default_folder(find_case(source)) / "check.png"):
+    for file in found.draw(picture):
         console.print(f"picture  {file}", highlight=False, soft_wrap=True)
     if found.faults:
         raise BadInput(found.faults)
