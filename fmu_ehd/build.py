@@ -125,6 +125,10 @@ def _sentence(fault: Any) -> str:
 def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
     if chosen.oil is None:
+        if chosen.oil_library:
+            faults.append(
+                f"oil_library = {chosen.oil_library!r}: no oil of it is taken; name one by oil"
+            )
         return {}
     path = folder / chosen.oil_library if chosen.oil_library else MODELS / "oils.toml"
     try:

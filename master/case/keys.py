@@ -31,10 +31,22 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
     Raises
     ------
     BadInput
-        With the faults of its build options.
+        If there is no such part, or with the faults of its build options.
     """
+    if table.package and not _is_installed(table.package):
+        raise BadInput(
+            f"package = {table.package!r}: no installed package of that name, nor fmu_mfbd or fmu_ehd"
+        )
     declared = part_function(table.package, "declared_variables")
     return declared(table.build, folder) if declared else None
+
+
+def _is_installed(package: str) -> bool:
+    try:
+        import_part(package)
+    except ImportError:
+        return False
+    return True
 
 
 def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:

@@ -286,7 +286,7 @@ class Engine:
     def gas_pressure(self, degrees: np.ndarray) -> np.ndarray:
         """Gauge pressure over a cycle, -360 to 360 deg, 0 at firing top dead centre [Pa].
 
-        Eq. (N1):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1)
+        Eq. (D12):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1)
                    x_b = 1 - exp(-5 ((phi - phi_0)/d)^1.5)
                    while the valves are closed, -180 to 180 deg; then p falls with e^(-phi/20 deg)
 
@@ -298,7 +298,7 @@ class Engine:
         burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - IGNITION, 0.0, None) / DURATION) ** 1.5)
         polytrope = INTAKE * (
             self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
-        )  # Eq. (N1)
+        )  # Eq. (D12)
         left = INTAKE * gain * np.exp(-np.clip(degrees - 180.0, 0.0, None) / OPEN)
         closed = np.abs(degrees) < 180.0
         return np.where(closed, polytrope, np.where(degrees >= 180.0, left, 0.0))
@@ -318,7 +318,7 @@ class Engine:
     def largest_side_force(self) -> Instant:
         """When gas and inertia push the piston hardest against the bore.
 
-        Eq. (N2):  F = (p A + (m_piston + m_pin) Y'') tan beta,   sin beta = r sin phi / L
+        Eq. (D13):  F = (p A + (m_piston + m_pin) Y'') tan beta,   sin beta = r sin phi / L
                    the share of the rod that moves with the pin left out
         """
         angle = np.radians(CYCLE)
@@ -328,7 +328,7 @@ class Engine:
         sine = self.crank_radius * np.sin(angle) / self["rod"]
         gas = self.gas_pressure(CYCLE) * pi / 4 * self["bore"] ** 2
         mass = self["mass"] + self["pin_mass"]
-        force = (gas + mass * acceleration) * sine / np.sqrt(1.0 - sine**2)  # Eq. (N2)
+        force = (gas + mass * acceleration) * sine / np.sqrt(1.0 - sine**2)  # Eq. (D13)
         k = int(np.abs(force).argmax())
         return Instant(float(CYCLE[k]), float(force[k]))
 

@@ -580,6 +580,8 @@ def _sentence(fault):
     where = ".".join(str(part) for part in fault["loc"]) or "case"
     if fault["type"] == "extra_forbidden":
         return f"{where}: unknown key{near_key(Case.model_json_schema(), fault['loc'])}"
+    if fault["type"] == "string_type":
+        return f"{where}: must be text, with its unit if it has one (given: {fault['input']!r})"
     given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
     return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
 
