@@ -145,6 +145,7 @@ class FilmStep:
         faces = reynolds.faces(film, entrainment, self._cells)
         if self._has_openings:
             self.openings.close(faces)
+            self.openings.starve(faces, edges.limit)
         lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
         supply = edges.film_fraction[LOWER]
@@ -218,6 +219,14 @@ class FilmStep:
             self.grid.ring,
         )
 
+    def spilled(self) -> Array:
+        """Flow of the last step into each opening from both its sides, `Openings.spilled`."""
+        step = self._step
+        solution = self._solution
+        assert step is not None and solution is not None, "spilled before solve"
+        filling = Filling(solution.pressure, solution.film_fraction, step.lift)
+        return self.openings.spilled(filling, step.faces)
+
     def slopes(
         self,
         film: Array,
@@ -249,6 +258,10 @@ class FilmStep:
         """
         if self._has_openings:
             film = self.openings.without_resistance(film)
+            faces = reynolds.faces(film, entrainment, self._cells)
+            bounded = self.openings.starve(faces, edges.limit)
+            # a given inflow follows neither film nor velocity
+            filling = filling._replace(lift=np.where(bounded, -1.0, filling.lift))
         stencil = reynolds.linearise(
             film,
             film_slopes,

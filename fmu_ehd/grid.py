@@ -36,8 +36,8 @@ class Edges(NamedTuple):
     pressure : ndarray, shape (4,), above cavitation pressure [Pa], >= 0.
     film_fraction : ndarray, shape (4,), film fraction of the oil that sliding drags in [-], 0 to 1;
     below 1 only at cavitation pressure, `parameters.edge_faults`.
-    limit : ndarray, shape (2, n_c), most that sliding can drag into each row over lower and upper
-    edge [m3/s], inf where oil is in plenty.
+    limit : ndarray, shape (n_c, n_a + 1), most that sliding can drag into the film over each axial
+    face, an edge or one beside an opening [m3/s]; inf where oil is in plenty.
     """
 
     pressure: Array
@@ -57,7 +57,8 @@ class Entrainment(NamedTuple):
 
 def in_plenty(shape: tuple[int, int]) -> Array:
     """`Edges.limit` of a grid of that shape without a limit."""
-    return np.full((2, shape[0]), np.inf)
+    n_c, n_a = shape
+    return np.full((n_c, n_a + 1), np.inf)
 
 
 def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:

@@ -15,7 +15,7 @@ from .film_step import FilmSolution, FilmStep
 from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
-from .oil_layer import Bore, OilLayer, edge_gaps, edge_inflow
+from .oil_layer import Bore, OilLayer, Passed
 from .parameters import Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
@@ -25,7 +25,8 @@ from .surroundings import Surroundings, surroundings
 from .transport import Lift, Pace, PastTransport
 
 # where oil outside the film is not followed
-NO_LAYER = OilLayer(np.zeros((0, 0)), np.zeros((2, 0)), 0.0, 0.0, 0.0, 0.0, 0.0)
+NOTHING = np.zeros((0, 0))
+NO_LAYER = OilLayer(NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0)
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
 
@@ -50,8 +51,8 @@ class State:
     passed, travel : ndarray, shape (n_c, n_a + 1)
         Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
         last step, `transport`.
-    bore, reservoir, reached, height, velocity, velocity_before, supplied
-        Oil outside the film, `oil_layer.OilLayer`; without it no cells of the bore.
+    layer : oil_layer.OilLayer
+        Oil outside the film; without it no cells of the bore.
     """
 
     unknown: Array
@@ -65,18 +66,7 @@ class State:
     film_before: Array
     passed: Array
     travel: Array
-    bore: Array
-    reservoir: Array
-    reached: float
-    height: float
-    velocity: float
-    velocity_before: float
-    supplied: float
-
-    @property
-    def layer(self) -> OilLayer:
-        """Oil outside the film."""
-        return OilLayer(*(getattr(self, name) for name in OilLayer._fields))
+    layer: OilLayer
 
     @property
     def past(self) -> Past:
@@ -266,7 +256,7 @@ class LubricationModel:
             flow.quantities,
             no_flow,
             no_flow,
-            *layer,
+            layer,
         )
         return state, outputs
 
@@ -325,7 +315,7 @@ class LubricationModel:
             covered = self._bore.covered(
                 layer, step, state.step_before, around.ring_layer, around.splash
             )
-            limit = self._bore.limit(covered, edge_inflow(carried), begin)
+            limit = self._bore.limit(covered, self._bore.inflow(carried), begin)
             around = replace(around, edges=around.edges._replace(limit=limit))
         inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
         lift = self._lift(state, pace, around, step)
@@ -341,11 +331,14 @@ class LubricationModel:
         )
         passed = carried + begin.length * solution.axial_flow
         if self._bore is not None:
+            spilled = pace.share * layer.spilled  # Eq. (T28)
+            if self._has_openings:
+                spilled = spilled + begin.length * self.film_step.spilled()
             layer = self._bore.left(
                 covered,
                 layer,
-                edge_inflow(passed),
-                edge_gaps(inputs.film_thickness),
+                Passed(self._bore.inflow(passed), spilled),
+                self._bore.gaps(inputs.film_thickness),
                 float(sliding_velocity.mean()),
                 step,
             )
@@ -364,7 +357,7 @@ class LubricationModel:
             state.film,
             passed,
             transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
-            *layer,
+            layer,
         )
         return state, outputs
 

@@ -4,7 +4,7 @@ Oil on the bore moves with it, at |V| past the skirt; a film filled to f moves a
 of thickness lambda fills a gap h to f = min(1, 2 lambda / h), and a film that leaves the skirt with
 f leaves lambda = f h / 2 behind: half of the gap where it is full. What the gap does not take is
 pushed along before the edge, in a reservoir at its chamfer, and goes in later. In terms of volumes,
-for each row of the film and each of its two axial edges:
+for each row of the film and each of its axial edges:
 
 Eq. (T21):  R <- R + (oil of the bore that the skirt has come to cover)
 Eq. (T22):  S = max(R - beta F_n, 0) / H_e
@@ -27,9 +27,19 @@ Y height of the lower edge that the layer goes by, Z the same by the trapezoidal
 where the skirt starts [m]; V mean sliding velocity of the skirt. So S is of the past alone, and in
 the tangent of the film a limited inflow is a constant.
 
-With an oil ring the bore above the skirt carries what the ring leaves there, whatever the skirt
-left: the difference comes from or goes to the ring. Splash adds to the bore below the skirt. Both
-count as supplied, what falls off as the opposite, so that
+Each row i of the grid around has edges of its own: a skirt may end higher or lower there, and every
+opening gives it two more. Through an opening the bore is bare; the skirt that follows takes up what
+lies there, as it does outside. What pressure drives into an opening around the circumference comes
+to lie on the bore under it:
+
+Eq. (T28):  W = beta W_n + H_e w,   (oil of the bore under the opening) <- that + W
+
+W volume that came into the opening in the step, W_n in the one before [m3], w the flow at its end
+[m3/s]; a cell of the opening stands over parts of two cells of the bore.
+
+With an oil ring the bore above the grid carries what the ring leaves there, whatever the skirt
+left: the difference comes from or goes to the ring. Splash adds to the bore below the lowest edge
+of a row. Both count as supplied, what falls off as the opposite, so that
 
 Eq. (T27):  oil in the film + on the bore + in the reservoirs - supplied
 
@@ -37,7 +47,8 @@ does not change but for round-off. Within a cell of the bore (as long as one of 
 is even.
 
 Arrays: n_b cells along the bore, from `stroke` below the start of the skirt to `stroke` above it;
-sides in the order LOWER, UPPER.
+n_e edges of a row from below, so lower and upper ones in turns (2 without openings). A row with
+fewer edges than others has the rest above everything, where nothing happens.
 
 References
 ----------
@@ -52,7 +63,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cavitation import NotConverged
-from .grid import LOWER, UPPER, Array, Grid
+from .grid import Array, Flags, Grid, in_plenty
 from .parameters import Parameters
 from .storage import EulerStep
 
@@ -62,8 +73,10 @@ class OilLayer(NamedTuple):
 
     bore : ndarray, shape (n_c, n_b)
         Oil on the bore, volume over the area of a cell [m]; 0 under the skirt.
-    reservoir : ndarray, shape (2, n_c)
+    reservoir : ndarray, shape (n_e, n_c)
         R [m3].
+    spilled : ndarray, shape (n_c, n_a)
+        W of the last step [m3].
     reached, height : float
         Y, Z [m].
     velocity, velocity_before : float
@@ -74,6 +87,7 @@ class OilLayer(NamedTuple):
 
     bore: Array
     reservoir: Array
+    spilled: Array
     reached: float
     height: float
     velocity: float
@@ -81,11 +95,51 @@ class OilLayer(NamedTuple):
     supplied: float
 
 
-class Exposed(NamedTuple):
-    """Share of each cell of the bore below the skirt and above it [-], ndarray of shape (n_b,)."""
+class Passed(NamedTuple):
+    """Volumes of a step [m3]: F into the film over the edges, shape (n_e, n_c), and W, shape (n_c,
+    n_a).
+    """
 
-    below: Array
-    above: Array
+    inflow: Array
+    spilled: Array
+
+
+class SkirtEdges(NamedTuple):
+    """Axial edges of a skirt, one entry each.
+
+    order : which of its row it is, from below; row : i; face : axial face of the grid;
+    inward : 1 at a lower edge, -1 at an upper one.
+    """
+
+    order: NDArray[np.intp]
+    row: NDArray[np.intp]
+    face: NDArray[np.intp]
+    inward: NDArray[np.intp]
+
+
+def skirt_edges(open_cells: Flags) -> SkirtEdges:
+    """Edges of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
+    film = np.pad(~open_cells, ((0, 0), (1, 1))).astype(int)
+    inward = np.diff(film, axis=1)
+    row, face = np.nonzero(inward)
+    order = np.cumsum(inward != 0, axis=1)[row, face] - 1
+    return SkirtEdges(order, row, face, inward[row, face])
+
+
+class Exposed(NamedTuple):
+    """Shares of the cells of the bore [-].
+
+    beyond : ndarray, shape (n_e, n_c, n_b), below a lower edge, above an upper one;
+    between : ndarray, shape (n_e/2 + 1, n_c, n_b), bare below the first edge, between two parts of
+    the skirt, above the last one.
+    """
+
+    beyond: Array
+    between: Array
+
+    def beside(self, edge: int) -> Array:
+        """What is bare beside an edge of that order, shape (n_c, n_b)."""
+        return self.between[(edge + 1) // 2]
 
 
 class Bore:
@@ -102,23 +156,29 @@ class Bore:
         self.parameters = parameters
         self.cells = grid.cells
         self.cell_area = grid.cell_area
-        n_c, n_a = grid.shape
+        n_c, n_a = self._film = grid.shape
         self._length = n_a * grid.cells.dy
-        beyond = int(np.ceil(parameters.stroke / grid.cells.dy))
-        self._bottom = (np.arange(n_a + 2 * beyond) - beyond) * grid.cells.dy
+        self._beyond = int(np.ceil(parameters.stroke / grid.cells.dy))
+        self._bottom = (np.arange(n_a + 2 * self._beyond) - self._beyond) * grid.cells.dy
         self._shape = (n_c, len(self._bottom))
+        openings = parameters.open_cells
+        self.edges = skirt_edges(np.zeros(grid.shape, dtype=bool) if openings is None else openings)
+        order, row, face, _ = self.edges
+        self._reservoirs = (2 * int((order // 2).max(initial=0) + 1), n_c)
+        self._heights = np.full((*self._reservoirs, 1), np.inf)
+        self._heights[order, row, 0] = face * grid.cells.dy
 
     def start(self, velocity: float) -> OilLayer:
-        """An even layer outside the skirt, and nothing at its edges.
+        """An even layer where the bore is bare, and nothing at the edges.
 
         Parameters
         ----------
         velocity : float
             V [m/s].
         """
-        below, above = self._exposed(0.0)
-        layer = self.parameters.initial_oil_layer * np.broadcast_to(below + above, self._shape)
-        return OilLayer(layer, np.zeros((2, self._shape[0])), 0.0, 0.0, velocity, velocity, 0.0)
+        layer = self.parameters.initial_oil_layer * self._exposed(0.0).between.sum(axis=0)
+        nothing = np.zeros(self._reservoirs)
+        return OilLayer(layer, nothing, np.zeros(self._film), 0.0, 0.0, velocity, velocity, 0.0)
 
     def volume(self, layer: OilLayer) -> float:
         """Oil on the bore and at the edges of the skirt [m3]."""
@@ -156,16 +216,20 @@ class Bore:
             )
         old = self._exposed(layer.reached)
         new = self._exposed(reached)
-        supply = splash * step * old.below
+        bare = old.between.sum(axis=0)
+        whole = np.where(bare > 0.0, bare, 1.0)
+        supply = splash * step * old.between[0]
         if self.parameters.oil_supply == "bore_and_ring":
-            supply = supply + np.where(old.above > 0.0, ring * old.above - layer.bore, 0.0)
-        supply = np.broadcast_to(supply, self._shape)
+            above = self._above(layer.reached, self._length)
+            scraped = layer.bore * (above / whole)
+            supply = supply + np.where(above > 0.0, ring * above - scraped, 0.0)
         bore = layer.bore + supply
         reservoir = layer.reservoir.copy()
-        for side in (LOWER, UPPER):
-            taken = bore * _shrinkage(old[side], new[side])
+        for edge in range(len(reservoir)):
+            swept = np.maximum(old.beyond[edge] - new.beyond[edge], 0.0)
+            taken = bore * (np.minimum(swept, old.beside(edge)) / whole)
             bore = bore - taken
-            reservoir[side] += taken.sum(axis=1) * self.cell_area  # Eq. (T21)
+            reservoir[edge] += taken.sum(axis=1) * self.cell_area  # Eq. (T21)
         return layer._replace(
             bore=bore,
             reservoir=reservoir,
@@ -173,42 +237,46 @@ class Bore:
             supplied=layer.supplied + supply.sum() * self.cell_area,
         )
 
-    @staticmethod
-    def limit(covered: OilLayer, carried: Array, begin: EulerStep) -> Array:
-        """Most that sliding can drag in over both edges, Eq. (T22).
+    def limit(self, covered: OilLayer, carried: Array, begin: EulerStep) -> Array:
+        """Most that sliding can drag in over the axial faces, Eq. (T22).
 
         Parameters
         ----------
         covered : OilLayer
             From `covered`.
-        carried : ndarray, shape (2, n_c)
+        carried : ndarray, shape (n_e, n_c)
             beta F_n [m3].
         begin : storage.EulerStep
 
         Returns
         -------
-        ndarray, shape (2, n_c)
-            S [m3/s].
+        ndarray, shape (n_c, n_a + 1)
+            S [m3/s], inf at faces that are no edge.
         """
-        return np.maximum(covered.reservoir - carried, 0.0) / begin.length  # Eq. (T22)
+        most = np.maximum(covered.reservoir - carried, 0.0) / begin.length  # Eq. (T22)
+        order, row, face, _ = self.edges
+        limit = in_plenty(self._film)
+        limit[row, face] = most[order, row]
+        return limit
 
     def left(
         self,
         covered: OilLayer,
         before: OilLayer,
-        inflow: Array,
+        passed: Passed,
         gap: Array,
         velocity: float,
         step: float,
     ) -> OilLayer:
-        """The layer at the end of a step, Eqs. (T23) to (T26).
+        """The layer at the end of a step, Eqs. (T23) to (T26), (T28).
 
         Parameters
         ----------
         covered, before : OilLayer
             From `covered`, and at the beginning of the step.
-        inflow, gap : ndarray, shape (2, n_c)
-            F [m3], and h at the edges [m].
+        passed : Passed
+        gap : ndarray, shape (n_e, n_c)
+            h at the edges [m].
         velocity : float
             V at the end of the step [m/s].
         step : float
@@ -216,21 +284,26 @@ class Bore:
         """
         old = self._exposed(before.reached)
         new = self._exposed(covered.reached)
-        reservoir = covered.reservoir - inflow  # Eq. (T23)
-        bore = covered.bore
-        for side in (LOWER, UPPER):
-            uncovered = np.maximum(new[side] - old[side], 0.0)
-            room = np.maximum(gap[side], 0.0) * uncovered.sum() * self.cell_area
-            volume = np.clip(reservoir[side], 0.0, room)  # Eq. (T24)
-            reservoir[side] -= volume
-            if uncovered.any():
-                thickness = volume / (uncovered.sum() * self.cell_area)
-                bore = bore + thickness[:, None] * uncovered
+        reservoir = covered.reservoir - passed.inflow  # Eq. (T23)
+        bore = covered.bore.copy()
+        self._spill(bore, passed.spilled, covered.reached)
+        for edge in range(len(reservoir)):
+            swept = np.maximum(new.beyond[edge] - old.beyond[edge], 0.0)
+            if not swept.any():
+                continue
+            room = np.maximum(gap[edge], 0.0) * swept.sum(axis=1) * self.cell_area
+            uncovered = np.minimum(swept, new.beside(edge))
+            length = uncovered.sum(axis=1)
+            volume = np.where(length > 0.0, np.clip(reservoir[edge], 0.0, room), 0.0)  # Eq. (T24)
+            reservoir[edge] -= volume
+            thickness = volume / (np.where(length > 0.0, length, 1.0) * self.cell_area)
+            bore += thickness[:, None] * uncovered
         capacity = self.parameters.chamfer_capacity * self.cells.dx
         fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
         return OilLayer(
             bore,
             reservoir - fallen,
+            passed.spilled,
             covered.reached,
             before.height + 0.5 * step * (before.velocity + velocity),  # Eq. (T26)
             velocity,
@@ -238,31 +311,50 @@ class Bore:
             covered.supplied - fallen.sum(),
         )
 
+    def inflow(self, passed: Array) -> Array:
+        """Volume that came in over the edges [m3], shape (n_e, n_c), from what passed the axial
+        faces with ascending j, shape (n_c, n_a + 1).
+        """
+        order, row, face, inward = self.edges
+        inflow = np.zeros(self._reservoirs)
+        inflow[order, row] = inward * passed[row, face]
+        return inflow
+
+    def gaps(self, film_thickness: Array) -> Array:
+        """Gap at the edges [m], shape (n_e, n_c), from that of the cells, shape (n_c, n_a)."""
+        order, row, face, inward = self.edges
+        gaps = np.zeros(self._reservoirs)
+        gaps[order, row] = film_thickness[row, np.where(inward > 0, face, face - 1)]
+        return gaps
+
+    def _spill(self, bore: Array, spilled: Array, height: float) -> None:
+        """Lay what came into openings on the bore under them, Eq. (T28); in place."""
+        _, n_a = self._film
+        cells = height / self.cells.dy
+        first = min(int(np.floor(cells)), self._beyond - 1)
+        upper = cells - first
+        lowest = first + self._beyond
+        # Eq. (T28)
+        bore[:, lowest : lowest + n_a] += (1.0 - upper) * spilled / self.cell_area
+        bore[:, lowest + 1 : lowest + 1 + n_a] += upper * spilled / self.cell_area
+
     def _exposed(self, height: float) -> Exposed:
-        """What a skirt at `height` [m] leaves uncovered."""
+        """What a skirt at `height` [m] leaves bare."""
+        lower = self._heights[0::2]
+        upper = self._heights[1::2]
+        below = _share((height + lower - self._bottom) / self.cells.dy)
+        above = self._above(height, upper)
+        beyond = np.stack([below, above], axis=1).reshape(-1, *self._shape)
+        # an opening is at least a cell long: no cell of the bore meets both of its ends
+        windows = np.minimum(above[:-1], below[1:])
+        return Exposed(beyond, np.concatenate([below[:1], windows, above[-1:]]))
+
+    def _above(self, height: float, edge: Array | float) -> Array:
+        """Share of each cell of the bore above an edge of a skirt at `height` [-]."""
         dy = self.cells.dy
-        below = (height - self._bottom) / dy
-        above = (self._bottom + dy - height - self._length) / dy
-        return Exposed(_share(below), _share(above))
-
-
-def edge_gaps(film_thickness: Array) -> Array:
-    """Gap at both edges [m], shape (2, n_c), from that of the cells, shape (n_c, n_a)."""
-    return film_thickness[:, [0, -1]].T
-
-
-def edge_inflow(passed: Array) -> Array:
-    """Volume that came in over both edges [m3], shape (2, n_c), from what passed the axial faces
-    with ascending j, shape (n_c, n_a + 1).
-    """
-    return np.stack([passed[:, 0], -passed[:, -1]])
+        return _share((self._bottom + dy - height - edge) / dy)
 
 
 def _share(cells: NDArray[np.floating]) -> Array:
     """Lengths in cells, bounded to a share of one."""
     return np.minimum(np.maximum(cells, 0.0), 1.0)
-
-
-def _shrinkage(old: Array, new: Array) -> Array:
-    """Share of what was exposed that is covered now [-]."""
-    return np.maximum(old - new, 0.0) / np.where(old > 0.0, old, 1.0)

@@ -2,7 +2,8 @@
 
 They hold the pressure and the film fraction of what is around the skirt, up to their edge. For the
 film beside them that is an edge, half a cell from its centre, with its own film alone, Eq. (E3)
-with g -> inf behind the face; what is given inside an opening is looked at nowhere.
+with g -> inf behind the face; what is given inside an opening is looked at nowhere. Where oil is
+not in plenty, what sliding drags in from an opening is bounded as over an edge, Eq. (E12).
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.ndimage import distance_transform_edt
 
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .grid import Array, Cells, Flags
-from .reynolds import Faces
+from .reynolds import Faces, Filling
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
 
@@ -33,6 +34,8 @@ class Openings:
         )
         i, j = np.asarray(found)[:, around : 2 * around]
         self._beside = (..., i % around, j)
+        # 1 where sliding drags oil in from an opening with ascending j, -1 with descending j
+        self._inward = -np.diff(open_cells.astype(int), axis=1)
 
     def filled(self, field: Array) -> Array:
         """A field (..., n_c, n_a) whose openings show the nearest cell with a film."""
@@ -55,3 +58,36 @@ class Openings:
         along = np.pad(at, ((0, 0), (1, 1)), constant_values=True)
         for values in (faces.conductance_a, faces.transport_a):
             values[along[:, 1:] & along[:, :-1]] = 0.0
+
+    def starve(self, faces: Faces, limit: Array) -> Flags:
+        """Bound what sliding drags in from openings, Eq. (E12); in place.
+
+        Parameters
+        ----------
+        faces : reynolds.Faces
+        limit : ndarray, shape (n_c, n_a + 1)
+            S [m3/s], `grid.Edges`.
+
+        Returns
+        -------
+        ndarray of bool, shape (n_c, n_a + 1)
+            Faces where it is bounded.
+        """
+        wanted = self._inward * faces.transport_a[:, 1:-1]
+        bounded = np.pad(wanted > limit[:, 1:-1], ((0, 0), (1, 1)))
+        between = bounded[:, 1:-1]
+        # Eq. (E12)
+        faces.transport_a[bounded] = self._inward[between] * limit[bounded]
+        return bounded
+
+    def spilled(self, filling: Filling, faces: Faces) -> Array:
+        """Flow into each opening from the films beside it around the circumference, Eq. (E2),
+        shape (n_c, n_a) [m3/s]; 0 elsewhere.
+        """
+        pressure, fraction, _ = filling
+        transport = faces.transport_c[:-1]
+        # Eq. (E2)
+        flow = faces.conductance_c[:-1] * (np.roll(pressure, 1, axis=0) - pressure)
+        flow += np.maximum(transport, 0.0) * np.roll(fraction, 1, axis=0)
+        flow += np.minimum(transport, 0.0) * fraction
+        return np.where(self.open_cells, flow - np.roll(flow, -1, axis=0), 0.0)

@@ -234,8 +234,6 @@ def bore_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list
                 f"{fraction_name} = {conditions[fraction_name]:g} with {law}: follows from the oil "
                 "on the bore, leave it at 1"
             )
-    if parameters.open_cells is not None and parameters.open_cells.any():
-        sentences.append(f"cells without a film with {law}: their oil is not followed")
     if not CAVITATION[parameters.cavitation_model].conserving:
         sentences.append(f"cavitation_model = {parameters.cavitation_model} with {law}: needs jfo")
     return sentences

@@ -330,7 +330,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         t = t_a[i, 0]
         stencil[CENTRE, i, 0] -= -k if full[i, 0] else min(t, 0.0)
         right[i, 0] += _inflow_part(
-            k, t, edge_pressure[LOWER], edge_fraction[LOWER], edges.limit[LOWER, i]
+            k, t, edge_pressure[LOWER], edge_fraction[LOWER], edges.limit[i, 0]
         )
         for j in range(1, n_a):
             k = k_a[i, j]
@@ -347,7 +347,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         t = t_a[i, n_a]
         stencil[CENTRE, i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
         right[i, n_a - 1] += _inflow_part(
-            k, -t, edge_pressure[UPPER], edge_fraction[UPPER], edges.limit[UPPER, i]
+            k, -t, edge_pressure[UPPER], edge_fraction[UPPER], edges.limit[i, n_a]
         )
     return stencil, right
 
@@ -395,7 +395,7 @@ def _inflow_below(filling, faces, edges, i):
         edges.film_fraction[LOWER],
         filling.pressure[i, 0],
         filling.film_fraction[i, 0],
-        edges.limit[LOWER, i],
+        edges.limit[i, 0],
     )
 
 
@@ -410,7 +410,7 @@ def _inflow_above(filling, faces, edges, i):
         edges.film_fraction[UPPER],
         filling.pressure[i, last],
         filling.film_fraction[i, last],
-        edges.limit[UPPER, i],
+        edges.limit[i, last + 1],
     )
 
 
@@ -625,7 +625,7 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
     for i in range(n_c):
         cell = _side(g, t, u, pressure, fraction, i, 0)
         entering = edges.film_fraction[LOWER]
-        if cells.dx * u[i, 0] * t[i, 0] * entering > edges.limit[LOWER, i]:
+        if cells.dx * u[i, 0] * t[i, 0] * entering > edges.limit[i, 0]:
             entering = 0.0  # a given inflow follows neither film nor velocity
         beyond = Side(g[i, 0], t[i, 0], u[i, 0], edges.pressure[LOWER], entering)
         inward = _flow_slopes(beyond, cell, aspect, cells.dx)
@@ -633,7 +633,7 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
         j = n_a - 1
         cell = _side(g, t, u, pressure, fraction, i, j)
         entering = edges.film_fraction[UPPER]
-        if -cells.dx * u[i, j] * t[i, j] * entering > edges.limit[UPPER, i]:
+        if -cells.dx * u[i, j] * t[i, j] * entering > edges.limit[i, n_a]:
             entering = 0.0
         beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[UPPER], entering)
         outward = _flow_slopes(cell, beyond, aspect, cells.dx)

@@ -275,18 +275,26 @@ def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cell
             through[j] = 0.0
         # what the implicit step lets in over a starved edge
         swept = width * travel[i, 0] * between_end[i, 0]
-        supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[LOWER, i], step, swept)
+        supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[i, 0], step, swept)
         if supply[LOWER, i] < 1.0 and swept > 0.0:
             given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER, i]
         swept = width * travel[i, n_a] * between_end[i, n_a]
-        supply[UPPER, i] = _entering(
-            edges.film_fraction[UPPER], edges.limit[UPPER, i], step, -swept
-        )
+        supply[UPPER, i] = _entering(edges.film_fraction[UPPER], edges.limit[i, n_a], step, -swept)
         if supply[UPPER, i] < 1.0 and swept < 0.0:
             given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
         for j in range(n_a):
             content[j] = past.content[i, j]
             source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
+        for j in range(1, n_a):
+            up = j - 1 if travel[i, j] > 0.0 else j
+            if edges.limit[i, j] == np.inf or past.resting[i, 2 * j - 1 - up]:
+                continue
+            # a film that starts behind an opening
+            swept = width * travel[i, j] * between_end[i, j]
+            entering = _entering(1.0, edges.limit[i, j], step, abs(swept))
+            if entering < 1.0:
+                content[up] = entering * stored[i, up]
+                given[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
         for _ in range(steps):
             _row_flow(content, i, way, steps, given, flow)
             for j in range(n_a):

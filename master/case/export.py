@@ -20,7 +20,7 @@ COUPLED = "master.coupling.coupled"
 """The part of the master that goes inside, with all that it imports."""
 
 
-def export_fmu(case, folder, progress):
+def export_fmu(case, folder, progress, version="2.0"):
     """FMU of the coupled case.
 
     Outside it has the inputs that no wire feeds, all parameters with the case's values as start
@@ -33,6 +33,8 @@ def export_fmu(case, folder, progress):
         Folder that paths in the case start from.
     progress : callable
         Told a line of text before long work.
+    version : {"2.0", "3.0"}
+        Of the standard; 3.0 needs a C compiler.
 
     Returns
     -------
@@ -100,6 +102,7 @@ def export_fmu(case, folder, progress):
         options,
         _resources(prepared),
         progress,
+        version,
     )
 
 

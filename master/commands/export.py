@@ -9,7 +9,6 @@ from ..case.schema import check_case, find_case, read_tree
 from ..case.ssp import export_ssp
 from ..case.system import open_system
 from ..fmi.builder import build_fmu
-from ..fmi.errors import BadInput
 from .common import Changes, console, parse_change, say
 
 
@@ -37,16 +36,14 @@ def command(
     output
         Where to put it.
     fmi
-        Version of the FMUs inside an SSP: 2.0 (SSP 1.0, a connector for every scalar) or 3.0 (SSP
-        2.0, arrays).
+        Version of the FMU, or of those inside an SSP: 2.0 (SSP 1.0, a connector for every scalar)
+        or 3.0 (SSP 2.0, arrays).
     """
     path = find_case(case)
     tree = read_tree(path, [parse_change(text) for text in set_])
     checked = check_case(tree, path)
-    if kind == "fmu" and fmi == "3.0":
-        raise BadInput("--fmi 3.0: the coupled FMU is FMI 2.0")
     if kind == "fmu":
-        output.write_bytes(export_fmu(checked, path.parent, say).read_bytes())
+        output.write_bytes(export_fmu(checked, path.parent, say, fmi).read_bytes())
     else:
         export_ssp(
             tree,

@@ -121,7 +121,8 @@ def open_all(cases, folder):
     faults = []
     for label, case in cases.items():
         try:
-            systems[label] = open_system(case, folder, say)
+            with console.status("working"):  # bodies are reduced here, which may take minutes
+                systems[label] = open_system(case, folder, say)
         except BadInput as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:

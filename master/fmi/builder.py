@@ -36,6 +36,9 @@ EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 PACKING = ("builder.py", "compiler.py", "description.py", "description3.py", "documentation.py")
 """What else has a say in an FMU's content."""
 
+TOKEN = "resources/token.txt"
+"""Where the front finds the identifier that an importer has to give, that of the description."""
+
 STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
 """pythonfmu's own libraries: what an FMU gets where no front can be compiled; they run in Python
 hosts alone.
@@ -292,8 +295,10 @@ def _members_2(slave):
         }
     )
     any_host = compiler() is not None
+    description = model_description(slave, any_host)
     return {
-        "modelDescription.xml": _xml(model_description(slave, any_host)),
+        "modelDescription.xml": _xml(description),
+        TOKEN: description.attrib["guid"].encode(),
         **documentation(slave, any_host),
         **binaries,
     }
@@ -301,8 +306,10 @@ def _members_2(slave):
 
 def _members_3(slave):
     """Description, terminals and front of an FMI 3.0 FMU."""
+    description = model_description_3(slave)
     return {
-        "modelDescription.xml": _xml(model_description_3(slave)),
+        "modelDescription.xml": _xml(description),
+        TOKEN: description.attrib["instantiationToken"].encode(),
         f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
         "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
         **documentation(slave, any_host=True),

@@ -60,7 +60,8 @@ class FieldSlave(Fmi2Slave):
     A participant defines
 
     - `name`, `description`: model identifier and one sentence;
-    - `state_type`: the frozen dataclass (of arrays and floats) that `start` and `advance` return;
+    - `state_type`: the frozen dataclass (of arrays, floats and named tuples of these) that `start`
+      and `advance` return;
     - `variables(options)`: its table, a list of `Variable`;
     - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every
       fault;
@@ -439,17 +440,12 @@ class FieldSlave(Fmi2Slave):
         if state is not None and self._parameters() != self.started_with:
             self._checked_start()
             self.real[: self.real_count] = real
-        self.state = self.state_type(**state) if isinstance(state, dict) else state
+        self.state = _assembled(self.state_type, state) if isinstance(state, dict) else state
 
     @staticmethod
     def _fmu_state_to_bytes(saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
-        members = (
-            {}
-            if state is None
-            else {f.name: np.asarray(getattr(state, f.name)) for f in fields(state)}
-        )
-        arrays = {"": real} | members
+        arrays = {"": real} | ({} if state is None else _members(state))
         header = {
             "settings": settings,
             "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
@@ -475,6 +471,34 @@ class FieldSlave(Fmi2Slave):
             arrays[name] = array if shape else array.item()
         real = arrays.pop("")
         return real, tuple(header["settings"]), arrays if header["started"] else None
+
+
+def _members(state):
+    """Arrays of a state by name, those of a named tuple in it as `field.name`."""
+    members = {}
+    for entry in fields(state):
+        value = getattr(state, entry.name)
+        if isinstance(value, tuple):
+            parts = value._asdict()  # pyright: ignore[reportAttributeAccessIssue]
+            members |= {f"{entry.name}.{name}": np.asarray(part) for name, part in parts.items()}
+        else:
+            members[entry.name] = np.asarray(value)
+    return members
+
+
+def _assembled(state_type, members):
+    """The state of those `_members`."""
+    values: dict[str, Any] = {}
+    for name, value in members.items():
+        field, _, part = name.partition(".")
+        if part:
+            values.setdefault(field, {})[part] = value
+        else:
+            values[field] = value
+    for entry in fields(state_type):
+        if isinstance(values[entry.name], dict):
+            values[entry.name] = entry.type(**values[entry.name])  # pyright: ignore[reportCallIssue]
+    return state_type(**values)
 
 
 def element_names(variable):

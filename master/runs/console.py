@@ -3,11 +3,12 @@
 import time as clock
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Column, Table
 
 from ..fmi.quantities import short
 
+STARTING = "starting; the first start on a machine compiles for a minute"
 REFRESH = 0.2
 """Seconds from one progress line to the next: units of handy size take a millisecond to find."""
 
@@ -38,9 +39,9 @@ class Watch:
 def watching(console, label):
     """A `Watch` under a progress bar."""
     name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
-    columns = (name, BarColumn(8), TextColumn("{task.fields[state]}"))
+    columns = (name, BarColumn(8), TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
-        yield Watch(progress, progress.add_task(label, total=1.0, state=""))
+        yield Watch(progress, progress.add_task(label, total=1.0, state=STARTING))
 
 
 def print_summary(console, summaries):

@@ -138,6 +138,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
 name = root.find("CoSimulation").get("modelIdentifier")
+guid = root.get("guid").encode()
 variable = next(v for v in root.iter("ScalarVariable") if v.get("name") == output)
 reference = int(variable.get("valueReference"))
 said = []
@@ -148,7 +149,7 @@ callbacks = (ctypes.c_void_p * 5)(ctypes.cast(logger, ctypes.c_void_p).value)
 library = ctypes.CDLL(str(Path(folder) / "binaries" / "linux64" / (name + ".so")))
 library.fmi2Instantiate.restype = ctypes.c_void_p
 location = "file://" + urllib.parse.quote(str(Path(folder) / "resources"))
-one = ctypes.c_void_p(library.fmi2Instantiate(b"one", 1, b"", location.encode(), callbacks, 0, 0))
+one = ctypes.c_void_p(library.fmi2Instantiate(b"one", 1, guid, location.encode(), callbacks, 0, 0))
 if not one:
     seen("refused: " + "; ".join(said))
     sys.exit()

@@ -88,6 +88,7 @@ class Unpacked:
             value,
             self.references[wanted],
             self.references[seed],
+            self.description.guid,
         ]
 
 

@@ -1,6 +1,6 @@
 /* A host that is not Python: loads co-simulation FMUs that were unpacked, steps them side by side, prints what they say.
 
-   host STEP COUNT (FOLDER IDENTIFIER LOCATION INPUT_REFERENCE INPUT_VALUE OUTPUT_REFERENCE SEED_REFERENCE)...
+   host STEP COUNT (FOLDER IDENTIFIER LOCATION INPUT_REFERENCE INPUT_VALUE OUTPUT_REFERENCE SEED_REFERENCE GUID)...
    One line an FMU:  final output, directional derivative of it for a unit seed, bytes of state, same after a repeat (0/1).
    Every status that is not OK ends the program with a message and exit code 1. */
 
@@ -62,10 +62,10 @@ int main(int count, char **argument)
 {
     static Callbacks callbacks = {.logger = logger};
     double size = atof(argument[1]);
-    int steps = atoi(argument[2]), fmus = (count - 3) / 7;
+    int steps = atoi(argument[2]), fmus = (count - 3) / 8;
     Fmu *all = calloc((size_t)fmus, sizeof *all);
     for (int k = 0; k < fmus; k++) {
-        char **a = argument + 3 + 7 * k, path[4096];
+        char **a = argument + 3 + 8 * k, path[4096];
         Fmu *f = all + k;
         snprintf(path, sizeof path, "%s/binaries/linux64/%s.so", a[0], a[1]);
         f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -73,7 +73,7 @@ int main(int count, char **argument)
             fprintf(stderr, "%s\n", dlerror()), exit(1);
         f->input = (unsigned)atoi(a[3]), f->value = atof(a[4]), f->output = (unsigned)atoi(a[5]), f->seed = (unsigned)atoi(a[6]);
         f->instance = ((void *(*)(char *, int, char *, char *, Callbacks *, int, int))function(f->library, "fmi2Instantiate"))(
-            a[1], 1, "", a[2], &callbacks, 0, 0);
+            a[1], 1, a[7], a[2], &callbacks, 0, 0);
         if (!f->instance)
             fprintf(stderr, "fmi2Instantiate answered NULL\n"), exit(1);
         CALL(f, fmi2SetupExperiment, (void *, int, double, double, int, double), f->instance, 0, 0.0, 0.0, 0, 0.0);

@@ -63,6 +63,21 @@ def slave(twin, references, tmp_path):
     one.freeInstance()
 
 
+def test_a_token_of_another_fmu_is_refused(twin, tmp_path):
+    said = []
+    description = fmpy.read_model_description(str(twin))
+    one = fmi3.FMU3Slave(
+        guid="{another}",
+        unzipDirectory=fmpy.extract(str(twin), unzipdir=str(tmp_path)),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="one",
+    )
+    heard = fmi3.fmi3LogMessageCallback(lambda e, s, c, message: said.append(message.decode()))
+    with pytest.raises(Exception, match="instantiate"):
+        one.instantiate(loggingOn=False, logMessage=heard)
+    assert "{another} is not the identifier of this FMU" in said[0]
+
+
 def film(k):
     return 2e-5 + 8e-6 * np.random.default_rng(k).random(CELLS)
 

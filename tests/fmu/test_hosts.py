@@ -47,9 +47,9 @@ def bodies(bodies_fmu, unpack, tmp_path_factory):
 
 def in_python(arguments):
     """The same drive as host.c's, by FMPy in this process."""
-    folder, identifier, _, given, value, wanted, seed = arguments
+    folder, identifier, _, given, value, wanted, seed, guid = arguments
     one = fmi2.FMU2Slave(
-        guid="", unzipDirectory=str(folder), modelIdentifier=identifier, instanceName="python"
+        guid=guid, unzipDirectory=str(folder), modelIdentifier=identifier, instanceName="python"
     )
     one.instantiate()
     one.setupExperiment(startTime=0.0)
@@ -111,6 +111,15 @@ def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_pa
     assert code == 1
     assert "fmi2ExitInitializationMode answered 3" in errors
     assert "viscosity = -1 Pa.s: allowed is" in errors
+
+
+def test_a_description_of_another_fmu_is_refused(host, film, bodies):
+    """The identifier that an importer read has to be the FMU's own."""
+    *mine, own = film
+    *_, other = bodies
+    code, _, errors = ask(host, [*mine, other])
+    assert code == 1
+    assert f"{other} is not the identifier of this FMU, {own}" in errors
 
 
 def test_bad_step_is_a_discard(host, fmu, unpack, tmp_path):

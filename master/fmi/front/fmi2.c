@@ -49,7 +49,7 @@ static char *path_of(const char *location)
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
                              const Callbacks *host, int visible, int logging)
 {
-    (void)visible, (void)guid;
+    (void)visible;
     Instance settings = {.send = send, .logging = logging, .name = (char *)name};
     if (host)
         settings.environment = host->environment, settings.logger = (void (*)(void))host->logger;
@@ -57,7 +57,7 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const
         front_log(&settings, ERROR, "fmi2Instantiate: this FMU is for co-simulation");
         return NULL;
     }
-    return front_create(name, path_of(location ? location : ""), settings);
+    return front_create(name, guid, path_of(location ? location : ""), settings);
 }
 
 EXPORT void fmi2FreeInstance(void *I) { if (I) front_free(I); }

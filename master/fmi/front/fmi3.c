@@ -25,12 +25,12 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, co
                                          bool events, bool early, const Reference *intermediate, size_t count, void *environment,
                                          Logger *logger, void *update)
 {
-    (void)token, (void)visible, (void)events, (void)early, (void)intermediate, (void)count, (void)update;
+    (void)visible, (void)events, (void)early, (void)intermediate, (void)count, (void)update;
     Instance settings = {.send = send, .logging = logging, .environment = environment, .logger = (void (*)(void))logger};
     char *path = strdup(resources ? resources : "");
     for (size_t end = strlen(path); end > 1 && path[end - 1] == '/';)
         path[--end] = 0;
-    return front_create(name, path, settings);
+    return front_create(name, token, path, settings);
 }
 
 EXPORT void fmi3FreeInstance(void *I) { if (I) front_free(I); }

@@ -333,14 +333,31 @@ static int create_slave(Instance *I)
     return status;
 }
 
-Instance *front_create(const char *name, char *resources, Instance settings)
+/* Whether the token is that of the FMU; says so if not. An FMU without its resources is refused later, by name. */
+static int is_own(Instance *I, const char *token)
+{
+    char path[8192], own[128] = "";
+    snprintf(path, sizeof path, "%s/token.txt", I->resources);
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return 1;
+    first_line(file, own, sizeof own);
+    fclose(file);
+    int same = token && !strcmp(token, own);
+    if (!same)
+        front_log(I, ERROR, "instantiate: %s is not the identifier of this FMU, %s: its model description is another's",
+                  token ? token : "nothing", own);
+    return same;
+}
+
+Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
 {
     Instance *I = malloc(sizeof *I);
     *I = settings;
     I->name = strdup(name ? name : "instance");
     I->resources = resources;
     int status = ERROR;
-    if (have_python(I)) {
+    if (is_own(I, token) && have_python(I)) {
         int held = py.PyGILState_Ensure();
         status = create_slave(I);
         py.PyGILState_Release(held);

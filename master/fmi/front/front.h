@@ -34,7 +34,9 @@ typedef struct Instance {
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* both standards number their statuses so */
 
-Instance *front_create(const char *name, char *resources, Instance settings);   /* takes the path over; NULL if refused */
+/* NULL if refused; takes the path over. `token` is the GUID (FMI 2) or instantiation token (FMI 3) that the host read
+   in the model description, which must be the one in resources/token.txt. */
+Instance *front_create(const char *name, const char *token, char *resources, Instance settings);
 void front_free(Instance *);
 int front_reset(Instance *);
 void front_log(Instance *, int status, const char *format, ...);
