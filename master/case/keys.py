@@ -34,9 +34,7 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
         If there is no such part, or with the faults of its build options.
     """
     if table.package and not _is_installed(table.package):
-        raise BadInput(
-            f"package = {table.package!r}: no installed package of that name, nor fmu_mfbd or fmu_ehd"
-        )
+        raise BadInput(f"package = {table.package!r}: no installed package of that name")
     declared = part_function(table.package, "declared_variables")
     return declared(table.build, folder) if declared else None
 

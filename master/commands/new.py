@@ -32,7 +32,7 @@ Sizes: Any = make_dataclass("Sizes", map(_option, SIZES), frozen=True, namespace
 def command(
     name: Path,
     *,
-    sizes: Annotated[Sizes, Parameter(name="*")] = Sizes(),  # noqa: B008
+    sizes: Annotated[Sizes, Parameter(name="*")] = Sizes(),  # noqa: B008  # pyright: ignore
     peak_pressure: str | None = None,
     motored: Annotated[bool, Parameter(negative=())] = False,
     mesh: Path | None = None,
