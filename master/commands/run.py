@@ -10,6 +10,7 @@ from ..case.schema import check_case, find_case
 from ..case.system import open_system
 from ..fmi.errors import BadInput
 from ..results.file import Results
+from ..results.verdicts import verdicts
 from ..runs.console import print_summary, watching
 from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system
@@ -92,7 +93,11 @@ def command(
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
-    for file in files.values():
+    for label, file in files.items():
+        for colour, what, said in verdicts(cases[label], Results(file)):
+            colour = {"amber": "yellow"}.get(colour, colour)
+            mark = f"[{colour}]{what:11s}[/]"
+            console.print(f"{mark} {label}: {said}", highlight=False, soft_wrap=True)
         shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
         console.print(f"results  {shown}", highlight=False, soft_wrap=True)
     if plots:
