@@ -9,44 +9,36 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from ..master.fmi.errors import BadInput
+from ..master.fmi.option_classes import near, near_key
 from ..master.fmi.quantities import to_si
+from ..master.fmi.variables import Variable
 from ..models import MODELS
 from .oil import vogel_constants
 from .options import BuildOptions
-from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES
+from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES, variables
 
 SMALLEST, LARGEST = 4, 1000  # cells along one side
 POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]
 
 
 class CaseOptions(BaseModel):
-    """Build options as the case file gives them.
+    """Build options as the case file gives them."""
 
-    Parameters
-    ----------
-    grid : list of int
-        [n_circumferential, n_axial].
-    no_fields : bool
-        Leave out pressure, asperity_pressure and film_fraction.
-    inputs : list of str
-        Conditions that are inputs instead of parameters, `POSSIBLE_INPUTS`.
-    oil : str
-        Name in the oil library; its numbers become the start values of the oil's parameters.
-    oil_library : str
-        TOML file, relative to the case's folder; the one shipped by default.
-    mask : str or list of list of int
-        CSV file relative to the case's folder, or its rows, one a circumferential cell: 1 = film,
-        0 = cut-out without a film; "none": film everywhere. By default a case's body FMU gives it,
-        from its mesh.
-    """
-
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
     grid: tuple[int, int] = (40, 40)
+    """Cells around and along the skirt."""
     no_fields: bool = False
+    """Leave out pressure, asperity_pressure and film_fraction."""
     inputs: list[str] = []
+    """Conditions that are inputs instead of parameters."""
     oil: str | None = None
+    """Name in the oil library; its numbers become the start values of the oil's parameters."""
     oil_library: str | None = None
+    """TOML file relative to the case's folder; the one shipped without it."""
     mask: str | list[list[int]] | None = None
+    """CSV file relative to the case's folder, or its rows, one a circumferential cell: 1 film, 0
+    cut-out; "none": film everywhere; without it the body's mesh gives it.
+    """
 
     @field_validator("grid")
     @classmethod
@@ -63,6 +55,23 @@ class CaseOptions(BaseModel):
                 f"{', '.join(unknown)}: possible inputs are {', '.join(POSSIBLE_INPUTS)}"
             )
         return names
+
+
+def options_schema() -> dict[str, Any]:
+    """JSON schema of the build options."""
+    return CaseOptions.model_json_schema()
+
+
+def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[Variable]:
+    """Variables of the FMU that these build options make, or that none make; nothing is built.
+
+    Raises
+    ------
+    BadInput
+        As `prepare`.
+    """
+    built = BuildOptions.read(prepare(options or {}, folder, lambda line: None)[0])
+    return variables(built.grid, not built.no_fields, built.inputs, built.oil)
 
 
 def prepare(
@@ -95,11 +104,7 @@ def prepare(
     try:
         chosen = CaseOptions(**options)
     except ValidationError as error:
-        sentences = [
-            f"{'.'.join(map(str, fault['loc']))} = {fault['input']!r}: {fault['msg']}"
-            for fault in error.errors()
-        ]
-        raise BadInput(sentences) from None
+        raise BadInput([_sentence(fault) for fault in error.errors()]) from None
     faults = []
     oil = _oil(chosen, Path(folder), faults)
     mask = _mask(chosen, Path(folder), faults)
@@ -109,9 +114,21 @@ def prepare(
     return built.written(), []
 
 
+def _sentence(fault: Any) -> str:
+    """One pydantic fault as a sentence."""
+    place = ".".join(map(str, fault["loc"]))
+    if fault["type"] == "extra_forbidden":
+        return f"{place}: unknown key{near_key(options_schema(), fault['loc'])}"
+    return f"{place} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}"
+
+
 def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
     if chosen.oil is None:
+        if chosen.oil_library:
+            faults.append(
+                f"oil_library = {chosen.oil_library!r}: no oil of it is taken; name one by oil"
+            )
         return {}
     path = folder / chosen.oil_library if chosen.oil_library else MODELS / "oils.toml"
     try:
@@ -120,7 +137,9 @@ def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, floa
         faults.append(f"oil_library = {str(path)!r}: {error}")
         return {}
     if chosen.oil not in library:
-        faults.append(f"oil = {chosen.oil!r}: known oils are {', '.join(library)}")
+        faults.append(
+            f"oil = {chosen.oil!r}: known oils are {', '.join(library)}{near(chosen.oil, library)}"
+        )
         return {}
     return oil_values(chosen.oil, library[chosen.oil], faults)
 

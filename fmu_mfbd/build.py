@@ -12,6 +12,7 @@ import numpy as np
 
 from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput
+from ..master.fmi.variables import Variable
 from .dynamics.build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, check_modes, read_start
@@ -29,6 +30,7 @@ from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_
 from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, load, save
 from .reduction.rigid import rigid_block, rigid_piston
+from .variables import inputs, outputs, parameters
 
 Say = Callable[[str], None]
 Given = TypeVar("Given")
@@ -43,6 +45,27 @@ class Tables(NamedTuple):
     gas: GasTable | None
     speed: SpeedTable | None
     start: StartState | None
+
+
+def options_schema() -> dict[str, Any]:
+    """JSON schema of the build table."""
+    return Build.model_json_schema()
+
+
+def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Variable]:
+    """Variables of the FMU that a build table makes, or that none makes; nothing is reduced.
+
+    Raises
+    ------
+    BadInput
+        Every fault of the table.
+    """
+    if options is None:
+        return inputs((4, 4)) + parameters()
+    build = read_options(options, folder)
+    bodies = build.piston, build.block
+    modes = sum(0 if body.rigid else body.modes - len(body.modes_off) for body in bodies)
+    return inputs(build.grid) + outputs(build.grid, modes) + parameters()
 
 
 def prepare(
@@ -72,7 +95,7 @@ def prepare(
         Every fault of the table; then every fault of the meshes.
     """
     build = read_options(options, folder)
-    tables = _tables(build)
+    tables = read_tables(build)
     bodies = _bodies(build, progress)
     piston = load(ReducedPiston, bodies["piston"])
     block = load(ReducedBlock, bodies["block"])
@@ -204,7 +227,7 @@ def _carried(name: str, body: ReducedBody) -> Path:
     return path
 
 
-def _tables(build: Build) -> Tables:
+def read_tables(build: Build) -> Tables:
     """All tables, read before any long computation; every fault in one message."""
     faults = []
 

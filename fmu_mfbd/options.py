@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ..master.fmi.errors import BadInput
+from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
 
@@ -23,7 +24,7 @@ Frequency = Annotated[float, in_unit("Hz")]
 Number = Annotated[float, in_unit("1")]
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
-STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 class Surface(BaseModel):
@@ -33,10 +34,15 @@ class Surface(BaseModel):
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
+    """cylinder about y with ends, bore about z of any length, or plane across y."""
     radius: Length | None = None
+    """Of cylinder or bore."""
     lower: Length | None = None
+    """Lower end of a cylinder."""
     upper: Length | None = None
+    """Upper end of a cylinder."""
     height: Length | None = None
+    """Of a plane."""
 
     @model_validator(mode="after")
     def _complete(self):
@@ -58,29 +64,29 @@ class Surface(BaseModel):
 
 
 class RigidPiston(BaseModel):
-    """A piston of a data sheet: mass, centre of mass [x, y] from the skirt's axis at the height of
-    pin point A, moment of inertia about it and the pin axis' direction, radius of the skirt.
-    """
+    """A piston of a data sheet."""
 
     model_config = STRICT
     mass: Annotated[Mass, Field(gt=0)]
+    """Mass without the pin."""
     centre: tuple[Length, Length]
+    """Centre of mass (x, y) from the skirt's axis at the height of pin point A."""
     inertia: Annotated[Inertia, Field(gt=0)]
+    """Moment of inertia about the centre of mass and the pin axis' direction."""
     radius: Annotated[Length, Field(gt=0)]
+    """Of the skirt."""
 
 
 class RigidBlock(BaseModel):
-    """A block of a data sheet: radius of its bore."""
+    """A block of a data sheet."""
 
     model_config = STRICT
     radius: Annotated[Length, Field(gt=0)]
+    """Of the bore."""
 
 
 class Body(BaseModel):
-    """What both bodies need. Lengths in the file are metres times `mesh_unit`; `axes` names the
-    file's directions that are thrust (x), towards the head (y) and pin (z); `origin` is where this
-    project's origin lies in the file. `surfaces` finds by geometry what the file does not name.
-    `modes_off` switches single modes off, by their number in the table of modes.
+    """What both bodies need.
 
     `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of
     density, young and poisson; `mesh` then gives the nodes and their surfaces, or a CSV file does
@@ -93,24 +99,45 @@ class Body(BaseModel):
 
     model_config = STRICT
     mesh: str | None = None
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .gz), or nodes as CSV for a body of
+    matrices.
+    """
     reduced: str | None = None
+    """Body reduced already, .npz as `piston-cosim reduce` writes it, in place of mesh, material,
+    basis and modes.
+    """
     rigid: RigidPiston | RigidBlock | None = None
+    """Data sheet in place of a mesh."""
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
+    """What a length of 1 in the mesh file means."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
+    """The file's directions that are thrust (x), towards the head (y) and pin (z)."""
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    """Where this project's origin lies in the file."""
     surfaces: dict[str, Surface] = {}
+    """Surfaces found by geometry that the file does not name."""
     density: Annotated[Density, Field(ge=500, le=25000)] | None = None
+    """Of the material."""
     young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
+    """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
+    """Poisson's ratio."""
     stiffness: str | None = None
+    """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
     mass: str | None = None
+    """Its mass matrix."""
     stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
+    """What 1 in the stiffness matrix means."""
     mass_unit: Annotated[Mass, Field(gt=0)] | None = None
+    """What 1 in the mass matrix means."""
     basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = (
         "pressure_modes"
     )
+    """Shapes the body is reduced to."""
     modes: Annotated[int, Field(ge=0, le=200)] = 60
+    """How many; 0: rigid."""
     modes_off: list[Annotated[int, Field(ge=1)]] = []
+    """Modes switched off, by their number in the table of modes."""
 
     @model_validator(mode="after")
     def _source(self):
@@ -146,9 +173,13 @@ class ShapeTable(BaseModel):
 
     model_config = STRICT
     file: str
+    """CSV file: first row angles, then a height and its values in each row."""
     angle_unit: Annotated[Angle, Field(gt=0)]
+    """What 1 among its angles means."""
     height_unit: Annotated[Length, Field(gt=0)]
+    """What 1 among its heights means."""
     value_unit: Annotated[Length, Field(gt=0)]
+    """What 1 among its values means."""
 
 
 class Order(BaseModel):
@@ -156,8 +187,11 @@ class Order(BaseModel):
 
     model_config = STRICT
     order: Annotated[int, Field(ge=0, le=40)]
+    """0 growth, 1 offset of the axis, 2 ovality, 4 four bolts, ...."""
     amplitude: Length
+    """Radial widening."""
     phase: Angle = 0.0
+    """Angle of the largest widening, from the pin axis towards the thrust side."""
 
 
 class Table(BaseModel):
@@ -165,8 +199,11 @@ class Table(BaseModel):
 
     model_config = STRICT
     file: str | None = None
+    """CSV file of two columns."""
     points: list[tuple[float, float]] | None = None
+    """The two columns, in the case itself."""
     strokes: Literal[2, 4] = 4
+    """Of a cycle."""
 
     @model_validator(mode="after")
     def _source(self):
@@ -183,7 +220,9 @@ class Gas(Table):
     """
 
     angle_unit: Annotated[Angle, Field(gt=0)]
+    """What 1 in the first column, crank angle, means."""
     pressure_unit: Annotated[Pressure, Field(gt=0)]
+    """What 1 in the second column, gauge pressure, means."""
 
 
 class Speed(Table):
@@ -192,8 +231,11 @@ class Speed(Table):
     """
 
     time_unit: Annotated[Time, Field(gt=0)] | None = None
+    """What 1 in the first column means, if it is time."""
     angle_unit: Annotated[Angle, Field(gt=0)] | None = None
+    """What 1 in the first column means, if it is crank angle."""
     speed_unit: Annotated[AngularSpeed, Field(gt=0)]
+    """What 1 in the second column means."""
 
     @model_validator(mode="after")
     def _over(self):
@@ -205,40 +247,47 @@ class Speed(Table):
 class Piston(Body):
     """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`,
     `pin_bore`.
-
-    The skirt's edges are those of its surface in the mesh unless given. `tie`: how the pin bores
-    hang on A, every node rigidly (rbe2) or the mean motion of both, or of each (rbe3,
-    rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
+    """How the pin bores hang on A: every node rigidly (rbe2), the mean motion of both (rbe3) or of
+    each (rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
+    """
     rigid: RigidPiston | None = None
+    """Data sheet in place of a mesh."""
 
     skirt_lower: Length | None = None
+    """Lower edge of the skirt above pin point A; that of its surface in the mesh without it."""
     skirt_upper: Length | None = None
+    """Upper edge likewise."""
     pin_offset: Length = 0.0
+    """x of pin point A from the skirt's axis, positive towards the thrust side."""
     profiles: list[ShapeTable] = []
+    """Measured gaps that add to barrel and ovality."""
 
 
 class Block(Body):
-    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`.
-
-    `stations` heights make the table of the bore's modes; the bore's ends are those of its surface
-    in the mesh unless given. `tie`: bolt faces clamped (rbe2) or on springs of `spring_stiffness`
-    in each direction, spread over all bolt faces.
-    """
+    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`."""
 
     ENDS = ("bore_lower", "bore_upper")
     tie: Literal["rbe2", "springs"] = "rbe2"
+    """Bolt faces clamped (rbe2) or on springs."""
     rigid: RigidBlock | None = None
+    """Data sheet in place of a mesh."""
     spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
+    """Of the springs in each direction, spread over all bolt faces."""
 
     bore_lower: Length | None = None
+    """Lower end of the bore above the crank axis; that of its surface in the mesh without it."""
     bore_upper: Length | None = None
+    """Upper end likewise."""
     stations: Annotated[int, Field(ge=8, le=400)] = 64
+    """Heights of the table of the bore's modes."""
     profiles: list[ShapeTable] = []
+    """Measured widenings of the bore."""
     orders: list[Order] = []
+    """Fourier orders of the bore's distortion."""
 
 
 class Band(BaseModel):
@@ -246,22 +295,27 @@ class Band(BaseModel):
 
     model_config = STRICT
     above: Annotated[Frequency, Field(ge=0)]
+    """Frequency where the band begins."""
     ratio: Annotated[Number, Field(ge=0, le=2)]
+    """Modal damping ratio."""
 
 
 class Common(BaseModel):
-    """What is said beside the bodies. `grid`: cells around and along the skirt. `damping_bands`
-    take the place of the parameters damping_ratio, high_frequency_damping_ratio and
-    damping_transition_frequency; `start`, a file of `piston-cosim snapshot`
-    (`start_state.read_start`), that of the parameters start_*.
-    """
+    """What is said beside the bodies."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
     grid: tuple[Count, Count] = (40, 40)
+    """Cells around and along the skirt."""
     gas: Gas | None = None
+    """Gas pressure over crank angle; it adds to the input gas_pressure."""
     speed: Speed | None = None
+    """Crank speed over time or crank angle, in place of the input crank_speed."""
     start: str | None = None
+    """File of `piston-cosim snapshot` in place of the parameters start_*."""
     damping_bands: list[Band] = []
+    """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
+    damping_transition_frequency.
+    """
 
     @field_validator("damping_bands")
     @classmethod
@@ -278,7 +332,11 @@ class Bodies(Common):
     """One body or both, to be reduced without an FMU."""
 
     piston: Piston | None = None
+    """Mesh origin on the skirt's axis at the height of pin point A; surfaces skirt, crown,
+    pin_bore.
+    """
     block: Block | None = None
+    """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
     @model_validator(mode="after")
     def _any(self):
@@ -291,7 +349,11 @@ class Build(Common):
     """The whole table of an FMU."""
 
     piston: Piston
+    """Mesh origin on the skirt's axis at the height of pin point A; surfaces skirt, crown,
+    pin_bore.
+    """
     block: Block
+    """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
 
 Chosen = TypeVar("Chosen", Bodies, Build)
@@ -321,7 +383,7 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     try:
         build = kind.model_validate(options)
     except ValidationError as error:
-        raise BadInput([_sentence(fault) for fault in error.errors()]) from None
+        raise BadInput([_sentence(fault, kind) for fault in error.errors()]) from None
     faults = []
     if build.piston:
         ends = ("skirt_lower", build.piston.skirt_lower), ("skirt_upper", build.piston.skirt_upper)
@@ -379,11 +441,11 @@ def _resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list
     return [] if path.is_file() else [f"{where}: no such file in {folder}"]
 
 
-def _sentence(fault):
-    """One pydantic fault as a sentence."""
+def _sentence(fault: Any, kind: type[BaseModel]) -> str:
+    """One pydantic fault of an option class as a sentence."""
     path = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        return f"{path}: unknown key"
+        return f"{path}: unknown key{near_key(kind.model_json_schema(), fault['loc'])}"
     if fault["type"] == "missing":
         return f"{path}: is missing"
     bound_crossed = fault["type"].startswith(("greater", "less"))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..case import changes as changes_of
 from ..case import schema
 from ..case.system import open_system
 from ..fmi.errors import BadInput
@@ -116,11 +117,11 @@ class Case:
         BadInput
             With every key that leads nowhere and every value that the case cannot have.
         """
-        return replace(self, tree=schema.changed(self.tree, changes.items()))
+        return replace(self, tree=changes_of.changed(self.tree, changes.items(), self.path.parent))
 
     def __getitem__(self, key: str) -> Any:
         """Value at a dotted key, as the case has it (text with a unit); KeyError without one."""
-        return schema.value_at(self.tree, key)
+        return changes_of.value_at(self.tree, key, self.path.parent)
 
     def run(
         self,

@@ -2,7 +2,6 @@
 
 import re
 import tomllib
-from copy import deepcopy
 from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -21,6 +20,7 @@ from pydantic import (
 from ...models import MODELS
 from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
+from ..fmi.option_classes import near, near_key
 from ..fmi.quantities import registry, to_si
 from ..participants.plugins import names
 
@@ -58,32 +58,37 @@ def reduced(text: str) -> Reduced:
 
 
 class Table(BaseModel):
-    """A table of a case file; unknown keys are errors."""
+    """A table of a case file; unknown keys are errors. What a key means stands below it, and in
+    `piston-cosim keys`.
+    """
 
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+    model_config = ConfigDict(extra="forbid", populate_by_name=True, use_attribute_docstrings=True)
 
 
 class Time(Table):
     """Run time and macro step: times, or crank angles together with the input that holds the
-    angular speed. start : default 0.
-
-    until_periodic : start to stop is one cycle, run again and again until film, motion and oil at
-    its end are this near to those at its beginning, as a share of their range (Eq. (Y2),
-    `runs/repetition.py`); results and summary are of the last one. most_cycles : that it is run at
-    most; a run that has not come so far by then says so.
-
-    smallest_step : where a wire has a `local_error`, `step` is where the run must come by and the
-    longest macro step: it is divided by the local error, into none smaller than this; default step
-    / 64.
+    angular speed.
     """
 
     start: str | None = None
+    """Where the run begins: a time, or a crank angle; 0 without it."""
     stop: str
+    """Where it ends: a time, or a crank angle where `angular_speed` is given."""
     step: str
+    """Macro step, likewise; with a wire's `local_error` the longest one, and where the run must
+    come by.
+    """
     smallest_step: str | None = None
+    """With a wire's `local_error`: no macro step is divided below this; step / 64 without it."""
     angular_speed: Port | None = None
+    """Input that holds the angular speed; with it start, stop and steps are crank angles."""
     until_periodic: float | None = Field(None, gt=0, lt=1)
+    """Start to stop is one cycle, run again and again until film, motion and oil at its end are
+    this near to those at its beginning, as a share of their range (Eq. (Y2),
+    `runs/repetition.py`); results and summary are of the last one.
+    """
     most_cycles: int = Field(20, ge=2, le=1000)
+    """That a cycle is run at most; a run that is not periodic by then says so."""
 
     @property
     def cycles(self) -> int:
@@ -94,27 +99,33 @@ class Time(Table):
 class ParticipantTable(Table):
     """A participant: an FMU by path, or what builds one with options, a package or a slave in one
     file ("FILE.py:CLASS"); or a table, a CSV file of signals; and its parameters and input starts.
-
-    interpolation : of a table's columns between its rows. step : it takes steps of its own inside a
-    macro step, equal ones no longer than this. plugin : what another installed package makes by
-    that name from `build`, see `participants/plugins.py`.
-    role : what it does by the contract of `models`, so that another FMU of that role can take its
-    place. isolated : the FMU runs in a process of its own, which is ended if it takes longer than
-    `timeout` for any one answer.
     """
 
     package: str | None = None
+    """Part that builds its FMU from `build`: fmu_mfbd, fmu_ehd, or an installed package."""
     file: str | None = None
+    """FILE.py:CLASS, a slave in one file that an FMU is built of."""
     fmu: str | None = None
+    """An FMU, relative to the case's folder."""
     table: str | None = None
+    """A CSV file of signals in place of an FMU."""
     plugin: str | None = None
+    """What another installed package makes by that name from `build` (participants/plugins.py)."""
     interpolation: Literal["hold", "linear", "cubic"] | None = None
+    """Of a table's columns between its rows; linear without it."""
     step: str | None = None
+    """The FMU takes steps of its own inside a macro step, equal ones no longer than this time."""
     build: dict[str, Any] = {}
+    """What is decided when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}
+    """Parameters of the FMU and start values of its inputs."""
     role: str | None = None
+    """What it does by the contract (bodies, lubrication), so that another FMU can take its place.
+    """
     isolated: bool = False
+    """The FMU runs in a process of its own."""
     timeout: str = "120 s"
+    """Of an isolated FMU: longest time for any one answer."""
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -133,69 +144,84 @@ class ParticipantTable(Table):
 class WireTable(Table):
     """A field that goes from an output to an input.
 
-    tolerance : largest difference between output and input in a converged step; text with the
-    field's unit, or a number that multiplies its nominal value. relative_tolerance : root mean
-    square of the difference as a share of the field's. residual_relative_tolerance : root mean
-    square of the difference as a share of what it was in the macro step's first evaluation. Of
-    these three, one that is met is enough. Without any, the tolerance is 1e-6 nominal values on a
-    wire that runs against the stepping order. A wire along the order hands over what has just been
-    computed: it is not measured, unless one of the three is given; then by how far it has moved
-    since the iterate. largest_decrease : no update of an iterate may lower the field's smallest
-    element by more than this share of itself. local_error : local error allowed in a macro step,
-    root mean square over the field; text with the field's unit, or a number that multiplies its
-    nominal value. With it on any wire, macro steps are as long as their local error allows.
-    interpolation : the input inside a macro step: held at the value of its end, linear from
-    beginning to end, or a cubic that also has the slopes which the source declares (an output that
-    is the field's `derivative`). conjugate : output whose product with the field is work or power;
-    both sides' account of it is compared at the end.
+    Of the three tolerances, one that is met is enough. Without any, the tolerance is 1e-6 nominal
+    values on a wire that runs against the stepping order. A wire along the order hands over what
+    has just been computed: it is not measured, unless one of the three is given; then by how far it
+    has moved since the iterate.
     """
 
     source: Port = Field(alias="from")
+    """Output it comes from, "participant.variable"."""
     target: Port = Field(alias="to")
+    """Input it goes to, "participant.variable"."""
     tolerance: str | float | None = None
+    """Largest difference between output and input in a converged step: text with the field's unit,
+    or a number that multiplies its nominal value.
+    """
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
+    """Root mean square of the difference as a share of the field's; one tolerance that is met is
+    enough.
+    """
     residual_relative_tolerance: float = Field(0.0, ge=0, lt=1)
+    """Root mean square of the difference as a share of what it was in the macro step's first
+    evaluation.
+    """
     largest_decrease: float | None = Field(None, gt=0, lt=1)
+    """No update of an iterate lowers the field's smallest element by more than this share of
+    itself.
+    """
     local_error: str | float | None = None
+    """Local error allowed in a macro step, root mean square over the field; with it on any wire,
+    steps are as long as it allows.
+    """
     interpolation: Literal["held", "linear", "hermite"] = "held"
+    """The input inside a macro step: held at its end's value, linear, or a cubic by the slopes that
+    the source declares.
+    """
     conjugate: Port | None = None
+    """Output whose product with the field is work or power; both sides' account of it is compared
+    at the end.
+    """
 
 
 class Coupling(Table):
-    """How a macro step is brought to its fixed point.
-
-    method : newton (directional derivatives and GMRES); iqn_ils, iqn_imvj or iqn_ageing (secants;
-    methods/secants.py); aitken, or constant relaxation; explicit: one evaluation a macro step, not
-    iterated, and what is off by more than its tolerance counted. order : the order in which the
-    participants step; the wires that run against it are the unknowns. parallel : Jacobi's order in
-    place of Gauss-Seidel's: nobody reads what another has just computed, all wires are unknowns.
-    predictor : order of the extrapolation that begins a macro step, 0 for the last values.
-    relaxation : factor of constant relaxation, first factor of the others. mixing : share taken of
-    what the secants leave unexplained. probing : a macro step without secants, or led astray by
-    them, is taken by Newton on differences of evaluations. windows : of how many macro steps
-    iqn_ils and iqn_imvj use the secants; filter, filter_limit : how iqn_ils drops some.
-    largest_krylov_space : products per Newton update at most. differences : products by differences
-    of evaluations, not by the participants' derivatives. halvings : how often a macro step that
-    fails may be halved. method and step_control can be those of another installed package
-    (`participants/plugins.py`), which reads `options`.
-    """
+    """How a macro step is brought to its fixed point."""
 
     method: str = "newton"
+    """newton (directional derivatives and GMRES), iqn_ils, iqn_imvj, iqn_ageing (secants), aitken,
+    constant, explicit (not iterated), or a method of another installed package.
+    """
     step_control: str | None = None
+    """Step control of another installed package (participants/plugins.py)."""
     options: dict[str, Any] = {}
+    """What a method or step control of another package reads."""
     order: list[str]
+    """Order in which the participants step, each once; wires that run against it are the unknowns.
+    """
     parallel: bool = False
+    """Jacobi's order in place of Gauss-Seidel's: all wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
+    """Order of the extrapolation that begins a macro step, 0 for the last values."""
     max_iterations: int = Field(20, ge=1)
+    """Iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
+    """Factor of constant relaxation, first factor of the others."""
     mixing: float = Field(1.0, gt=0, le=1)
+    """Share taken of what the secants leave unexplained."""
     probing: bool = False
+    """A macro step without secants, or led astray by them, is taken by Newton on differences."""
     windows: int = Field(3, ge=0)
+    """Of how many macro steps iqn_ils and iqn_imvj use the secants."""
     filter: Literal["QR1", "QR2", "QR3"] = "QR2"
+    """How iqn_ils drops secants."""
     filter_limit: float = Field(1e-2, gt=0, lt=1)
+    """Below which share of itself a secant is dropped."""
     largest_krylov_space: int = Field(120, ge=1)
+    """Products per Newton update at most."""
     differences: bool = False
+    """Products by differences of evaluations, not by the participants' derivatives."""
     halvings: int = Field(6, ge=0)
+    """How often a macro step that fails may be halved."""
 
     @field_validator("method")
     @classmethod
@@ -207,15 +233,20 @@ class Coupling(Table):
 
 
 class Record(Table):
-    """What goes into the results file: all scalar outputs every macro step, `fields` every so many.
-
-    checkpoint_every : macro steps from one checkpoint to the next; 0 for none but at SIGINT and
-    SIGTERM; without it every 50, and no more often than is worth a fiftieth of the time.
+    """What goes into the results file: all scalar outputs every macro step, `fields` every so
+    many.
     """
 
     fields: list[Port] = []
+    """Fields recorded, "participant.variable"; scalar outputs are recorded every macro step without
+    being named.
+    """
     every: int = Field(1, ge=1)
+    """Macro steps from one record of the fields to the next."""
     checkpoint_every: int | None = Field(None, ge=0)
+    """Macro steps from one checkpoint to the next; 0: none but at SIGINT and SIGTERM; without it
+    every 50, and no more often than is worth a fiftieth of the time.
+    """
 
 
 class Picture(Table):
@@ -225,15 +256,29 @@ class Picture(Table):
     """
 
     file: FileName
+    """PNG file in the output folder."""
     title: str
+    """Written above it."""
     kind: Literal["lines", "map", "section"]
+    """lines: `y` over `x`, panels one below the other; map: `fields` at a time; section: `fields`
+    at a time along their first index.
+    """
     x: Port | None = None
+    """Of lines: what they are drawn over."""
     y: list[list[Port]] = []
+    """Of lines: a list of outputs for each panel."""
     fields: list[Port] = []
+    """Of maps and sections: fields, a panel each."""
     time: str | None = None
+    """Of maps and sections: the recorded instant nearest to this time, or to this crank angle where
+    the case is in angles.
+    """
     angles: tuple[str, str] = ("0 deg", "360 deg")
+    """Of sections: from where to where around; a whole turn is 360 deg."""
     height: float = Field(0.5, ge=0, le=1)
+    """Of sections: at which share of the second index."""
     units: dict[str, str] = {}
+    """Units shown, by "participant.variable"."""
 
     @model_validator(mode="after")
     def complete(self):
@@ -254,10 +299,15 @@ class Axis(Table):
     """
 
     label: str
+    """Words for what the index runs along."""
     unit: str = ""
+    """Of the positions."""
     range: tuple[float, float] = (0.0, 1.0)
+    """Positions where the first cell begins and the last one ends."""
     centred: float | None = None
+    """A position at which a cell has its centre, on an axis that closes on itself."""
     marks: dict[str, float] = {}
+    """Words written beside the axis, with their positions."""
 
     @property
     def title(self) -> str:
@@ -291,8 +341,11 @@ class Axes(Table):
     """
 
     participants: list[str] = Field(min_length=1)
+    """Whose fields have these axes."""
     first: Axis = Axis(label="first index / its number")
+    """What the first index runs along."""
     second: Axis = Axis(label="second index / its number")
+    """What the second index runs along."""
 
 
 NEUTRAL = Axes(participants=[""])
@@ -305,10 +358,15 @@ class Loop(Table):
     """
 
     y: list[Port]
+    """Outputs whose sum is integrated."""
     x: Port
+    """Output it is integrated over."""
     period: str
+    """Last so much of the run: a time, or a crank angle."""
     per: str | float = 1.0
+    """What the work is divided by."""
     unit: str = "J"
+    """Of the result."""
 
 
 class Motion(Table):
@@ -319,18 +377,26 @@ class Motion(Table):
     """
 
     across: Port
+    """Output that moves the outline sideways."""
     along: Port
+    """Output that moves it along."""
     rotation: Port
+    """Output that turns it."""
     outline: list[tuple[str, str]] = Field(min_length=3)
+    """Points (across, along) of the body at rest about its reference point."""
     lines: list[tuple[tuple[str, str], tuple[str, str]]] = []
+    """Fixed lines, two ends each."""
     exaggeration: float = Field(100.0, gt=0)
+    """How many times sideways motion and rotation are drawn."""
 
 
 class ReportTable(Table):
     """What a report shows beyond pictures and fields: loops by their name, and a moving body."""
 
     loops: dict[str, Loop] = {}
+    """Closed curves whose work is told, by name."""
     motion: Motion | None = None
+    """An outline that moves in the report."""
 
 
 class Study(Table):
@@ -342,11 +408,17 @@ class Study(Table):
     """
 
     title: str
+    """Written above table and picture."""
     set: dict[str, Any] = {}
+    """Changes of the case in all runs, {dotted key: value}."""
     points: dict[FileName, dict[str, Any]]
+    """Runs: label -> {dotted key: value}."""
     reference: str
+    """Label of the run that the others are held against."""
     x: Port | None = None
+    """Output that curves are drawn and scored over."""
     curves: list[Port] = []
+    """Outputs scored against the reference's."""
 
     @model_validator(mode="after")
     def consistent(self):
@@ -360,33 +432,40 @@ class Study(Table):
 
 
 class Case(Table):
-    """A whole case file.
-
-    label : name of the case itself among its variants. participants : in the order in which they
-    start; what one has at the start begins the inputs of those after it. summary : name ->
-    "min|max|mean|last participant.variable", what the last screen and --summary-json say. window :
-    "min|max|mean|last participant.variable" -> [low, high], where the value is expected; shown in
-    pictures and reports. axes : what the indices of 2-D fields run along. observers : of
-    another package, name -> options. monitor : as summary,
-    shown while running. variants : name -> {dotted key: value} changes that make a further run.
-    """
+    """A whole case file."""
 
     title: str
+    """One line about the case."""
     label: FileName = "base"
+    """Name of the case itself among its variants."""
     time: Time
+    """Run time and macro step."""
     participants: dict[str, ParticipantTable]
+    """What takes part, in the order in which it starts, by name."""
     wires: list[WireTable]
+    """What goes from outputs to inputs."""
     coupling: Coupling
+    """Method, order and limits of the iterations of a macro step."""
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
+    """What goes into the results file."""
     summary: dict[str, str] = {}
+    """Name -> "min|max|mean|last participant.variable", what the last screen says."""
     monitor: dict[str, str] = {}
+    """Likewise, shown while running."""
     pictures: list[Picture] = []
+    """Pictures drawn at the end."""
     axes: list[Axes] = []
+    """What the indices of fields run along: words, nowhere computed with."""
     window: dict[str, tuple[str, str]] = {}
+    """"min|max|mean|last participant.variable" -> [low, high], where the value is expected."""
     report: ReportTable = ReportTable()
+    """What a report shows beyond pictures and fields."""
     studies: dict[FileName, Study] = {}
+    """Runs that are held against one of them, by the study's name."""
     observers: dict[str, dict[str, Any]] = {}
+    """Observers of other installed packages, name -> options."""
     variants: dict[FileName, dict[str, Any]] = {}
+    """Name -> {dotted key: value}, changes that make a further run."""
 
     @field_validator("summary", "monitor")
     @classmethod
@@ -468,7 +547,11 @@ def find_case(name):
     for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
         if candidate.is_file():
             return candidate.resolve()
-    raise BadInput(f"no case {name!r}: neither a file nor one of {', '.join(case_names())}")
+    known = case_names()
+    raise BadInput(
+        f"no case {name!r}: neither a file, nor a folder with a case.toml, nor one of "
+        f"{', '.join(known)}{near(Path(name).name, known)}"
+    )
 
 
 def read_tree(path, changes=()):
@@ -486,65 +569,9 @@ def read_tree(path, changes=()):
             tree = tomllib.loads(Path(path).read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise BadInput(f"{path}: {error}") from None
-    return changed(tree, changes)
+    from .changes import changed  # knows the schema, and the parts' own keys
 
-
-def changed(tree, changes):
-    """The TOML tree of a case with `changes` (pairs of dotted key and value) made in it; the tree
-    given stays as it is.
-
-    Raises BadInput for every change whose path leads nowhere.
-    """
-    tree = deepcopy(tree)
-    faults = [fault for key, value in changes if (fault := _change(tree, key, value))]
-    if faults:
-        raise BadInput(faults)
-    return tree
-
-
-def _change(tree, key, value):
-    """Set a dotted key; the tables on its way must exist, entries of lists are counted from 0.
-    Returns a fault or None.
-    """
-    *parents, last = _parts(key)
-    node = tree
-    for k, part in enumerate(parents):
-        if isinstance(node, list):
-            node = node[int(part)] if part.isdigit() and int(part) < len(node) else None
-        else:
-            node = node.get(part)
-        if not isinstance(node, (dict, list)):
-            return f"{key}: there is no table {'.'.join(parents[: k + 1])} in the case"
-    if isinstance(node, list):
-        return (
-            f"{key}: {'.'.join(parents)} is a list; "
-            "name a key in one of its entries, counted from 0"
-        )
-    node[last] = value
-    return None
-
-
-def value_at(tree, key):
-    """Value at a dotted key of a case's tree; KeyError with the key where there is none."""
-    node = tree
-    for part in _parts(key):
-        try:
-            node = node[int(part) if isinstance(node, list) else part]
-        except (KeyError, IndexError, TypeError, ValueError):
-            raise KeyError(key) from None
-    return node
-
-
-def _parts(key):
-    """Parts of a dotted key; a part with dots of its own is quoted, as in TOML."""
-    try:
-        node, parts = tomllib.loads(f"{key} = 0"), []
-    except tomllib.TOMLDecodeError:
-        return key.split(".")
-    while isinstance(node, dict):
-        ((part, node),) = node.items()
-        parts.append(part)
-    return parts
+    return changed(tree, changes, Path(path).parent)
 
 
 def check_case(tree, path):
@@ -560,7 +587,9 @@ def check_case(tree, path):
 def _sentence(fault):
     where = ".".join(str(part) for part in fault["loc"]) or "case"
     if fault["type"] == "extra_forbidden":
-        return f"{where}: unknown key"
+        return f"{where}: unknown key{near_key(Case.model_json_schema(), fault['loc'])}"
+    if fault["type"] == "string_type":
+        return f"{where}: must be text, with its unit if it has one (given: {fault['input']!r})"
     given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
     return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
 

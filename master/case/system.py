@@ -2,9 +2,10 @@
 found before the run.
 """
 
-from dataclasses import replace
-from difflib import get_close_matches
+from dataclasses import dataclass, replace
 from math import inf
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
+from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.interpolated import InterpolatedParticipant, slope_of
@@ -22,12 +24,94 @@ from ..participants.plugins import made, plugin
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
 from .given import build_options
+from .keys import SETTABLE, declared_variables
 from .schema import reduced, start_time, times
 
-SETTABLE = ("parameter", "input", "structuralParameter")
-"""Causalities of what a case can give a value."""
 TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A participant before its FMU is built, by what its part declares."""
+
+    name: str
+    path: Path
+    fields: dict[str, Any]
+    declares_units: bool = True
+
+
+def faults_ahead(case, folder):
+    """Every fault of a case that shows before anything is built: build options, parameters, wires,
+    recorded and drawn names of participants whose parts declare their variables; time.
+
+    Parameters
+    ----------
+    case : Case
+    folder : Path
+        Of the case.
+
+    Returns
+    -------
+    list of str
+    """
+    faults: list[str] = []
+    declared = declared_participants(case, folder, faults)
+    parameters = parameters_ahead(case, declared, faults)
+    _check_sources(case.wires, faults)
+    for table in case.wires:
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
+            _wire(table, declared, case.coupling, faults)
+    if declared.keys() == case.participants.keys():
+        _check_ports(case, declared, faults)
+        _check_time(case, parameters, faults)
+    return faults
+
+
+def declared_participants(case, folder, faults):
+    """Participants whose parts declare their variables, by name; faults of their build options
+    are appended.
+    """
+    declared = {}
+    for name, table in case.participants.items():
+        try:
+            variables = declared_variables(table, folder)
+        except BadInput as error:
+            faults += [f"participants.{name}: {line}" for line in error.faults]
+            continue
+        if variables is not None:
+            fields = {one.name: _as_fmu(one) for one in variables}
+            declared[name] = Declared(name, Path(table.package), fields)
+    return declared
+
+
+def parameters_ahead(case, declared, faults):
+    """What the case gives declared participants, in SI, by their names; faults are appended."""
+    return {
+        name: _parameters(participant, case.participants[name].parameters, faults)
+        for name, participant in declared.items()
+    }
+
+
+def _as_fmu(variable):
+    """A declared variable as an FMU has it: the choices of an enumeration by their numbers."""
+    numbers: Any = {text: k for k, text in enumerate(variable.choices, 1)}
+    return replace(variable, choices=numbers)
+
+
+def _check_time(case, parameters, faults):
+    """Clock and beginning of the run [s]; None and 0 with a fault."""
+    if case.time.angular_speed:
+        owner, name = port_of(case.time.angular_speed)
+        given = case.participants[owner].parameters
+        if name in given and name not in parameters[owner]:
+            return None, 0.0  # its value is a fault, told already
+    try:
+        speed = _angular_speed(case, parameters)
+        return times(case, speed), start_time(case, speed)
+    except BadInput as error:
+        faults += error.faults
+        return None, 0.0
 
 
 def open_system(case, folder, progress, own=None):
@@ -37,10 +121,12 @@ def open_system(case, folder, progress, own=None):
     Raises
     ------
     BadInput
-        With every fault that could be found: build options of all participants first, then
-        parameters, wires, recorded names and time.
+        With every fault that could be found: what shows before anything is built first, then
+        build options of all participants, then parameters, wires, recorded names and time.
     """
-    faults: list[str] = []
+    faults = faults_ahead(case, folder)
+    if faults:
+        raise BadInput(faults)
     participants = {}
     builds = build_options(case, folder, progress)
     for name, table in case.participants.items():
@@ -81,12 +167,7 @@ def open_system(case, folder, progress, own=None):
             plugin(kind, name)
         except BadInput as error:
             faults += error.faults
-    clock, begin = None, 0.0
-    try:
-        speed = _angular_speed(case, parameters)
-        clock, begin = times(case, speed), start_time(case, speed)
-    except BadInput as error:
-        faults += error.faults
+    clock, begin = _check_time(case, parameters, faults)
     if faults or clock is None:
         raise BadInput(faults)
     wires += _slopes(case, participants, wires, clock.step)
@@ -165,7 +246,7 @@ def _parameters(participant, given, faults):
         field = participant.fields.get(name)
         if field is None or field.causality not in SETTABLE:
             settable = [f.name for f in participant.fields.values() if f.causality in SETTABLE]
-            faults.append(f"{where}: the FMU has no such parameter or input{_near(name, settable)}")
+            faults.append(f"{where}: the FMU has no such parameter or input{near(name, settable)}")
             continue
         try:
             values[name] = _array(field, text) if isinstance(text, list) else _value(field, text)
@@ -197,8 +278,9 @@ def _value(field, text):
         return text
     if field.type == "Enumeration" and isinstance(text, str):
         if text not in field.choices:
-            near = _near(text, field.choices)
-            raise ValueError(f"{text!r}: allowed are {', '.join(field.choices)}{near}")
+            raise ValueError(
+                f"{text!r}: allowed are {', '.join(field.choices)}{near(text, field.choices)}"
+            )
         return field.choices[text]
     value = _quantity(text, field)
     low = float("-inf") if field.minimum is None else field.minimum
@@ -224,18 +306,13 @@ def _quantity(text, field):
         raise ValueError(f"{error} (the FMU has {field.unit})") from None
 
 
-def _near(name, known):
-    close = get_close_matches(name, known, 1)
-    return f" (did you mean {close[0]}?)" if close else ""
-
-
 def _field(port, causalities, participants, where, faults):
     owner, name = port_of(port)
     field = participants[owner].fields.get(name)
     known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
     if field is None or field.causality not in causalities:
         faults.append(
-            f"{where}: {port} is no {' or '.join(causalities)} of the FMU{_near(name, known)}"
+            f"{where}: {port} is no {' or '.join(causalities)} of the FMU{near(name, known)}"
         )
         return None
     return field
@@ -525,14 +602,43 @@ def _check_ports(case, participants, faults):
         field = _field(port, outputs, participants, "record.fields", faults)
         if field is not None and field.type in ("String", "Binary"):
             faults.append(f"record.fields: {port} is of type {field.type}, no numbers")
+    for where, port in _curves(case):
+        field = _field(port, ("output",), participants, where, faults)
+        if field is not None and (field.shape or field.type in ("String", "Binary")):
+            shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
+            faults.append(f"{where}: {port} is {shape}; {_taken(where)} takes scalar numbers")
+    for picture in case.pictures:
+        faults += [
+            f"pictures.{picture.file}: {port} is not recorded; name it in record.fields"
+            for port in picture.fields
+            if port not in case.record.fields
+        ]
+
+
+def _curves(case):
+    """(where, port) of every scalar output that summaries, pictures and reports are made of."""
     for table in ("summary", "monitor"):
         for name, text in getattr(case, table).items():
-            port = reduced(text).port
-            where = f"{table}.{name}"
-            field = _field(port, ("output",), participants, where, faults)
-            if field is not None and (field.shape or field.type in ("String", "Binary")):
-                shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
-                faults.append(f"{where}: {port} is {shape}; a {table} takes scalar numbers")
+            yield f"{table}.{name}", reduced(text).port
+    for text in case.window:
+        yield f"window.{text}", reduced(text).port
+    for picture in case.pictures:
+        for port in filter(None, (picture.x, *(port for panel in picture.y for port in panel))):
+            yield f"pictures.{picture.file}", port
+    for name, loop in case.report.loops.items():
+        for port in (loop.x, *loop.y):
+            yield f"report.loops.{name}", port
+    if motion := case.report.motion:
+        for port in (motion.across, motion.along, motion.rotation):
+            yield "report.motion", port
+    for name, study in case.studies.items():
+        for port in filter(None, (study.x, *study.curves)):
+            yield f"studies.{name}", port
+
+
+def _taken(where):
+    """The table of a place, with its article."""
+    return f"a {where.partition('.')[0].removesuffix('s')}"
 
 
 def _angular_speed(case, parameters):

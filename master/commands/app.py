@@ -20,6 +20,9 @@ from ..fmi.errors import BadInput
 STARTED = time.perf_counter()
 COMMANDS = {
     "list": "List the cases that come with the tool.",
+    "new": "Write a case of an own engine, from a few lengths, a mesh or a STEP file.",
+    "keys": "List every key of a case: unit, default, allowed values, meaning.",
+    "check": "Look at a case before it runs, or at an FMU beside the contract.",
     "run": "Run a case and its variants: results file, summary, pictures.",
     "resume": "Go on with an interrupted run, with the same bits.",
     "plot": "Draw runs side by side.",
@@ -34,7 +37,6 @@ COMMANDS = {
     "recover": "Displacement and stress on the meshes at chosen instants of a run.",
     "build": "Build the FMU of one participant of a case.",
     "info": "Print what an FMU offers.",
-    "check": "Compare an FMU with the lubrication contract.",
     "pack": "Make an FMU of a slave written in one file.",
     "export": "Export a case as one FMU or as an SSP.",
     "verify": "Compute every verification figure beside its reference.",

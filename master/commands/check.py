@@ -2,21 +2,83 @@
 
 from pathlib import Path
 
+from ..case.check import CheckedCase, check
 from ..case.contract import check_fmu
 from ..fmi.errors import BadInput
-from .common import console
+from ..fmi.preview import Figure
+from ..fmi.quantities import short
+from .common import Changes, console, default_folder, parse_change
 
 
-def command(fmu: Path):
-    """Compare an FMU with the lubrication contract: names, units, shapes, capabilities.
+def command(source: str, *, set_: Changes = [], picture: Path | None = None):
+    """Look at a case before anything is reduced: every fault, geometry, masses, clearance, cells
+    with a film, a picture of skirt and bore. Of an FMU: compare it with the lubrication contract.
 
-    Example: piston-cosim check film.fmu
+    Example: piston-cosim check my_engine; piston-cosim check film.fmu
 
     Parameters
     ----------
-    fmu
-        An FMU that is to take the place of ours.
+    source
+        Name of a case, its folder or its file; or an FMU.
+    set_
+        Change of the case, KEY=VALUE.
+    picture
+        PNG file of skirt and bore; default results/CASE/check.png.
     """
+    if Path(source).suffix == ".fmu":
+        _check_fmu(Path(source))
+        return
+    found = check(source, [parse_change(text) for text in set_])
+    print_checked(found, picture or default_folder(found.path) / "check.png")
+
+
+def print_checked(found: CheckedCase, picture: Path):
+    """Print what was seen of a case, and draw it; BadInput with its faults."""
+    console.print(f"[bold]{found.title}[/]", highlight=False, soft_wrap=True)
+    for preview in found.previews.values():
+        groups: dict[str, list[Figure]] = {}
+        for figure in preview.figures:
+            groups.setdefault(figure.group, []).append(figure)
+        for group, figures in groups.items():
+            told = "   ".join(map(_told, figures))
+            console.print(f"  {group:10s} {told}", highlight=False, markup=False, soft_wrap=True)
+    for line in found.remarks:
+        console.print(f"[yellow]look[/]  {line}", highlight=False, soft_wrap=True)
+    for file in found.draw(picture):
+        console.print(f"picture  {file}", highlight=False, soft_wrap=True)
+    if found.faults:
+        raise BadInput(found.faults)
+    console.print("[green]no faults[/]")
+
+
+def _told(figure: Figure) -> str:
+    """A figure as on the screen."""
+    note = f" ({figure.note})" if figure.note else ""
+    return f"{figure.name.replace('_', ' ')} {_shown(figure)}{note}"
+
+
+def _shown(figure: Figure) -> str:
+    """Its value: lengths in mm or um, shares in per cent, volumes in cm^3."""
+    if figure.unit == "m":
+        size = abs(figure.value)
+        return (
+            f"{1e3 * figure.value:.5g} mm"
+            if size >= 1e-3 or not size
+            else (f"{1e6 * figure.value:.4g} um")
+        )
+    if figure.unit == "m3":
+        return f"{1e6 * figure.value:.5g} cm^3"
+    if figure.unit == "kg.m2":
+        return f"{1e6 * figure.value:.4g} kg mm^2"
+    if "share" in figure.name:
+        return f"{figure.value:.1%}"
+    if figure.unit == "1":
+        return f"{figure.value:g}"
+    return short(figure.value, figure.unit)
+
+
+def _check_fmu(fmu: Path):
+    """Compare an FMU with the contract."""
     if not fmu.is_file():
         raise BadInput(f"{fmu}: no such file")
     role, breaches, remarks = check_fmu(fmu)

@@ -1,6 +1,7 @@
 """What several commands do: read --set and --grid, resolve variants, open results, speak."""
 
 import tomllib
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -13,6 +14,15 @@ console = Console()
 
 Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 """KEY=VALUE pairs; several allowed."""
+
+
+NARROWEST = 150
+"""Columns of a table that is piped into a file or another program."""
+
+
+def wide_console():
+    """The console for wide tables: a terminal as wide as it is, a pipe as wide as is needed."""
+    return console if console.is_terminal else Console(width=max(console.width, NARROWEST))
 
 
 def say(text):
@@ -40,6 +50,11 @@ def parse_grid(text):
     if len(sizes) != 2:
         raise BadInput(f"--grid {text!r}: write CIRCUMFERENTIALxAXIAL cells, e.g. 40x40")
     return sizes
+
+
+def default_folder(path):
+    """Folder for the results of a case file, where --output names none."""
+    return Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
 
 
 def variant_trees(path, changes, only):

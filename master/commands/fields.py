@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from ..results import fields_export as exports
+from ..results.instants import instant
 from .common import console, open_runs
 
 
@@ -36,7 +37,7 @@ def command(
     output
         .csv, .h5, or .vtu.
     time
-        Only the recorded instant nearest to this time.
+        Only the recorded instant nearest to this time ("18 ms") or crank angle ("24 deg").
     i
         Only the grid points at this place around (1-based); with --j one grid point.
     j
@@ -46,22 +47,22 @@ def command(
     length
         Of that cylinder.
     """
-    _, runs = open_runs((file,))
+    case, runs = open_runs((file,))
     (results,) = runs.values()
     if output.suffix not in (".csv", ".h5", ".vtu") or (output.suffix == ".vtu" and (i or j)):
         raise BadInput(f"--output {output}: write .csv, .h5, or .vtu (whole fields)")
     try:
-        instant = None if time is None else to_si(time, "s")
         size = [to_si(text, "m") for text in (radius, length)]
     except ValueError as error:
         raise BadInput(str(error)) from None
-    blocks = [exports.chosen(exports.read_block(results, text), instant, i, j) for text in field]
+    moment = None if time is None else instant(results, time)
+    blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     if output.suffix == ".vtu":
-        console.print(
-            f"{len(exports.write_vtu(blocks, output, *size))} files beside {output}",
-            highlight=False,
-            soft_wrap=True,
-        )
+        *parts, collection = exports.write_vtu(blocks, output, *size)
+        count = f"{len(parts)} file{'s' * (len(parts) > 1)} ({parts[0].name} ...)"
+        console.print(f"fields   {collection}, of {count}", highlight=False, soft_wrap=True)
     else:
-        (exports.write_csv if output.suffix == ".csv" else exports.write_hdf5)(blocks, output)
+        write = exports.write_csv if output.suffix == ".csv" else exports.write_hdf5
+        port = field[0].partition("+")[0].partition("*")[0].strip()
+        write(blocks, output, exports.places(case, results, port, blocks[0]))
         console.print(f"fields   {output}", highlight=False, soft_wrap=True)

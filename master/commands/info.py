@@ -6,7 +6,7 @@ from rich.table import Table
 
 from ..fmi.errors import BadInput
 from ..participants.open import open_fmu
-from .common import console
+from .common import console, wide_console
 
 
 def command(fmu: Path):
@@ -32,6 +32,7 @@ def command(fmu: Path):
     table = Table(
         "causality", "name", "shape", "unit", "start", "allowed", "nominal", "description", box=None
     )
+    table.columns[1].no_wrap = True  # a name that is cut is none
     for field in sorted(
         participant.fields.values(),
         key=lambda f: ("parameter", "input", "output", "local").index(f.causality),
@@ -46,7 +47,7 @@ def command(fmu: Path):
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
         )
-    console.print(table)
+    wide_console().print(table)
 
 
 def _allowed(field):

@@ -8,8 +8,8 @@ from cyclopts import Parameter
 from ..api.bodies import OFFLINE, build_table
 from ..case.schema import find_case
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
 from ..fmi.tree import import_part
+from ..results.instants import instant, told
 from .common import console, open_runs, say
 
 PORT = "{}.modal_coordinate"
@@ -32,7 +32,7 @@ def command(
     file
         Results file of a case that records modal_coordinate (record.fields).
     time
-        The recorded instant nearest to this time; several allowed.
+        The recorded instant nearest to this time or crank angle; several allowed.
     case
         Case whose folder the paths of meshes start from; default the case named as the folder of
         the results.
@@ -48,15 +48,11 @@ def command(
     port = PORT.format(participant)
     if port not in results.recorded:
         raise BadInput(f"{file}: {port} was not recorded; the case must name it in record.fields")
-    try:
-        instants = [to_si(text, "s") for text in time]
-    except ValueError as error:
-        raise BadInput(str(error)) from None
+    instants = [instant(results, text) for text in time]
     folder = find_case(case or file.resolve().parent.name).parent
     for wanted in instants:
         recorded = results.field(port, wanted)
-        instant = recorded.time
-        begin = (output or file.parent) / f"{file.stem}-{1e6 * instant:.0f}us"
+        begin = (output or file.parent) / f"{file.stem}-{1e6 * recorded.time:.0f}us"
         for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
             stress = (
                 ""
@@ -64,7 +60,7 @@ def command(
                 else f", von Mises stress up to {body.largest_stress / 1e6:.4g} MPa"
             )
             console.print(
-                f"t = {1e3 * instant:.6g} ms  {body.name}: displacement up to "
+                f"{told(results, recorded.time)}  {body.name}: displacement up to "
                 f"{1e6 * body.largest_displacement:.4g} um{stress}",
                 highlight=False,
                 soft_wrap=True,

@@ -6,7 +6,7 @@ from rich.table import Table
 
 from ..api.bodies import reduced
 from ..case.schema import find_case, read_tree
-from .common import Changes, console, parse_change
+from .common import Changes, console, default_folder, parse_change
 
 
 def command(source: str, *, set_: Changes = [], output: Path | None = None):
@@ -27,12 +27,7 @@ def command(source: str, *, set_: Changes = [], output: Path | None = None):
     """
     path = find_case(source)
     tree = read_tree(path, [parse_change(text) for text in set_])
-    folder = (
-        output
-        or Path("results")
-        / (path.parent.name if path.name == "case.toml" else path.stem)
-        / "bodies"
-    )
+    folder = output or default_folder(path) / "bodies"
     with console.status("reducing") as status:
 
         def progress(text):

@@ -10,11 +10,20 @@ from ..case.schema import check_case, find_case
 from ..case.system import open_system
 from ..fmi.errors import BadInput
 from ..results.file import Results
+from ..results.verdicts import verdicts
 from ..runs.console import print_summary, watching
 from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system
 from .app import STARTED
-from .common import Changes, console, draw_pictures, parse_change, say, variant_trees
+from .common import (
+    Changes,
+    console,
+    default_folder,
+    draw_pictures,
+    parse_change,
+    say,
+    variant_trees,
+)
 
 
 def command(
@@ -64,9 +73,7 @@ def command(
         variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
     )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
-    folder = output or Path("results") / (
-        path.parent.name if path.name == "case.toml" else path.stem
-    )
+    folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
     begun_in = Path.cwd()
@@ -88,7 +95,11 @@ def command(
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
-    for file in files.values():
+    for label, file in files.items():
+        for colour, what, said in verdicts(cases[label], Results(file)):
+            colour = {"amber": "yellow"}.get(colour, colour)
+            mark = f"[{colour}]{what:11s}[/]"
+            console.print(f"{mark} {label}: {said}", highlight=False, soft_wrap=True)
         shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
         console.print(f"results  {shown}", highlight=False, soft_wrap=True)
     if plots:

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
 from ..results.file import Results
+from ..results.instants import instant, told
 from .common import console
 
 
@@ -28,8 +28,8 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
     output
         JSON file: outputs by name, SI.
     time
-        The recorded instant nearest to this time; without it the last one at which fields were
-        recorded.
+        The recorded instant nearest to this time or crank angle; without it the last one at which
+        fields were recorded.
     """
     try:
         results = Results(file)
@@ -42,14 +42,9 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
     instants = results.file["fields/time"][:]
     if not len(instants):
         instants = results.time
-    try:
-        k = (
-            len(instants) - 1
-            if time is None
-            else int(np.argmin(np.abs(instants - to_si(time, "s"))))
-        )
-    except ValueError as error:
-        raise BadInput(str(error)) from None
+    k = len(instants) - 1
+    if time is not None:
+        k = int(np.argmin(np.abs(instants - instant(results, time))))
     row = int(np.argmin(np.abs(results.time - instants[k])))
     values = {name: float(series[row]) for name, series in results.file[participant].items()}
     if participant in results.file["fields"]:
@@ -57,4 +52,6 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
             name: series[k].tolist() for name, series in results.file["fields"][participant].items()
         }
     output.write_text(json.dumps(values, indent=1))
-    console.print(f"snapshot {output}   t = {instants[k]:.6g} s", highlight=False, soft_wrap=True)
+    console.print(
+        f"snapshot {output}   t = {told(results, instants[k])}", highlight=False, soft_wrap=True
+    )

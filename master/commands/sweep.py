@@ -61,7 +61,7 @@ def command(
     if only:
         variant_trees(path, changes, only)
         changes += list(tree.get("variants", {}).get(only, {}).items())
-    axes = [sweeps.parse_axis(text, tree) for text in vary]
+    axes = [sweeps.parse_axis(text, tree, path.parent) for text in vary]
     points = sweeps.all_points(path, changes, axes)
     folder = Path(
         output

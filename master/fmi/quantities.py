@@ -3,10 +3,12 @@ the edge alone.
 """
 
 import re
+from dataclasses import dataclass
 from functools import cache
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import core_schema
 
 from .errors import BadInput
 
@@ -87,9 +89,26 @@ def is_known(unit: str) -> bool:
     return True
 
 
-def in_unit(unit: str) -> BeforeValidator:
-    """Reads a pydantic field of floats from text with a unit, into SI `unit`."""
-    return BeforeValidator(lambda value: to_si(value, unit))
+@dataclass(frozen=True)
+class in_unit:
+    """Reads a pydantic field of floats from text with a unit, into SI `unit`; its JSON schema says
+    the unit, and that of it a text is wanted.
+    """
+
+    unit: str
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_before_validator_function(
+            lambda value: to_si(value, self.unit), handler(source)
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        written = ["number", "string"] if self.unit == "1" else "string"
+        return {**handler(schema), "type": written, "unit": self.unit}
 
 
 def Quantity(unit):
@@ -97,15 +116,16 @@ def Quantity(unit):
     return Annotated[float, in_unit(unit)]
 
 
-def short(value, unit):
+def short(value, unit, digits=3):
     """A value with a unit of handy size: 5.2e-6 m -> "5.2 um"."""
     if unit == "1":
-        return f"{value:.3g}"
+        return f"{value:.{digits}g}"
     if unit == "rad":
         return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
     if not is_known(unit):
-        return f"{value:.3g} {unit}"
-    return one_micro(f"{registry().Quantity(float(value), pint_unit(unit)).to_compact():.3g~P}")
+        return f"{value:.{digits}g} {unit}"
+    compact = registry().Quantity(float(value), pint_unit(unit)).to_compact()
+    return one_micro(f"{compact:.{digits}g~P}")
 
 
 def one_micro(text):

@@ -5,11 +5,14 @@ or at one grid point.
 import csv
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import h5py
 import numpy as np
 
+from ..case.schema import NEUTRAL
 from ..fmi.errors import BadInput
+from .instants import crank_angle
 
 
 @dataclass(frozen=True)
@@ -90,26 +93,66 @@ def chosen(block, time=None, i=None, j=None):
     return block
 
 
-def write_csv(blocks, path):
-    """One row an instant and grid point: time, i, j, and a column a quantity."""
+class Place(NamedTuple):
+    """Where the values of a block stand, by one measure: its name, its unit, and positions of a
+    shape that goes with (t, a, b).
+    """
+
+    name: str
+    unit: str
+    positions: np.ndarray
+
+
+def places(case, results, port, block):
+    """Crank angle of a block's instants, where the run says it, and positions of its grid points
+    along what the case says that the two indices of the field `port` run along.
+    """
+    found = []
+    if crank := crank_angle(results):
+        angle = np.degrees(np.interp(block.times, crank.time, crank.angle))
+        found.append(Place("crank angle", "deg", angle[:, None, None]))
+    axes = case.axes_of(port)
+    if axes is not NEUTRAL:
+        around, along = results.dataset(port).shape[1:]
+        first = axes.first.positions(around)[block.i - 1]
+        second = axes.second.positions(along)[block.j - 1]
+        found.append(Place(axes.first.label, axes.first.unit or "1", first[None, :, None]))
+        found.append(Place(axes.second.label, axes.second.unit or "1", second[None, None, :]))
+    return found
+
+
+def write_csv(blocks, path, places=()):
+    """One row an instant and grid point: time, i, j, a column a place, and one a quantity."""
     times, i, j = np.meshgrid(blocks[0].times, blocks[0].i, blocks[0].j, indexing="ij")
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(
-            ["time [s]", "i", "j", *(f"{block.name} [{block.unit}]" for block in blocks)]
+            [
+                *("time [s]", "i", "j"),
+                *(f"{one.name} [{one.unit}]" for one in places),
+                *(f"{block.name} [{block.unit}]" for block in blocks),
+            ]
         )
+        shape = times.shape
+        columns = [np.broadcast_to(one.positions, shape).ravel().round(9) for one in places]
         writer.writerows(
-            zip(times.ravel(), i.ravel(), j.ravel(), *(block.values.ravel() for block in blocks))
+            zip(
+                *(times.ravel(), i.ravel(), j.ravel(), *columns),
+                *(block.values.ravel() for block in blocks),
+            )
         )
 
 
-def write_hdf5(blocks, path):
-    """`time`, `i`, `j` and a dataset (instants, i, j) a quantity, with units."""
+def write_hdf5(blocks, path, places=()):
+    """`time`, `i`, `j`, a place each along one of them, and a dataset (instants, i, j) a quantity,
+    with units.
+    """
     with h5py.File(path, "w") as file:
         for name, values, unit in (
             ("time", blocks[0].times, "s"),
             ("i", blocks[0].i, "1"),
             ("j", blocks[0].j, "1"),
+            *((one.name.replace("/", "over"), one.positions.ravel(), one.unit) for one in places),
             *((block.name, block.values, block.unit) for block in blocks),
         ):
             file[name] = values

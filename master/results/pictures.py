@@ -10,6 +10,7 @@ import numpy as np
 
 from ..case.schema import reduced
 from ..fmi.quantities import pint_unit, registry, to_si
+from .instants import instant, told
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
 WINDOW = "#3a7d44"
@@ -147,17 +148,16 @@ def draw_maps(case, picture, runs):
         layout="constrained",
         figsize=(1.5 + 4.6 * len(runs), 1 + 3.1 * len(picture.fields)),
     )
-    instant = to_si(picture.time, "s")
     for row, port in zip(panels, picture.fields):
-        shown = [results.field(port, instant) for results in runs.values()]
+        shown = [results.field(port, instant(results, picture.time)) for results in runs.values()]
         wanted = picture.units.get(port)
         images = [scaled(field.values, field.unit, wanted)[0] for field in shown]
         unit = unit_shown(shown[0].unit, wanted)
         limits = min(image.min() for image in images), max(image.max() for image in images)
         axes = case.axes_of(port)
-        for panel, label, image, field in zip(row, runs, images, shown):
+        for panel, (label, results), image, field in zip(row, runs.items(), images, shown):
             _draw_map(panel, image, limits, axes)
-            panel.set_title(f"{label}, t = {field.time * 1e3:.2f} ms", fontsize="medium")
+            panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
         figure.colorbar(row[0].images[0], ax=list(row), label=labelled(name_of(port), unit))
     return figure
 
@@ -208,13 +208,12 @@ def draw_sections(case, picture, runs):
         layout="constrained",
         figsize=(9, 1.2 + 2.6 * len(picture.fields)),
     )
-    instant = to_si(picture.time, "s")
     begin, end = (to_si(text, "rad") / (2 * np.pi) for text in picture.angles)
     axis = case.axes_of(picture.fields[0]).first
     for panel, port in zip(panels[:, 0], picture.fields):
         unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            field = results.field(port, instant)
+            field = results.field(port, instant(results, picture.time))
             columns = field.values.shape[1]
             line = field.values[:, min(int(picture.height * columns), columns - 1)]
             line, unit = scaled(line, field.unit, picture.units.get(port))
@@ -229,7 +228,7 @@ def draw_sections(case, picture, runs):
                 color=colour,
                 lw=1.2,
                 ms=4,
-                label=f"{label}, t = {field.time * 1e3:.2f} ms",
+                label=f"{label}, {told(results, field.time)}",
             )
         panel.set_ylabel(labelled(name_of(port), unit))
         panel.grid(alpha=0.3)

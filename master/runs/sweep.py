@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..case.changes import whole_key
 from ..case.given import build_options
 from ..case.schema import check_case, read_tree
 from ..fmi.builder import build_fmu
@@ -35,11 +36,9 @@ class Axis:
     values: tuple
 
 
-def parse_axis(text, tree):
+def parse_axis(text, tree, folder=Path()):
     """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined
-    by "+".
-
-    A key may be given by its last part alone where one place of the case has it.
+    by "+". `folder`: of the case.
 
     Raises
     ------
@@ -49,28 +48,12 @@ def parse_axis(text, tree):
     name, sign, rest = text.partition("=")
     if not sign or not rest:
         raise BadInput(f"--vary {text!r}: write KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE")
-    keys = tuple(_whole_key(key.strip(), tree) for key in name.split("+"))
+    try:
+        keys = tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
+    except BadInput as error:
+        raise BadInput(f"--vary {error}") from None
     values = _range(text, rest) if ".." in rest else tuple(_plain(part) for part in rest.split(";"))
     return Axis(name.strip(), keys, values)
-
-
-def _whole_key(key, tree):
-    if "." in key:
-        return key
-    whole = sorted(path for path in _paths(tree) if path.split(".")[-1] == key)
-    if len(whole) != 1:
-        where = f"is in {', '.join(whole)}" if whole else "is nowhere in the case"
-        raise BadInput(f"--vary {key}: {where}; give its dotted path")
-    return whole[0]
-
-
-def _paths(tree, before=""):
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            if key != "variants":
-                yield from _paths(value, f"{before}{key}.")
-        else:
-            yield before + key
 
 
 def _plain(text):

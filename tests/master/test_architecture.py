@@ -21,6 +21,7 @@ OUTER = {
     "verification.py",
     "offline.py",
     "alone.py",
+    "preview.py",
 }
 
 

@@ -15,7 +15,8 @@ from piston_cosim.master.results.pictures import draw_maps, draw_sections
 )
 def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
     results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction")
+        field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction"),
+        case={"participants": {}},
     )
     picture = SimpleNamespace(fields=["ehd.film_fraction"], time="0 s", units={})
     case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
@@ -36,7 +37,9 @@ SKIRT = Axes(
 @pytest.mark.parametrize("axes", [SKIRT, NEUTRAL])
 def test_axes_say_what_the_case_says_and_nothing_else(axes):
     field = np.arange(20.0).reshape(5, 4)
-    results = SimpleNamespace(field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""))
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""), case={"participants": {}}
+    )
     picture = SimpleNamespace(
         fields=["heat.flux"], time="0 s", units={}, angles=("0 deg", "180 deg"), height=0.5
     )

@@ -20,13 +20,20 @@ def results(tmp_path):
         )
         file["time"] = np.arange(4) * 1e-3
         file["bodies/crank_angle"] = np.arange(4) * 0.3
+        file["bodies/crank_angle"].attrs.update({"unit": "rad", "description": "Crank angle"})
         file["fields/time"] = np.array([0.0, 2e-3])
         file["fields/bodies/modal_coordinate"] = np.array([[1.0, 2.0], [3.0, 4.0]])
     return path
 
 
 @pytest.mark.parametrize(
-    "time, angle, modal", [(None, 0.6, [3.0, 4.0]), ("0.4 ms", 0.0, [1.0, 2.0])]
+    "time, angle, modal",
+    [
+        (None, 0.6, [3.0, 4.0]),
+        ("0.4 ms", 0.0, [1.0, 2.0]),
+        ("0.1 rad", 0.0, [1.0, 2.0]),
+        ("20 deg", 0.6, [3.0, 4.0]),  # 0.349 rad, nearer to 0.6 than to 0
+    ],
 )
 def test_scalars_and_fields_of_the_same_instant(results, tmp_path, time, angle, modal):
     output = tmp_path / "start.json"
@@ -38,7 +45,8 @@ def test_scalars_and_fields_of_the_same_instant(results, tmp_path, time, angle, 
     "given, message",
     [
         ({"participant": "engine"}, "engine: .*run.h5 has bodies"),
-        ({"participant": "bodies", "time": "2 m"}, "2 m"),
+        ({"participant": "bodies", "time": "2 m"}, "2 m.*or a crank angle"),
+        ({"participant": "bodies", "time": "90 deg"}, "goes from 0 to 51.5662 deg"),
     ],
 )
 def test_what_is_wrong_is_named(results, tmp_path, given, message):

@@ -1,0 +1,64 @@
+"""What the lubrication FMU will be, seen from its build options and parameters before it is
+built.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+from typing import Any
+
+from ..master.fmi.errors import BadInput
+from ..master.fmi.preview import Figure, Preview
+from .build import prepare
+from .oil import Oil
+from .options import BuildOptions
+from .parameters import Parameters, faults
+from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
+
+
+def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: Path) -> Preview:
+    """Look at build options and parameters.
+
+    Parameters
+    ----------
+    options : mapping
+        From the case file.
+    parameters : mapping
+        What the case gives, by name, in SI, laws by their names; the rest has its defaults.
+    folder : Path
+        Of the case.
+
+    Returns
+    -------
+    Preview
+        Size of a cell, roughness, viscosity as given; faults between parameters.
+    """
+    try:
+        built = BuildOptions.read(prepare(options, folder, lambda line: None)[0])
+    except BadInput as error:
+        return Preview(faults=error.faults)
+    given = {**built.oil, **parameters}
+    oil = replace(Oil(), **_of(OIL_VARIABLES, given))
+    own = _of(FILM_VARIABLES + CONDITION_VARIABLES, given)
+    film = Parameters(built.grid, oil, open_cells=built.open_cells, **own)
+    around, along = built.grid
+    figures = [
+        Figure("cell", "cell_around", 2 * pi * film.bore_radius / around, "m"),
+        Figure("cell", "cell_along", film.skirt_length / along, "m"),
+        Figure("surface", "roughness_rms", film.roughness_rms, "m"),
+    ]
+    if oil.viscosity_law == "constant":
+        figures.append(Figure("oil", "viscosity", oil.viscosity, "Pa.s"))
+    if built.open_cells is not None:
+        share = 1.0 - float(built.open_cells.mean())
+        figures.append(Figure("cell", "film_share", share, "1", "cells of the mask with a film"))
+    remarks = []
+    if not film.roughness_rms:
+        remarks.append("roughness_rms = 0 um: smooth surfaces, which never touch")
+    return Preview(figures, faults(film), remarks)
+
+
+def _of(variables, given):
+    """What is given of some variables."""
+    return {one.name: given[one.name] for one in variables if one.name in given}

@@ -1,0 +1,426 @@
+"""What the body FMU will be, seen from its build table and parameters before anything is reduced:
+geometry, masses, clearance cold and hot, cells with a film, faults; and a picture of both shapes.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..master.fmi.errors import BadInput
+from ..master.fmi.preview import Figure, Preview
+from .build import Tables, read_tables
+from .dynamics.assembly import bore_shape, faults, skirt_gap
+from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
+from .dynamics.parameters import Parameters
+from .finite_elements.element import element_basis, quadrature
+from .finite_elements.mesh import Mesh, MeshFault, read_mesh
+from .finite_elements.point_cloud import read_nodes
+from .geometry.grid import cell_centres
+from .geometry.profile import BoreOrder
+from .options import Block, Build, Piston, RigidBlock, RigidPiston, read_options
+from .preview_picture import Shapes, draw_shapes
+from .reduction.geometry import block_faults, cylinder_faults, piston_faults
+from .reduction.interpolation import covered
+from .reduction.reduce import ends, faults_of_modes
+from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
+from .reduction.rigid import rigid_block, rigid_piston
+
+MISFIT = 0.3e-3
+"""Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
+mesh is drawn at the nominal diameter or a few tenths below."""
+HEIGHTS = 7
+"""Places of the piston along its stroke at which the clearance is looked at."""
+COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
+"""Parameters that heat brings."""
+FEWEST = 3
+"""Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
+
+
+class Sized(NamedTuple):
+    """A body as rigid as a data sheet, and what a mesh says besides.
+
+    Parameters
+    ----------
+    body : ReducedPiston or ReducedBlock
+        Without modes.
+    skirt : ndarray of bool, shape (c, a), or None
+        Cells of the film grid with the skirt under them, where that is known.
+    nodes : int
+        Of the mesh; 0 without one.
+    """
+
+    body: Any
+    skirt: np.ndarray | None
+    nodes: int
+
+
+class MassProperties(NamedTuple):
+    """Mass [kg], centre (3,) [m], and moment of inertia about it and the z axis [kg m2]."""
+
+    mass: float
+    centre: np.ndarray
+    inertia: float
+
+
+def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -> Preview:
+    """Look at a build table and its parameters.
+
+    Parameters
+    ----------
+    options : dict
+        The case file's `[participants.X.build]` table.
+    parameters : dict
+        What the case gives, by name, in SI; the rest has its defaults.
+    folder : Path
+        Of the case.
+
+    Returns
+    -------
+    Preview
+        `figure("bore_radius")`, `("skirt_length")` and `("swept_volume")` are for others to hold
+        theirs against.
+    """
+    try:
+        build = read_options(options, folder)
+        tables = read_tables(build)
+    except BadInput as error:
+        return Preview(faults=error.faults)
+    known = {one.name for one in fields(Parameters)}
+    chosen = Parameters(**{name: value for name, value in parameters.items() if name in known})
+    wrong: list[str] = []
+    remarks: list[str] = []
+    piston = _tried(_piston, build, wrong, remarks)
+    block = _tried(_block, build, wrong, remarks)
+    if piston is None or block is None:
+        return Preview(faults=wrong)
+    prepared = _prepared(build, tables)
+    wrong += faults(piston.body, block.body, prepared, chosen)
+    figures = [
+        *_of_piston(build, piston),
+        *_of_block(build, block),
+        *_of_mechanism(build, block, chosen, parameters.get("crank_speed")),
+    ]
+    if tables.gas:
+        figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
+    shapes = _shapes(prepared, piston, block, chosen)
+    figures += _of_film(build, shapes)
+    remarks += _remarks(build, piston, block, chosen, shapes)
+    return Preview(figures, wrong, remarks, lambda path: draw_shapes(shapes, path))
+
+
+def _tried(
+    look: Callable[[Build, list[str]], Sized], build: Build, wrong: list[str], remarks: list[str]
+) -> Sized | None:
+    """What is seen of a body; None, and faults, where nothing can be."""
+    try:
+        return look(build, remarks)
+    except MeshFault as error:
+        wrong += error.faults
+    except (ValueError, MemoryError) as error:
+        wrong.append(str(error))
+    return None
+
+
+def _piston(build: Build, remarks: list[str]) -> Sized:
+    """The piston, rigid."""
+    options = build.piston
+    if options.rigid:
+        return Sized(rigid_piston(options, build.grid), None, 0)
+    if options.reduced:
+        skirt = None
+        body = load(ReducedPiston, Path(options.reduced))
+        try:
+            skirt = load(Anatomy, Path(options.reduced)).skirt
+        except ValueError:  # without its anatomy
+            remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
+        return Sized(body, skirt, 0)
+    mesh = _mesh(options, ("skirt", "crown", "pin_bore"), remarks)
+    mass = mass_properties(mesh, options.density) if options.density else None
+    if mass:
+        found = piston_faults(mesh, mass.mass, options.pin_offset)
+    else:
+        found = cylinder_faults(mesh, "skirt")
+    _refuse(found, options)
+    angle, height, lower, upper = _grid(build, mesh)
+    faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    x, _, z = mesh.points[mesh.nodes("skirt")].T
+    radius = float(np.hypot(x, z).mean())
+    there = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)
+    sheet = RigidPiston.model_construct(
+        mass=mass.mass if mass else np.nan,
+        centre=tuple(mass.centre[:2]) if mass else (np.nan, np.nan),
+        inertia=mass.inertia if mass else np.nan,
+        radius=radius,
+    )
+    rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
+    return Sized(rigid_piston(rigid, build.grid), there, len(mesh.points))
+
+
+def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Angles and heights of the film grid's cells, and the skirt's edges."""
+    options = build.piston
+    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    angle, height = cell_centres(*build.grid, lower, upper)
+    return angle, height, lower, upper
+
+
+def _block(build: Build, remarks: list[str]) -> Sized:
+    """The block, rigid."""
+    options = build.block
+    if options.rigid:
+        return Sized(rigid_block(options, build.grid), None, 0)
+    if options.reduced:
+        return Sized(load(ReducedBlock, Path(options.reduced)), None, 0)
+    mesh = _mesh(options, ("bore", "bolts"), remarks)
+    _refuse(block_faults(mesh), options)
+    lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
+    around, _ = build.grid
+    faults_of_modes(mesh, options, "bolts", "bore", around * options.stations)
+    x, _, z = mesh.points[mesh.nodes("bore")].T
+    sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
+    rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
+    return Sized(rigid_block(rigid, build.grid), None, len(mesh.points))
+
+
+def _mesh(options: Piston | Block, names: Sequence[str], remarks: list[str]) -> Mesh:
+    """A body's mesh, or its nodes."""
+    path = Path(options.mesh or "")
+    regions = {name: surface.region() for name, surface in options.surfaces.items()}
+    surfaces = dict.fromkeys(names) | regions
+    placed = options.mesh_unit, options.axes, options.origin
+    if path.suffix == ".csv":
+        mesh, _ = read_nodes(path, surfaces, *placed)
+        return mesh
+    return read_mesh(path, surfaces, *placed, remarks.append)
+
+
+def _refuse(found: list[str], options: Piston | Block) -> None:
+    if found:
+        raise MeshFault([f"{options.mesh}: {fault}" for fault in found])
+
+
+def mass_properties(mesh: Mesh, density: float) -> MassProperties:
+    """Mass, its centre and moment of inertia of a mesh, element by element.
+
+    Eq. (M13):  m = rho sum_e int dV,   m c = rho sum_e int r dV
+                I_zz = rho sum_e int (x^2 + y^2) dV - m (c_x^2 + c_y^2)
+                by a rule exact to the third degree: exact in straight elements but for I_zz
+
+    Parameters
+    ----------
+    mesh : Mesh
+    density : float
+        [kg/m3]
+    """
+    rule = quadrature(2)
+    basis, _ = element_basis(mesh.points, mesh.tets, rule)
+    volume = basis.dx  # (e, q), weights in it
+    x, y, z = np.asarray(basis.global_coordinates())
+    # Eq. (M13)
+    mass = density * volume.sum()
+    centre = density * np.array([(volume * along).sum() for along in (x, y, z)]) / mass
+    about_origin = density * (volume * (x**2 + y**2)).sum()
+    inertia = about_origin - mass * (centre[0] ** 2 + centre[1] ** 2)
+    return MassProperties(float(mass), centre, float(inertia))
+
+
+def _prepared(build: Build, tables: Tables) -> BuildOptions:
+    """Build options as the FMU will have them, but for the bodies."""
+    orders = tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders)
+    return BuildOptions(
+        grid=build.grid,
+        piston=PistonOptions("", 0, build.piston.pin_offset, tables.skirt),
+        block=BlockOptions("", 0, orders, tables.bore),
+        gas=tables.gas,
+        speed=tables.speed,
+    )
+
+
+def _of_piston(build: Build, piston: Sized) -> list[Figure]:
+    body = piston.body
+    centre = body.S / body.mass
+    about_centre = body.I0 - body.mass * float(centre @ centre)
+    source = f"of {piston.nodes} nodes" if piston.nodes else "of a data sheet or a reduced body"
+    figures = [
+        Figure("piston", "mass", body.mass, "kg", source),
+        Figure("piston", "centre_above_pin", centre[1], "m"),
+        Figure("piston", "inertia", about_centre, "kg.m2", "about its centre of mass"),
+        Figure("piston", "pin_offset", build.piston.pin_offset, "m"),
+        Figure("skirt", "skirt_radius", body.radius, "m"),
+        Figure("skirt", "skirt_length", body.skirt_upper - body.skirt_lower, "m"),
+        Figure("skirt", "skirt_lower", body.skirt_lower, "m", "above the pin's axis"),
+        Figure("skirt", "skirt_upper", body.skirt_upper, "m", "above the pin's axis"),
+    ]
+    modes = 0 if build.piston.rigid else build.piston.modes
+    return [*figures, Figure("modes", "piston_modes", modes, "1", _basis(build.piston))]
+
+
+def _basis(body: Piston | Block) -> str:
+    return "rigid" if body.rigid or not body.modes else body.basis
+
+
+def _of_block(build: Build, block: Sized) -> list[Figure]:
+    body = block.body
+    modes = 0 if build.block.rigid else build.block.modes
+    return [
+        Figure("bore", "bore_radius", body.radius, "m"),
+        Figure("bore", "bore_lower", body.heights[0], "m", "above the crank axis"),
+        Figure("bore", "bore_upper", body.heights[-1], "m", "above the crank axis"),
+        Figure("modes", "block_modes", modes, "1", _basis(build.block)),
+    ]
+
+
+def _of_mechanism(
+    build: Build, block: Sized, chosen: Parameters, speed: float | None
+) -> list[Figure]:
+    turns = stroke_of(build.piston.pin_offset, chosen)
+    stroke = turns.highest - turns.lowest
+    figures = [
+        Figure("crank", "crank_radius", chosen.crank_radius, "m"),
+        Figure("crank", "rod_length", chosen.rod_length, "m"),
+        Figure("crank", "stroke", stroke, "m", "of the pin"),
+        Figure("crank", "swept_volume", np.pi * block.body.radius**2 * stroke, "m3"),
+    ]
+    if speed is not None and build.speed is None:
+        mean = stroke * speed / np.pi
+        figures.append(Figure("crank", "mean_piston_speed", mean, "m/s"))
+    return figures
+
+
+class Stroke(NamedTuple):
+    """Lowest and highest place of A above the crank axis [m]."""
+
+    lowest: float
+    highest: float
+
+
+def stroke_of(pin_offset: float, chosen: Parameters) -> Stroke:
+    """Where A turns round.
+
+    Eq. (K10):  Y = sqrt((L +- r)^2 - e^2)      e = pin offset - crank offset
+
+    A rod that is too short, which `faults` names, ends at the crank axis.
+    """
+    offset = pin_offset - chosen.crank_offset
+    lowest, highest = (
+        float(np.sqrt(max((chosen.rod_length + reach) ** 2 - offset**2, 0.0)))  # Eq. (K10)
+        for reach in (-chosen.crank_radius, chosen.crank_radius)
+    )
+    return Stroke(lowest, highest)
+
+
+def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Parameters) -> Shapes:
+    """Skirt and bore, cold and hot, on the film grid and along the bore."""
+    body = piston.body
+    angle, height = cell_centres(*prepared.grid, body.skirt_lower, body.skirt_upper)
+    cold = replace(chosen, **dict.fromkeys(COLD, 0.0))
+    heights = block.body.heights
+    return Shapes(
+        angle=angle,
+        height=height,
+        film=np.ones(prepared.grid, dtype=bool) if piston.skirt is None else piston.skirt,
+        skirt_cold=skirt_gap(body, angle, height, prepared.piston, cold),
+        skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen),
+        bore_height=heights,
+        bore_cold=bore_shape(heights, angle, prepared.block, cold)
+        + np.zeros((len(angle), len(heights))),
+        bore_hot=bore_shape(heights, angle, prepared.block, chosen)
+        + np.zeros((len(angle), len(heights))),
+        pin_height=_places(prepared, chosen),
+    )
+
+
+def _places(prepared: BuildOptions, chosen: Parameters) -> np.ndarray:
+    """Heights of A along the stroke, bottom to top [m]."""
+    return np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS)
+
+
+class Narrowest(NamedTuple):
+    """Smallest clearance of the concentric piston [m], at theta [deg] and y' [m]."""
+
+    gap: float
+    angle: float
+    height: float
+
+
+def narrowest(shapes: Shapes, hot: bool) -> Narrowest:
+    """Smallest clearance of the concentric, undeformed piston over the stroke, where there is a
+    film.
+    """
+    skirt = shapes.skirt_hot if hot else shapes.skirt_cold
+    bore = shapes.bore_hot if hot else shapes.bore_cold
+    best = Narrowest(np.inf, 0.0, 0.0)
+    for place in shapes.pin_height:
+        widening = [np.interp(place + shapes.height, shapes.bore_height, line) for line in bore]
+        gap = np.where(shapes.film, skirt + np.array(widening), np.inf)
+        i, j = np.unravel_index(gap.argmin(), gap.shape)
+        if gap[i, j] < best.gap:
+            degrees = float(np.degrees(shapes.angle[i])) % 360.0
+            best = Narrowest(float(gap[i, j]), degrees, float(shapes.height[j]))
+    return best
+
+
+def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
+    around, along = build.grid
+    figures = [
+        Figure("film", "cells_around", around, "1"),
+        Figure("film", "cells_along", along, "1"),
+        Figure("film", "covered_share", float(shapes.film.mean()), "1", "cells with a skirt"),
+    ]
+    for hot, name in ((False, "clearance_cold"), (True, "clearance_hot")):
+        least = narrowest(shapes, hot)
+        where = f"narrowest, at {least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
+        figures.append(Figure("clearance", name, least.gap, "m", where))
+    return figures
+
+
+def _remarks(
+    build: Build, piston: Sized, block: Sized, chosen: Parameters, shapes: Shapes
+) -> list[str]:
+    """What is worth a look."""
+    out = []
+    fit = block.body.radius - piston.body.radius
+    if abs(fit - chosen.radial_clearance) > MISFIT:
+        out.append(
+            f"radial_clearance = {1e6 * chosen.radial_clearance:.4g} um, bore minus skirt radius "
+            f"is {1e6 * fit:.4g} um: the film goes by radial_clearance"
+        )
+    least = narrowest(shapes, hot=True)
+    if least.gap <= 0.0:
+        out.append(
+            f"the skirt is wider than the bore by {-1e6 * least.gap:.3g} um when hot, at "
+            f"{least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
+        )
+    if not any(getattr(chosen, name) for name in COLD):
+        out.append(f"no thermal growth given ({', '.join(COLD)}): hot is as cold")
+    if build.piston.profiles and (chosen.barrel or chosen.ovality):
+        out.append(
+            f"barrel = {1e6 * chosen.barrel:.4g} um and ovality = {1e6 * chosen.ovality:.4g} um "
+            "are added to the measured profile; set them to 0 if it holds them"
+        )
+    if not build.piston.profiles and not chosen.barrel:
+        out.append("barrel = 0 um: a straight skirt carries on its edges")
+    return out + _thin_openings(shapes.film)
+
+
+def _thin_openings(film: np.ndarray) -> list[str]:
+    """A remark where the openings in the skirt are few cells wide."""
+    widest = max((run for line in film.T for run in _runs(~line)), default=FEWEST)
+    if widest >= FEWEST:
+        return []
+    return [
+        f"openings in the skirt are {widest} cells wide: their edges lie within half a cell; a "
+        f"finer grid than {' x '.join(map(str, film.shape))} tells what that is worth"
+    ]
+
+
+def _runs(flags: np.ndarray) -> list[int]:
+    """Lengths of the runs of true values on a ring."""
+    if flags.all() or not flags.any():
+        return []
+    turned = np.roll(flags, -int(np.argmin(flags)))  # begins with a false one
+    edges = np.flatnonzero(np.diff(np.concatenate([turned, [False]]).astype(int)))
+    return [int(end - begin) for begin, end in zip(edges[::2], edges[1::2])]

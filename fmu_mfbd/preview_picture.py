@@ -1,0 +1,122 @@
+"""A picture of skirt and bore before anything is computed: developed, around and along."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib
+
+matplotlib.use("Agg")  # files only, also without a display
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+UM = 1e6
+MM = 1e3
+SIDES = {"thrust": 90.0, "anti-thrust": 270.0, "pin": 0.0}
+COLOURS = {"thrust": "#1b4f8a", "anti-thrust": "#c8553d", "pin": "#3a7d44"}
+
+
+class Shapes(NamedTuple):
+    """Both surfaces on the film grid, c x a cells, and the bore's at its own heights.
+
+    Parameters
+    ----------
+    angle, height : ndarray, shapes (c,), (a,)
+        theta [rad] from the pin axis towards the thrust side; y' above the pin [m].
+    film : ndarray of bool, shape (c, a)
+        Cells with the skirt under them.
+    skirt_cold, skirt_hot : ndarray, shape (c, a)
+        Clearance and profile of the concentric skirt in a cylinder [m].
+    bore_height : ndarray, shape (s,)
+        Above the crank axis [m].
+    bore_cold, bore_hot : ndarray, shape (c, s)
+        Widening of the bore [m].
+    pin_height : ndarray, shape (p,)
+        Heights of the pin above the crank axis along the stroke [m].
+    """
+
+    angle: np.ndarray
+    height: np.ndarray
+    film: np.ndarray
+    skirt_cold: np.ndarray
+    skirt_hot: np.ndarray
+    bore_height: np.ndarray
+    bore_cold: np.ndarray
+    bore_hot: np.ndarray
+    pin_height: np.ndarray
+
+
+def draw_shapes(shapes: Shapes, path: Path | str) -> None:
+    """One PNG: skirt developed, with the openings left white; bore developed; the skirt around at
+    three heights, and along on three sides, cold and hot.
+    """
+    figure, panels = plt.subplots(2, 2, figsize=(12, 8))
+    figure.subplots_adjust(0.06, 0.08, 0.98, 0.95, wspace=0.2, hspace=0.35)
+    (developed, bore), (around, along) = panels
+    gap = np.where(shapes.film, shapes.skirt_hot, np.nan)
+    _developed(figure, developed, shapes.angle, shapes.height, gap)
+    developed.set(
+        title=f"clearance and profile of the skirt, hot; {shapes.film.mean():.0%} has a film",
+        ylabel="height above the pin [mm]",
+    )
+    _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
+    bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
+    _around(around, shapes)
+    _along(along, shapes)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _developed(figure, panel, angle, height, values):
+    """A surface developed, [um]."""
+    degrees = np.degrees(angle)
+    half = 180.0 / len(angle)
+    step = (height[1] - height[0]) / 2
+    extent = (
+        degrees[0] - half,
+        degrees[-1] + half,
+        MM * (height[0] - step),
+        MM * (height[-1] + step),
+    )
+    image = panel.imshow(
+        UM * values.T, origin="lower", aspect="auto", extent=extent, cmap="viridis"
+    )
+    figure.colorbar(image, ax=panel, label="um")
+    _mark(panel)
+
+
+def _mark(panel):
+    panel.set_xticks([0, 90, 180, 270, 360], ["0\npin", "90\nthrust", "180", "270\nanti", "360"])
+    panel.set_xlabel("angle from the pin axis [deg]")
+
+
+def _around(panel, shapes):
+    """The skirt's clearance around, at its lower and upper quarter and in the middle."""
+    order = np.argsort(np.degrees(shapes.angle) % 360)
+    degrees = (np.degrees(shapes.angle) % 360)[order]
+    count = len(shapes.height)
+    for share, colour in ((0.1, "#c8553d"), (0.5, "#1b4f8a"), (0.9, "#3a7d44")):
+        j = min(int(share * count), count - 1)
+        name = f"{MM * shapes.height[j]:.3g} mm above the pin"
+        panel.plot(degrees, UM * shapes.skirt_hot[order, j], color=colour, label=name)
+        panel.plot(degrees, UM * shapes.skirt_cold[order, j], "--", color=colour, lw=0.8)
+    panel.set(title="section around (dashed: cold)", ylabel="clearance [um]")
+    _mark(panel)
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize="small", frameon=False)
+
+
+def _along(panel, shapes):
+    """The skirt's clearance along the thrust faces and above the pin."""
+    degrees = np.degrees(shapes.angle) % 360
+    for name, where in SIDES.items():
+        i = int(np.argmin(np.abs((degrees - where + 180) % 360 - 180)))
+        panel.plot(UM * shapes.skirt_hot[i], MM * shapes.height, color=COLOURS[name], label=name)
+        panel.plot(UM * shapes.skirt_cold[i], MM * shapes.height, "--", color=COLOURS[name], lw=0.8)
+    panel.set(
+        title="section along (dashed: cold)",
+        xlabel="clearance [um]",
+        ylabel="height above the pin [mm]",
+    )
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize="small", frameon=False)

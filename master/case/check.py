@@ -1,0 +1,152 @@
+"""A case looked at before anything is built: every fault, what its parts say of themselves, and
+whether they speak of the same engine.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..fmi.errors import BadInput
+from ..fmi.preview import Figure, Preview
+from ..fmi.quantities import registry, short, to_si
+from ..fmi.tree import import_part
+from .contract import contract
+from .keys import declared_variables
+from .schema import Case, check_case, find_case, read_tree
+from .system import declared_participants, faults_ahead, parameters_ahead
+
+APART = 2e-3
+"""Of a length or volume: what two parts may say differently of it. A mesh of straight edges lies
+a thousandth inside its cylinder."""
+
+
+@dataclass(frozen=True)
+class CheckedCase:
+    """What is known of a case before it is built.
+
+    path : of the case file; title : of the case; previews : what the parts say, by participant;
+    faults : all of them, remarks : what is worth a look.
+    """
+
+    path: Path
+    title: str
+    previews: dict[str, Preview] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+    def figure(self, name: str) -> Figure | None:
+        """The figure "participant.name"."""
+        owner, _, own = name.partition(".")
+        return self.previews[owner].figure(own) if owner in self.previews else None
+
+    def draw(self, path: Path) -> list[Path]:
+        """Write what the parts can draw; PNG files, of several ones named after their
+        participants.
+        """
+        drawing = {name: one.draw for name, one in self.previews.items() if one.draw}
+        written = []
+        for name, draw in drawing.items():
+            file = path if len(drawing) == 1 else path.with_name(f"{path.stem}-{name}{path.suffix}")
+            file.parent.mkdir(parents=True, exist_ok=True)
+            draw(file)
+            written.append(file)
+        return written
+
+
+def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedCase:
+    """Look at a case.
+
+    Parameters
+    ----------
+    name : str or Path
+        Of a case, its folder or its file.
+    changes : sequence of (key, value)
+        Made in it first.
+
+    Raises
+    ------
+    BadInput
+        If there is no such case, or no TOML in it.
+    """
+    path = find_case(str(name))
+    tree = read_tree(path, changes)
+    try:
+        case = check_case(tree, path)
+    except BadInput as error:
+        title = tree.get("title", "")
+        return CheckedCase(path, str(title), faults=error.faults)
+    folder = path.parent
+    faults = faults_ahead(case, folder)
+    previews = _previews(case, folder)
+    for owner, one in previews.items():
+        told = [f"participants.{owner}: {line}" for line in one.faults]
+        faults += [line for line in told if line not in faults]
+    faults += _disagreements(case, folder, previews)
+    remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
+    remarks += _of_loops(case, previews)
+    return CheckedCase(path, case.title, previews, faults, remarks)
+
+
+def _previews(case: Case, folder: Path) -> dict[str, Preview]:
+    """What the parts say of the participants whose parameters are sound."""
+    values = parameters_ahead(case, declared_participants(case, folder, []), [])
+    previews = {}
+    for name, given in values.items():
+        table = case.participants[name]
+        try:
+            look = import_part(f"{table.package}.preview").preview
+        except ImportError:
+            continue  # a part from elsewhere
+        names = {one.name: one.choices for one in declared_variables(table, folder) or []}
+        worded = {
+            key: names[key][value - 1] if names[key] else value for key, value in given.items()
+        }
+        previews[name] = look(table.build, worded, folder)
+    return previews
+
+
+def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> list[str]:
+    """Parameters that the contract has equal to what another part has measured, and that are not.
+
+    A parameter that the case does not give counts with its default.
+    """
+    values = parameters_ahead(case, declared_participants(case, folder, []), [])
+    faults = []
+    for name, table in case.participants.items():
+        terms = contract().get(table.role or "")
+        for key, source in (terms.agree if terms and name in values else {}).items():
+            role, _, figure = source.partition(".")
+            giver = next((one for one, t in case.participants.items() if t.role == role), None)
+            measured = previews[giver].figure(figure) if giver in previews else None
+            declared = {one.name: one for one in declared_variables(table, folder) or []}
+            if measured is None or key not in declared:
+                continue
+            given = values[name].get(key, declared[key].start)
+            if abs(given - measured.value) > APART * abs(measured.value):
+                default = "" if key in values[name] else ", its default"
+                faults.append(
+                    f"participants.{name}.parameters.{key} = {short(given, measured.unit, 5)}"
+                    f"{default}: the {figure.replace('_', ' ')} of {giver} is "
+                    f"{short(measured.value, measured.unit, 5)}"
+                )
+    return faults
+
+
+def _of_loops(case: Case, previews: dict[str, Preview]) -> list[str]:
+    """Loops of the report that divide by another engine's swept volume."""
+    swept = next((one for p in previews.values() if (one := p.figure("swept_volume"))), None)
+    if swept is None:
+        return []
+    remarks = []
+    for name, loop in case.report.loops.items():
+        quantity = registry().Quantity(loop.per)
+        if not quantity.is_compatible_with("m^3"):
+            continue
+        volume = to_si(loop.per, "m^3")
+        if abs(volume - swept.value) > APART * swept.value:
+            remarks.append(
+                f"report.loops.{name}.per = {loop.per}: the model sweeps {1e6 * swept.value:.5g} "
+                "cm^3"
+            )
+    return remarks

@@ -1,0 +1,198 @@
+"""Every key of a case file, those of the FMUs that it builds included: unit, default, range,
+meaning; and as a JSON schema for editors.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..fmi.errors import BadInput
+from ..fmi.option_classes import ANY, EACH, Key, keys, near
+from ..fmi.tree import import_part
+from ..fmi.variables import Variable
+from .schema import Case
+
+SETTABLE = ("parameter", "input", "structuralParameter")
+"""Causalities of what a case can give a value."""
+
+
+def part_function(package: str | None, name: str) -> Callable[..., Any] | None:
+    """Function `name` of a package's module `build`; None where it has none, or is not there."""
+    try:
+        return getattr(import_part(f"{package}.build"), name, None) if package else None
+    except ImportError:
+        return None
+
+
+def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
+    """Variables of the FMU that a participant's table builds; None where its part does not say
+    before it is built.
+
+    Raises
+    ------
+    BadInput
+        If there is no such part, or with the faults of its build options.
+    """
+    if table.package and not _is_installed(table.package):
+        raise BadInput(f"package = {table.package!r}: no installed package of that name")
+    declared = part_function(table.package, "declared_variables")
+    return declared(table.build, folder) if declared else None
+
+
+def _is_installed(package: str) -> bool:
+    try:
+        import_part(package)
+    except ImportError:
+        return False
+    return True
+
+
+def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:
+    """Every key that a case file may have: those of any case, then those of the participants that
+    this one builds.
+
+    Parameters
+    ----------
+    tree : dict
+        TOML tree of a case; its `participants` say which parts it is made of.
+    folder : Path
+        Of the case.
+    """
+    found = keys(Case.model_json_schema())
+    for name, table in _built(tree).items():
+        before = f"participants.{name}."
+        schema = part_function(table["package"], "options_schema")
+        if schema:
+            found += keys(schema(), f"{before}build.")
+        found += [_key(one, before) for one in _settable(table, folder)]
+    return found
+
+
+def _built(tree: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Tables of the participants that a package builds, by name."""
+    tables = tree.get("participants", {})
+    if not isinstance(tables, dict):
+        return {}
+    return {
+        name: table
+        for name, table in tables.items()
+        if isinstance(table, dict) and isinstance(table.get("package"), str)
+    }
+
+
+def _settable(table: dict[str, Any], folder: Path) -> list[Variable]:
+    """What a participant's `parameters` may name; of one whose build options are wrong, as with
+    none.
+    """
+    declared = part_function(table["package"], "declared_variables")
+    if declared is None:
+        return []
+    try:
+        variables = declared(table.get("build", {}), folder)
+    except BadInput:
+        variables = declared(None, folder)
+    return [one for one in variables if one.causality in SETTABLE and not one.shape]
+
+
+def _key(variable: Variable, before: str) -> Key:
+    """A parameter of an FMU as a key of the case."""
+    unit = "" if variable.unit == "1" else variable.unit
+    return Key(
+        path=f"{before}parameters.{variable.name}",
+        unit=unit,
+        default=_number(variable.start) + (f" {unit}" if unit else ""),
+        allowed=_range(variable),
+        meaning=variable.description,
+    )
+
+
+def _number(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def _range(variable: Variable) -> str:
+    if variable.choices:
+        return ", ".join(variable.choices)
+    low, high = variable.minimum, variable.maximum
+    if low is None and high is None:
+        return ""
+    if low is not None and high is not None:
+        return f"{low:g} to {high:g}"
+    return f"{low:g} or more" if high is None else f"{high:g} or less"
+
+
+def chosen_keys(found: list[Key], part: str) -> list[Key]:
+    """Keys at a dotted path, below it, or whose path has these parts one after the other.
+
+    Raises
+    ------
+    BadInput
+        If there are none; names what is like it.
+    """
+    wanted = part.split(".")
+    chosen = [key for key in found if _has(key.path.split("."), wanted)]
+    if chosen:
+        return chosen
+    parts = {word for key in found for word in key.path.split(".")} - {ANY, EACH}
+    raise BadInput(f"{part}: no key of a case has this part{near(wanted[-1], sorted(parts))}")
+
+
+def _has(path: list[str], wanted: list[str]) -> bool:
+    return any(path[k : k + len(wanted)] == wanted for k in range(len(path)))
+
+
+def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """JSON schema of a case with the participants of this one, for editors: `build` and
+    `parameters` of each as its part declares them.
+    """
+    schema = Case.model_json_schema()
+    general = schema["properties"]["participants"]
+    general["properties"] = {}
+    for name, table in _built(tree).items():
+        own = {"properties": {}}
+        if options := part_function(table["package"], "options_schema"):
+            inner = options()
+            _moved(inner, f"{table['package']}.")
+            schema["$defs"] |= {
+                f"{table['package']}.{key}": one for key, one in inner.pop("$defs", {}).items()
+            }
+            own["properties"]["build"] = inner
+        own["properties"]["parameters"] = {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {one.name: _property(one) for one in _settable(table, folder)},
+        }
+        general["properties"][name] = {"allOf": [{"$ref": "#/$defs/ParticipantTable"}, own]}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _moved(node: Any, before: str) -> None:
+    """Give references to definitions the names that these get in another schema; in place."""
+    if isinstance(node, dict):
+        if "$ref" in node:
+            node["$ref"] = "#/$defs/" + before + node["$ref"].rpartition("/")[-1]
+        for value in node.values():
+            _moved(value, before)
+    elif isinstance(node, list):
+        for value in node:
+            _moved(value, before)
+
+
+def _property(variable: Variable) -> dict[str, Any]:
+    """A parameter in a JSON schema; one with a unit is a text."""
+    described: dict[str, Any] = {"description": f"{variable.description}. {_told(variable)}"}
+    if variable.choices:
+        return described | {"enum": list(variable.choices), "default": variable.start}
+    if variable.unit != "1":
+        return described | {"type": "string", "unit": variable.unit}
+    bounds = {"minimum": variable.minimum, "maximum": variable.maximum}
+    given = {word: bound for word, bound in bounds.items() if bound is not None}
+    return described | {"type": ["number", "string"], "default": variable.start} | given
+
+
+def _told(variable: Variable) -> str:
+    """Default, unit and range in words."""
+    key = _key(variable, "")
+    unit = f" {key.unit}" if key.unit else ""
+    allowed = f"; allowed {key.allowed}{unit}" if key.allowed else ""
+    return f"Default {key.default}{allowed}."

@@ -1,0 +1,528 @@
+"""A case of an own engine from a few lengths: what is not given is estimated by a rule that stands
+beside it.
+
+Every rule is our own choice, of the size that passenger car and motorcycle pistons have; none
+imitates a measured engine. A figure of your own replaces its rule.
+"""
+
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from ..fmi.errors import BadInput
+from ..fmi.quantities import is_known, registry, to_si
+from .check import CheckedCase, check
+
+STEEL = 7850.0
+"""Density of the pin [kg/m3]."""
+IGNITION, DURATION = -8.0, 60.0
+"""Crank angle at which heat begins to be released, and how long that takes [deg]."""
+INTAKE = 1.0e5
+"""Pressure at bottom dead centre before compression, absolute [Pa]."""
+EXPONENT = 1.33
+"""Of compression and expansion."""
+OPEN = 20.0
+"""Crank angle over which what is left falls to 1/e after the exhaust valve opens [deg]."""
+TITLES = {True: "motored", False: "fired"}
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size that can be given: unit of a bare number, allowed range in SI, the rule that estimates
+    it from those before it, and the rule in words.
+    """
+
+    unit: str
+    low: float
+    high: float
+    meaning: str
+    rule: Callable[[Mapping[str, float]], float] | None = None
+    words: str = ""
+
+    def read(self, name: str, text: str | float) -> float:
+        """A value in SI; ValueError with a sentence otherwise."""
+        allowed = f"{_in(self.low, self.unit)} to {_in(self.high, self.unit)} {self.unit}".strip()
+        plain = str(text).strip()
+        try:
+            float(plain)
+            plain = f"{plain} {self.unit}" if self.unit else plain
+        except ValueError:
+            pass
+        try:
+            value = to_si(plain, _si(self.unit))
+        except ValueError as error:
+            raise ValueError(f"--{name.replace('_', '-')}: {error}; allowed is {allowed}") from None
+        if not self.low <= value <= self.high:
+            raise ValueError(f"--{name.replace('_', '-')} {text}: allowed is {allowed}")
+        return value
+
+
+def _si(unit: str) -> str:
+    """SI unit of a unit of the field."""
+    if not unit:
+        return "1"
+    base = f"{registry().Unit(unit).dimensionality}"
+    known = {"[length]": "m", "[mass]": "kg", "[mass] / [length] / [time] ** 2": "Pa"}
+    known["[mass] * [length] ** 2"] = "kg*m^2"
+    return known.get(base, "rad/s")
+
+
+def _in(value: float, unit: str) -> str:
+    """A value of SI in a unit of the field."""
+    if not unit:
+        return f"{value:g}"
+    assert is_known(unit)
+    return f"{registry().Quantity(value, _si(unit)).to(unit).magnitude:.6g}"
+
+
+SIZES: dict[str, Size] = {
+    "bore": Size("mm", 20e-3, 0.6, "Diameter of the bore"),
+    "stroke": Size("mm", 10e-3, 1.5, "Stroke"),
+    "rod": Size("mm", 20e-3, 4.0, "Length of the connecting rod between the eyes"),
+    "speed": Size("rpm", pi / 3, 1000 * pi, "Crank speed", lambda s: 3000 * pi / 30, "3000 rpm"),
+    "compression": Size(
+        "", 2.0, 30.0, "Compression ratio", lambda s: 10.5, "10.5, a petrol engine's"
+    ),
+    "clearance": Size(
+        "mm",
+        1e-6,
+        1e-3,
+        "Radial clearance at the thrust faces, mid skirt",
+        lambda s: 0.25e-3 * s["bore"],
+        "0.25 per mille of the bore",
+    ),
+    "barrel": Size(
+        "mm",
+        0.0,
+        1e-3,
+        "Radial drop of the profile at both ends of the skirt",
+        lambda s: 0.4e-3 * s["bore"],
+        "0.4 per mille of the bore",
+    ),
+    "ovality": Size(
+        "mm",
+        0.0,
+        2e-3,
+        "Diameter across the thrust faces minus that along the pin",
+        lambda s: 2e-3 * s["bore"],
+        "2 per mille of the bore",
+    ),
+    "skirt_below": Size(
+        "mm",
+        1e-3,
+        1.0,
+        "Lower edge of the skirt below the pin's axis",
+        lambda s: 0.32 * s["bore"],
+        "0.32 of the bore",
+    ),
+    "skirt_above": Size(
+        "mm",
+        0.0,
+        1.0,
+        "Upper edge of the skirt above the pin's axis",
+        lambda s: 0.16 * s["bore"],
+        "0.16 of the bore",
+    ),
+    "compression_height": Size(
+        "mm",
+        1e-3,
+        1.0,
+        "Crown above the pin's axis",
+        lambda s: 0.36 * s["bore"],
+        "0.36 of the bore",
+    ),
+    "pin_offset": Size(
+        "mm", -0.02, 0.02, "Pin beside the skirt's axis, towards thrust", lambda s: 0.0, "none"
+    ),
+    "crank_offset": Size(
+        "mm", -0.1, 0.1, "Crank axis beside the bore's, towards thrust", lambda s: 0.0, "none"
+    ),
+    "mass": Size(
+        "g",
+        1e-3,
+        100.0,
+        "Piston without its pin",
+        lambda s: 500.0 * s["bore"] ** 3,
+        "0.5 g/cm^3 of the bore cubed",
+    ),
+    "centre": Size(
+        "mm",
+        -0.5,
+        0.5,
+        "Centre of mass above the pin's axis",
+        lambda s: 0.4 * s["compression_height"],
+        "0.4 of the compression height",
+    ),
+    "inertia": Size(
+        "kg mm^2",
+        1e-9,
+        10.0,
+        "Of the piston about its centre of mass",
+        lambda s: s["mass"] * (0.3 * s["bore"]) ** 2,
+        "mass x (0.3 bore)^2",
+    ),
+    "pin_diameter": Size(
+        "mm", 1e-3, 0.3, "Of the piston pin", lambda s: 0.25 * s["bore"], "0.25 of the bore"
+    ),
+    "pin_mass": Size(
+        "g",
+        0.0,
+        20.0,
+        "Piston pin",
+        lambda s: STEEL * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"],
+        "steel tube, 0.55 bored, 0.75 of the bore long",
+    ),
+    "rod_mass": Size(
+        "g",
+        1e-3,
+        100.0,
+        "Connecting rod",
+        lambda s: 900.0 * s["bore"] ** 3,
+        "0.9 g/cm^3 of the bore cubed",
+    ),
+    "rod_centre": Size(
+        "mm",
+        0.0,
+        2.0,
+        "Centre of mass of the rod from the big end",
+        lambda s: 0.3 * s["rod"],
+        "0.3 of its length",
+    ),
+    "rod_inertia": Size(
+        "kg mm^2",
+        1e-9,
+        10.0,
+        "Of the rod about its centre of mass",
+        lambda s: s["rod_mass"] * s["rod_centre"] * (s["rod"] - s["rod_centre"]),
+        "that of two masses at the eyes: mass x distances of the centre from both",
+    ),
+    "roughness": Size(
+        "mm", 0.0, 1e-4, "Composite rms roughness", lambda s: 0.5e-6, "0.5 um, a run-in skirt"
+    ),
+}
+"""What describes an engine, by option; a rule may use what stands before it."""
+
+
+class Instant(NamedTuple):
+    """Crank angle [deg] and the force of the piston on the bore then [N]."""
+
+    angle: float
+    force: float
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An engine of a data sheet.
+
+    sizes : value in SI of each of `SIZES`; given : names of those that are not estimated;
+    peak : largest gas pressure wanted, gauge [Pa], or None; motored : no combustion.
+    """
+
+    sizes: dict[str, float]
+    given: frozenset[str]
+    peak: float | None = None
+    motored: bool = False
+
+    def __getitem__(self, name: str) -> float:
+        return self.sizes[name]
+
+    @property
+    def crank_radius(self) -> float:
+        """Half the stroke [m]."""
+        return self["stroke"] / 2
+
+    @property
+    def swept_volume(self) -> float:
+        """[m3]"""
+        return pi / 4 * self["bore"] ** 2 * self["stroke"]
+
+    @property
+    def skirt_radius(self) -> float:
+        """[m]"""
+        return self["bore"] / 2 - self["clearance"]
+
+    @property
+    def top(self) -> float:
+        """Height of the pin at top dead centre [m]."""
+        offset = self["pin_offset"] - self["crank_offset"]
+        return sqrt((self["rod"] + self.crank_radius) ** 2 - offset**2)
+
+    @property
+    def bottom(self) -> float:
+        """Height of the pin at bottom dead centre [m]."""
+        offset = self["pin_offset"] - self["crank_offset"]
+        return sqrt((self["rod"] - self.crank_radius) ** 2 - offset**2)
+
+    def bore_ends(self, skirt_below: float) -> tuple[float, float]:
+        """Heights of the bore's ends above the crank axis [m]: a little below the skirt at bottom
+        dead centre, and the crown at top dead centre.
+        """
+        return (
+            self.bottom - skirt_below - 0.02 * self["bore"],
+            self.top + self["compression_height"],
+        )
+
+    @cached_property
+    def gain(self) -> float:
+        """What burning multiplies the polytrope by, less 1 [-]."""
+        if self.motored:
+            return 0.0
+        if self.peak is None:
+            return 1.9
+        low, high = 0.0, 50.0
+        for _ in range(60):
+            middle = (low + high) / 2
+            below = float(self._pressure(CYCLE, middle).max()) < self.peak
+            low, high = (middle, high) if below else (low, middle)
+        return (low + high) / 2
+
+    def gas_pressure(self, degrees: np.ndarray) -> np.ndarray:
+        """Gauge pressure over a cycle, -360 to 360 deg, 0 at firing top dead centre [Pa].
+
+        Eq. (D12):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1)
+                   x_b = 1 - exp(-5 ((phi - phi_0)/d)^1.5)
+                   while the valves are closed, -180 to 180 deg; then p falls with e^(-phi/20 deg)
+
+        Our own choice; no measured curve is imitated.
+        """
+        return self._pressure(degrees, self.gain)
+
+    def _pressure(self, degrees: np.ndarray, gain: float) -> np.ndarray:
+        burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - IGNITION, 0.0, None) / DURATION) ** 1.5)
+        polytrope = INTAKE * (
+            self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
+        )  # Eq. (D12)
+        left = INTAKE * gain * np.exp(-np.clip(degrees - 180.0, 0.0, None) / OPEN)
+        closed = np.abs(degrees) < 180.0
+        return np.where(closed, polytrope, np.where(degrees >= 180.0, left, 0.0))
+
+    def volume_ratio(self, degrees: np.ndarray) -> np.ndarray:
+        """Volume of the cylinder over that at bottom dead centre, crank and pin not offset."""
+        angle = np.radians(degrees)
+        r = self.crank_radius
+        below_top = r + self["rod"] - self._height(angle)
+        clearance = 2.0 * r / (self["compression"] - 1.0)
+        return (clearance + below_top) / (clearance + 2.0 * r)
+
+    def _height(self, angle: np.ndarray) -> np.ndarray:
+        r = self.crank_radius
+        return r * np.cos(angle) + np.sqrt(self["rod"] ** 2 - (r * np.sin(angle)) ** 2)
+
+    def largest_side_force(self) -> Instant:
+        """When gas and inertia push the piston hardest against the bore.
+
+        Eq. (D13):  F = (p A + (m_piston + m_pin) Y'') tan beta,   sin beta = r sin phi / L
+                   the share of the rod that moves with the pin left out
+        """
+        angle = np.radians(CYCLE)
+        step = angle[1] - angle[0]
+        acceleration = np.gradient(np.gradient(self._height(angle), step), step)
+        acceleration *= self["speed"] ** 2
+        sine = self.crank_radius * np.sin(angle) / self["rod"]
+        gas = self.gas_pressure(CYCLE) * pi / 4 * self["bore"] ** 2
+        mass = self["mass"] + self["pin_mass"]
+        force = (gas + mass * acceleration) * sine / np.sqrt(1.0 - sine**2)  # Eq. (D13)
+        k = int(np.abs(force).argmax())
+        return Instant(float(CYCLE[k]), float(force[k]))
+
+
+CYCLE = np.arange(-360.0, 361.0, 1.0)
+"""Crank angles of a cycle [deg]."""
+
+
+def engine(
+    given: Mapping[str, str | float | None], peak: str | None = None, motored: bool = False
+) -> Engine:
+    """An engine of what is given, the rest estimated.
+
+    Parameters
+    ----------
+    given : mapping
+        Names of `SIZES` -> text with a unit, or a number in the size's usual unit; None is as if
+        not given. bore, stroke and rod are needed.
+    peak : str, optional
+        Largest gas pressure, gauge.
+    motored : bool
+        Compression and expansion alone.
+
+    Raises
+    ------
+    BadInput
+        Every fault.
+    """
+    faults: list[str] = []
+    sizes: dict[str, float] = {}
+    said = {name: value for name, value in given.items() if value is not None}
+    for name, size in SIZES.items():
+        option = f"--{name.replace('_', '-')}"
+        if name in said:
+            try:
+                sizes[name] = size.read(name, said[name])
+            except ValueError as error:
+                faults.append(str(error))
+                sizes[name] = size.low
+        elif size.rule is None:
+            faults.append(f"{option} is needed: {size.meaning.lower()}, e.g. {option} 86")
+            sizes[name] = size.low
+        else:
+            sizes[name] = size.rule(sizes)
+    limit = None
+    if peak is not None:
+        try:
+            limit = Size("bar", 1e4, 5e7, "").read("peak_pressure", peak)
+        except ValueError as error:
+            faults.append(str(error))
+    found = Engine(sizes, frozenset(said), limit, motored)
+    if not faults:
+        faults = _contradictions(found)
+    if faults:
+        raise BadInput(faults)
+    return found
+
+
+def _contradictions(found: Engine) -> list[str]:
+    """What is wrong between sizes that are each in range."""
+    faults = []
+    reach = found.crank_radius + abs(found["pin_offset"] - found["crank_offset"])
+    if found["rod"] <= 1.05 * reach:
+        faults.append(
+            f"--rod {1e3 * found['rod']:g} mm: must be longer than half the stroke and the "
+            f"offsets, {1e3 * reach:g} mm, by a twentieth"
+        )
+    if found["skirt_above"] >= found["compression_height"]:
+        faults.append(
+            f"--skirt-above {1e3 * found['skirt_above']:g} mm: must lie below the crown, "
+            f"--compression-height {1e3 * found['compression_height']:g} mm"
+        )
+    if found["rod_centre"] >= found["rod"]:
+        faults.append(
+            f"--rod-centre {1e3 * found['rod_centre']:g} mm: must lie within the rod, "
+            f"{1e3 * found['rod']:g} mm"
+        )
+    if found.peak is not None:
+        bare = float(found._pressure(CYCLE, 0.0).max())
+        if found.motored or not bare < found.peak < 40.0 * bare:
+            faults.append(
+                f"--peak-pressure {found.peak / 1e5:g} bar: compression alone gives "
+                f"{bare / 1e5:.3g} bar; allowed is more, up to 40 times that, and none with "
+                "--motored"
+            )
+    return faults
+
+
+def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> CheckedCase:
+    """Write the case of an engine into a new folder: case.toml and gas_pressure.csv, and a copy of
+    the mesh.
+
+    Parameters
+    ----------
+    found : Engine
+    folder : Path
+        Must not be there, or be empty.
+    mesh : Path, optional
+        Of the piston; without it the piston is the data sheet's, rigid.
+
+    Returns
+    -------
+    CheckedCase
+        What `check` says of it.
+
+    Raises
+    ------
+    BadInput
+        If the folder holds something, or the mesh cannot be used.
+    """
+    faults = []
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        faults.append(f"{folder}: is there already; give a name that is not")
+    if mesh and not mesh.is_file():
+        faults.append(f"{mesh}: no such file")
+    if faults:
+        raise BadInput(faults)
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [f"{a:g},{p * 1e-6:.6g}" for a, p in zip(CYCLE, found.gas_pressure(CYCLE))]
+    head = "crank angle [deg],gauge pressure [MPa]"
+    (folder / "gas_pressure.csv").write_text("\n".join([head, *rows]) + "\n")
+    case = folder / "case.toml"
+    if mesh is None:
+        case.write_text(_text(found, folder.name))
+        return check(folder)
+    shutil.copy(mesh, folder / mesh.name)
+    unit = _mesh_unit(folder / mesh.name)
+    case.write_text(_text(found, folder.name, mesh.name, unit))
+    seen = check(folder)  # where the skirt of the mesh begins and ends, the file must say as well
+    lower, upper = (seen.figure(f"bodies.{name}") for name in ("skirt_lower", "skirt_upper"))
+    if lower is None or upper is None:
+        return seen
+    fitted = {**found.sizes, "skirt_below": -lower.value, "skirt_above": upper.value}
+    measured = Engine(fitted, found.given, found.peak, found.motored)
+    case.write_text(_text(measured, folder.name, mesh.name, unit))
+    return check(folder)
+
+
+def _mesh_unit(mesh: Path) -> str:
+    """ "1 mm" where a mesh is larger than any piston is in metres, else "1 m"."""
+    import gzip
+    import tempfile
+
+    import meshio
+
+    try:
+        with tempfile.TemporaryDirectory() as place:
+            plain = mesh
+            if mesh.suffix == ".gz":
+                plain = Path(place) / mesh.stem
+                plain.write_bytes(gzip.decompress(mesh.read_bytes()))
+            points = meshio.read(plain).points
+    except (Exception, SystemExit):
+        return "1 m"  # the check of the case says what is wrong with it
+    return "1 mm" if np.ptp(points, axis=0).max() > 5.0 else "1 m"
+
+
+def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = "") -> str:
+    """The case file."""
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+    )
+    side = found.largest_side_force()
+
+    def told(size: str) -> str:
+        """Where a size comes from."""
+        if size in found.given:
+            return "given"
+        return f"our estimate: {SIZES[size].words}"
+
+    def shown(value: float, unit: str) -> str:
+        return f"{value:.6g} {unit}"
+
+    low, high = found.bore_ends(found["skirt_below"])
+    return templates.get_template("engine.toml").render(
+        name=name,
+        e=found,
+        told=told,
+        mm=lambda value: shown(1e3 * value, "mm"),
+        um=lambda value: shown(1e6 * value, "um"),
+        grams=lambda value: shown(1e3 * value, "g"),
+        inertia=lambda value: shown(1e6 * value, "kg*mm^2"),
+        rpm=f"{found['speed'] * 30 / pi:.6g} rpm",
+        bore_lower=low,
+        bore_upper=high,
+        volume=f"{1e6 * found.swept_volume:.6g}",
+        kind=TITLES[found.motored],
+        side_angle=f"{side.angle:g}",
+        side_force=f"{abs(side.force) / 1e3:.3g}",
+        peak=f"{float(found.gas_pressure(CYCLE).max()) / 1e6:.3g}",
+        gas=dict(exponent=EXPONENT, ignition=IGNITION, duration=DURATION, gain=f"{found.gain:.4g}"),
+        mesh=mesh,
+        mesh_unit=mesh_unit,
+    )

@@ -1,0 +1,147 @@
+"""A piston's mesh from a STEP file, by gmsh (extra `mesh`): its surfaces found by their shape."""
+
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..fmi.errors import BadInput
+
+ALIKE = 3e-3
+"""Of the largest radius: faces of the skirt lie within it, ring lands do not."""
+STRAIGHT = 1e-3
+"""Component of a unit normal that counts as none."""
+SIZE = 0.06
+"""Largest edge of an element, of the bore's diameter."""
+TURN = 12
+"""Elements around a full circle, at least."""
+
+
+class Face(NamedTuple):
+    """A face of the solid: tag, gmsh's word for its shape, radius and a point of it [m], its mean
+    normal, and unit normals on it, (n, 3).
+    """
+
+    tag: int
+    shape: str
+    radius: float
+    points: np.ndarray
+    normals: np.ndarray
+
+
+def mesh_of_step(step: Path, target: Path, bore: float) -> None:
+    """Write a mesh of 10-node tetrahedra with the surfaces skirt, crown and pin_bore.
+
+    The solid has this project's axes: x thrust, y towards the head, z along the pin, origin on the
+    pin's axis and on the skirt's. Its skirt is a cylinder: profile and ovality belong in the case.
+
+    Parameters
+    ----------
+    step : Path
+        Units as the file says.
+    target : Path
+        .msh file, in metres.
+    bore : float
+        Diameter, for the size of elements [m].
+
+    Raises
+    ------
+    BadInput
+        Without gmsh; where the file is no solid; where a surface is not found.
+    """
+    try:
+        import gmsh  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise BadInput(
+            f"--step {step}: needs gmsh, which is not installed: pip install 'piston-cosim[mesh]'; "
+            "or mesh it elsewhere and give --mesh"
+        ) from None
+    if not step.is_file():
+        raise BadInput(f"--step {step}: no such file")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        try:
+            gmsh.model.occ.importShapes(str(step), format="step")
+        except Exception as error:
+            raise BadInput(f"--step {step}: no STEP file that gmsh reads: {error}") from None
+        gmsh.model.occ.synchronize()
+        _mesh(gmsh, step, bore)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+        gmsh.write(str(target))
+    finally:
+        gmsh.finalize()
+
+
+def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
+    """Name the surfaces of the one solid and mesh it."""
+    solids = [tag for _, tag in gmsh.model.getEntities(3)]
+    if len(solids) != 1:
+        raise BadInput(f"--step {step}: holds {len(solids)} solids; a piston is one")
+    faces = [_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
+    found = {"skirt": _skirt(faces), "crown": _crown(faces), "pin_bore": _pin_bore(faces)}
+    missing = [name for name, tags in found.items() if not tags]
+    if missing:
+        raise BadInput(
+            f"--step {step}: no face is {' or '.join(missing)}: x must be thrust, y towards the "
+            "head, z along the pin, the origin on the pin's axis and the skirt's; the skirt a "
+            "cylinder, its profile belongs in the case"
+        )
+    gmsh.model.addPhysicalGroup(3, solids, name="all")
+    for name, tags in found.items():
+        gmsh.model.addPhysicalGroup(2, tags, name=name)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE * bore)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", TURN)
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(2)
+    gmsh.model.mesh.optimize("HighOrder")
+
+
+def _face(gmsh: Any, tag: int) -> Face:
+    """What a face looks like on a few of its points."""
+    low, high = gmsh.model.getParametrizationBounds(2, tag)
+    u, v = (np.linspace(a, b, 7)[1:-1] for a, b in zip(low, high))
+    where = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).ravel()
+    points = np.reshape(gmsh.model.getValue(2, tag, where), (-1, 3))
+    normals = np.reshape(gmsh.model.getNormal(tag, where), (-1, 3))
+    curvature = float(np.max(np.abs(gmsh.model.getCurvature(2, tag, where))))
+    radius = 1.0 / curvature if curvature > 1e-9 else np.inf
+    return Face(tag, gmsh.model.getType(2, tag), radius, points, normals)
+
+
+def _skirt(faces: list[Face]) -> list[int]:
+    """Cylinders about y of the largest radius."""
+    about = [
+        one
+        for one in faces
+        if one.shape == "Cylinder"
+        and np.abs(one.normals[:, 1]).max() < STRAIGHT
+        and np.ptp(np.hypot(one.points[:, 0], one.points[:, 2])) < ALIKE * one.radius
+    ]
+    largest = max((one.radius for one in about), default=0.0)
+    return [one.tag for one in about if one.radius > (1 - ALIKE) * largest]
+
+
+def _crown(faces: list[Face]) -> list[int]:
+    """Planes across y at the top."""
+    across = [
+        one
+        for one in faces
+        if one.shape == "Plane" and np.abs(one.normals[:, 1]).min() > 1 - STRAIGHT
+    ]
+    top = max((one.points[:, 1].max() for one in across), default=0.0)
+    return [one.tag for one in across if one.points[:, 1].min() > top - 1e-6]
+
+
+def _pin_bore(faces: list[Face]) -> list[int]:
+    """Cylinders about z whose axis is the origin's height."""
+    return [
+        one.tag
+        for one in faces
+        if one.shape == "Cylinder"
+        and np.abs(one.normals[:, 2]).max() < STRAIGHT
+        and np.ptp(np.hypot(one.points[:, 0], one.points[:, 1])) < ALIKE * one.radius
+    ]

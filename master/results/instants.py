@@ -1,0 +1,78 @@
+"""Instants of a run, asked for as a time or as a crank angle."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..case.contract import players
+from ..fmi.errors import BadInput
+from ..fmi.quantities import registry, to_si
+
+CRANK_ANGLE = "crank_angle"
+"""Output that the contract has of a participant in the role `bodies`."""
+
+
+class CrankAngle(NamedTuple):
+    """Crank angle over the macro steps, [rad] at [s], rising."""
+
+    time: np.ndarray
+    angle: np.ndarray
+
+
+def crank_angle(results) -> CrankAngle | None:
+    """Crank angle of a run, where a participant in the role `bodies` says it."""
+    for name in players(results.case, "bodies"):
+        port = f"{name}.{CRANK_ANGLE}"
+        if port in results.ports:
+            angle = results.series(port).values
+            # the crank may swing about its start before it turns
+            return CrankAngle(results.time, np.maximum.accumulate(angle))
+    return None
+
+
+def instant(results, text: str) -> float:
+    """Time [s] of "18 ms" or of "648 deg", a crank angle as the results have it: of several cycles
+    that goes on over the first one, 24 deg after firing of the second being 744 deg.
+
+    Parameters
+    ----------
+    results : Results
+    text : str
+
+    Raises
+    ------
+    BadInput
+        If it is neither, or a crank angle that the run does not come by.
+    """
+    if not _is_angle(text):
+        try:
+            return to_si(text, "s")
+        except ValueError as error:
+            raise BadInput(f"{error}, or a crank angle, e.g. '24 deg'") from None
+    crank = crank_angle(results)
+    if crank is None:
+        raise BadInput(f"{text!r}: the run says no crank angle; give a time, e.g. '18 ms'")
+    wanted = to_si(text, "rad")
+    first, *_, last = crank.angle
+    if not first - 1e-9 <= wanted <= last + 1e-9:
+        low, high = np.degrees([first, last])
+        raise BadInput(f"{text!r}: the run goes from {low:.6g} to {high:.6g} deg of crank angle")
+    return float(np.interp(wanted, crank.angle, crank.time))
+
+
+def _is_angle(text: str) -> bool:
+    """Whether a text is an angle; a pure number is none."""
+    try:
+        units = registry().Quantity(text).units
+    except Exception:
+        return False
+    return units.is_compatible_with("rad") and str(units) != "dimensionless"
+
+
+def told(results, time: float) -> str:
+    """An instant [s] in words: "18 ms, 648 deg"."""
+    crank = crank_angle(results)
+    shown = f"{time * 1e3:.6g} ms"
+    if crank is None:
+        return shown
+    return f"{shown}, {np.degrees(np.interp(time, crank.time, crank.angle)):.6g} deg"

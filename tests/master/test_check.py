@@ -1,0 +1,72 @@
+"""A case looked at before anything is built: all faults at once, and parts that speak of different
+engines.
+"""
+
+import pytest
+
+from piston_cosim.master.case.check import check
+from piston_cosim.master.case.schema import case_names
+from piston_cosim.master.commands.check import command
+from piston_cosim.master.fmi.errors import BadInput
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_shipped_cases_are_sound(name):
+    assert check(name).faults == []
+
+
+def test_all_faults_at_once():
+    changes = [
+        ("ehd.bore_radius", "28 mm"),
+        ("ehd.skirt_length", "27.1 mm"),
+        ("rod_length", "20 mm"),
+        ("participants.ehd.parameters.viscos", "1 Pa s"),
+        ("flow_factors", "patir_cheng_1978"),
+        ("roughness_rms", "0 um"),
+    ]
+    found = check("numerical_example", changes)
+    text = "\n".join(found.faults)
+    assert "bore_radius = 28 mm: the bore radius of bodies is 28.25 mm" in text
+    assert "skirt_length = 27.1 mm: the skirt length of bodies is 27 mm" in text
+    assert "rod_length = 0.02 m: must exceed crank_radius" in text
+    assert "viscos: the FMU has no such parameter or input (did you mean viscosity" in text
+    assert "flow_factors = patir_cheng_1978: needs roughness_rms > 0 m" in text
+    assert len(found.faults) == 5
+    assert found.previews["ehd"].figure("roughness_rms").value == 0.0
+
+
+def test_a_default_of_another_engine_is_told(tmp_path):
+    from piston_cosim.master.case.schema import find_case
+
+    text = find_case("data_sheet").read_text().replace('bore_radius = "55 mm"\n', "")
+    (tmp_path / "case.toml").write_text(text.replace("gas_pressure.csv", "g.csv"))
+    (tmp_path / "g.csv").write_text("0,0\n360,1\n720,0\n")
+    (fault,) = check(tmp_path).faults
+    assert "bore_radius = 28.25 mm, its default: the bore radius of bodies is 55 mm" in fault
+
+
+def test_swept_volume_of_another_engine_is_told():
+    assert check("fired_motorcycle").remarks == [
+        line for line in check("fired_motorcycle").remarks if "per = " not in line
+    ]
+    found = check("fired_motorcycle", [("crank_radius", "31 mm")])
+    # pi (36.5 mm)^2 62 mm
+    assert any("FMEP.per = 249.0 cm^3: the model sweeps 259.4" in line for line in found.remarks)
+
+
+def test_a_case_that_is_no_case_says_why():
+    found = check("numerical_example", [("time.stopp", "1 s"), ("coupling.order", ["ehd"])])
+    assert any("stopp: unknown key (did you mean stop" in line for line in found.faults)
+    with pytest.raises(BadInput, match="no case"):
+        check("nothing_here")
+
+
+def test_the_command(tmp_path, capsys):
+    command("data_sheet", picture=tmp_path / "look.png")
+    printed = capsys.readouterr().out
+    assert "no faults" in printed and "swept volume 1368.5 cm^3" in printed
+    assert (tmp_path / "look.png").exists()
+    with pytest.raises(BadInput, match="no such file"):
+        command("film.fmu")
+    with pytest.raises(BadInput, match="must exceed crank_radius"):
+        command("data_sheet", set_=["rod_length=50 mm"], picture=tmp_path / "look.png")

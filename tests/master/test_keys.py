@@ -1,0 +1,180 @@
+"""Every key of a case, found in the option classes and the declarations of the FMUs; short names;
+what is like a name that is none.
+"""
+
+import json
+import tomllib
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from piston_cosim.master.case.changes import place, whole_key
+from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
+from piston_cosim.master.case.schema import case_names, check_case, find_case, read_tree
+from piston_cosim.master.case.system import faults_ahead, open_system
+from piston_cosim.master.commands.keys import command
+from piston_cosim.master.fmi.errors import BadInput
+
+PATH = find_case("numerical_example")
+FOLDER = PATH.parent
+
+
+@pytest.fixture(scope="module")
+def found():
+    return case_keys(read_tree(PATH), FOLDER)
+
+
+def test_every_key_has_a_meaning(found):
+    assert [key.path for key in found if not key.meaning] == []
+
+
+def test_keys_of_the_file_of_the_parts_and_of_their_parameters(found):
+    known = {key.path: key for key in found}
+    assert known["coupling.max_iterations"].default == "20"
+    assert known["coupling.max_iterations"].allowed == "1 or more"
+    assert known["wires.N.interpolation"].allowed == "held, linear, hermite"
+    assert known["time.stop"].required and not known["time.start"].required
+    density = known["participants.bodies.build.piston.density"]
+    assert (density.unit, density.allowed) == ("kg/m^3", "500 to 25000")
+    assert known["participants.bodies.build.piston.rigid.centre"].unit == "m"
+    clearance = known["participants.bodies.parameters.radial_clearance"]
+    assert (clearance.unit, clearance.default) == ("m", "2.5e-05 m")
+    assert clearance.allowed == "1e-06 to 0.001"
+    speed = known["participants.bodies.parameters.crank_speed"]  # an input with a start value
+    assert speed.allowed == "0 to 3000"
+    assert known["participants.ehd.parameters.cavitation_model"].allowed.startswith("jfo, ")
+
+
+def test_every_key_that_a_shipped_case_uses_is_listed():
+    for name in case_names():
+        path = find_case(name)
+        tree = read_tree(path)
+        known = {key.path for key in case_keys(tree, path.parent)}
+        for owner, table in tree["participants"].items():
+            if "package" in table:
+                before = f"participants.{owner}.parameters."
+                assert {before + key for key in table["parameters"]} <= known
+
+
+def test_schema_takes_the_shipped_cases_and_refuses_a_wrong_key():
+    for name in case_names():
+        path = find_case(name)
+        schema = json_schema(read_tree(path), path.parent)
+        Draft202012Validator.check_schema(schema)
+        validator = Draft202012Validator(schema)
+        tree = json.loads(json.dumps(tomllib.loads(path.read_text())))
+        assert [error.message for error in validator.iter_errors(tree)] == []
+    tree["coupling"]["max_iteration"] = 3
+    assert any("max_iteration" in error.message for error in validator.iter_errors(tree))
+    tree = read_tree(PATH)
+    tree["participants"]["bodies"]["parameters"]["radial_clearence"] = "20 um"
+    tree["participants"]["bodies"]["build"]["piston"]["mode"] = 20
+    messages = [
+        error.message
+        for error in Draft202012Validator(json_schema(read_tree(PATH), FOLDER)).iter_errors(tree)
+    ]
+    assert any("radial_clearence" in text for text in messages)
+    assert any("'mode'" in text for text in messages)
+
+
+def test_parts_of_a_path_choose(found):
+    paths = [key.path for key in chosen_keys(found, "piston.modes")]
+    assert paths == ["participants.bodies.build.piston.modes"]
+    assert all("ehd.parameters" in key.path for key in chosen_keys(found, "ehd.parameters"))
+    with pytest.raises(BadInput, match="did you mean viscosity"):
+        chosen_keys(found, "viscosit")
+
+
+def test_the_command_prints_them(capsys):
+    command("piston.rigid")
+    printed = capsys.readouterr().out
+    assert "participants.bodies.build.piston.rigid" in printed and "kg*m^2" in printed
+    command(json_schema_=True)
+    assert json.loads(capsys.readouterr().out)["title"] == "Case"
+
+
+@pytest.mark.parametrize(
+    "short, whole",
+    [
+        ("radial_clearance", "participants.bodies.parameters.radial_clearance"),
+        ("ehd.viscosity", "participants.ehd.parameters.viscosity"),
+        ("piston.modes", "participants.bodies.build.piston.modes"),
+        ("skirt_growth_upper", "participants.bodies.parameters.skirt_growth_upper"),
+        ("max_iterations", "coupling.max_iterations"),
+        ("gas.file", "participants.bodies.build.gas.file"),
+        ("bodies.isolated", "participants.bodies.isolated"),
+        ("every", "record.every"),
+        ("time.start", "time.start"),
+        ("wires.0.tolerance", "wires.0.tolerance"),
+    ],
+)
+def test_short_names(short, whole):
+    assert whole_key(read_tree(PATH), short, FOLDER) == whole
+
+
+@pytest.mark.parametrize(
+    "short, message",
+    [
+        ("radial_clearence", "did you mean radial_clearance"),
+        ("modes", "block.modes, participants.bodies.build.piston.modes; give its dotted path"),
+        ("tolerance", "wires.N.tolerance; give its dotted path"),
+        ("nothing_like_it_anywhere", "keys lists all"),
+    ],
+)
+def test_short_names_that_are_none(short, message):
+    with pytest.raises(BadInput, match=message):
+        place(read_tree(PATH), short, FOLDER)
+
+
+def test_short_names_in_a_file(tmp_path):
+    text = PATH.read_text().replace(
+        '"participants.bodies.build.piston.modes" = 0', '"piston.modes" = 0', 1
+    )
+    (tmp_path / "case.toml").write_text(text)
+    tree = read_tree(tmp_path / "case.toml")
+    changes = list(tree["variants"]["rigid"].items())
+    changed = read_tree(tmp_path / "case.toml", changes)
+    assert changed["participants"]["bodies"]["build"]["piston"]["modes"] == 0
+
+
+def test_tables_that_a_case_may_have_are_made(tmp_path):
+    text = PATH.read_text()
+    begin, end = text.index("[record]"), text.index("[monitor]")
+    (tmp_path / "case.toml").write_text(text[:begin] + text[end:])
+    assert read_tree(tmp_path / "case.toml", [("record.every", 3)])["record"] == {"every": 3}
+    with pytest.raises(BadInput, match="no table participants.bodie in the case .did you mean bod"):
+        read_tree(tmp_path / "case.toml", [("participants.bodie.role", "bodies")])
+
+
+@pytest.mark.parametrize(
+    "key, value, message",
+    [
+        ("participants.bodies.parameters.radial_clearence", "9 um", "mean radial_clearance"),
+        ("participants.bodies.build.piston.mode", 3, "piston.mode: unknown key .did you mean mode"),
+        ("participants.ehd.build.oill", "x", "oill: unknown key .did you mean oil"),
+        ("viscosity", "12 bar", "a unit of Pa.s is needed"),
+        ("bore_radius", "2 km", "allowed is 0.001 to 1 m"),
+        ("wires.0.from", "bodies.film_thicknes", "did you mean film_thickness"),
+        ("pictures.0.x", "bodies.crank_angl", "motion.png: .*did you mean crank_angle"),
+        ("record.fields", ["ehd.pressure"], "bodies.film_thickness is not recorded"),
+        ("time.stop", "7 bar", "time.stop"),
+        ("coupling.metod", "newton", "metod: unknown key .did you mean method"),
+    ],
+)
+def test_what_is_wrong_shows_before_anything_is_reduced(key, value, message):
+    def never(line):
+        raise AssertionError(line)
+
+    with pytest.raises(BadInput, match=message):
+        open_system(check_case(read_tree(PATH, [(key, value)]), PATH), FOLDER, never)
+
+
+def test_a_sound_case_has_no_faults_ahead():
+    for name in case_names():
+        path = find_case(name)
+        assert faults_ahead(check_case(read_tree(path), path), path.parent) == []
+
+
+def test_case_names_that_are_near():
+    with pytest.raises(BadInput, match="did you mean numerical_example"):
+        find_case("numerical_exampel")

@@ -1,0 +1,153 @@
+"""A case from a few lengths: values by hand, marks of what is estimated, and what is refused."""
+
+from math import asin, cos, pi, radians, sin, sqrt, tan
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.new import CYCLE, SIZES, engine, write_case
+from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.commands.new import Sizes, command
+from piston_cosim.master.fmi.errors import BadInput
+
+SQUARE = {"bore": "86", "stroke": "86 mm", "rod": 143}
+
+
+def test_sizes_by_hand():
+    made = engine(SQUARE | {"speed": "6000", "pin_offset": "-0.5"})
+    assert made["bore"] == pytest.approx(0.086, rel=1e-14)
+    assert made["speed"] == pytest.approx(200 * pi, rel=1e-14)
+    assert made["pin_offset"] == pytest.approx(-0.5e-3, rel=1e-14)
+    assert made.swept_volume == pytest.approx(pi / 4 * 0.086**3, rel=1e-14)
+    assert made["mass"] == pytest.approx(500 * 0.086**3, rel=1e-14)
+    assert made["rod_inertia"] == pytest.approx(made["rod_mass"] * 0.3 * 0.7 * 0.143**2, rel=1e-12)
+    assert made.skirt_radius == pytest.approx(0.043 - 21.5e-6, rel=1e-12)
+    assert made.top == pytest.approx(sqrt(0.186**2 - 0.5e-3**2), rel=1e-14)
+    assert made.given == {"bore", "stroke", "rod", "speed", "pin_offset"}
+
+
+def test_inches_and_pounds():
+    made = engine({"bore": "4 in", "stroke": "3.48 in", "rod": "5.7 in", "mass": "1.2 lb"})
+    assert made["bore"] == pytest.approx(0.1016, rel=1e-12)
+    assert made["mass"] == pytest.approx(1.2 * 0.45359237, rel=1e-9)
+
+
+def test_gas_pressure_by_hand():
+    motored = engine(SQUARE | {"compression": "10"}, motored=True)
+    pressure = dict(zip(CYCLE, motored.gas_pressure(CYCLE)))
+    assert pressure[0.0] == pytest.approx(1e5 * (10**1.33 - 1), rel=1e-12)
+    assert pressure[-180.0] == pressure[-360.0] == 0.0
+    assert pressure[90.0] == pytest.approx(pressure[-90.0], rel=1e-12)
+    fired = engine(SQUARE, "60 bar")
+    assert fired.gas_pressure(CYCLE).max() == pytest.approx(6e6, rel=1e-9)
+    bare = engine(SQUARE | {"compression": "10.5"}, motored=True).gas_pressure(CYCLE)
+    # nothing burns before ignition, all of it well after
+    before, after = CYCLE < -8, (CYCLE > 90) & (CYCLE < 180)
+    assert np.array_equal(fired.gas_pressure(CYCLE)[before], bare[before])
+    gain = (fired.gas_pressure(CYCLE)[after] + 1e5) / (bare[after] + 1e5)
+    assert gain == pytest.approx(1 + fired.gain, rel=1e-4)  # 1 - exp(-5 (98/60)^1.5) = 1 - 3e-5
+
+
+def test_side_force_by_hand():
+    made = engine(SQUARE | {"speed": "10 rpm"}, "60 bar")  # inertia is a millionth of the gas
+    found = made.largest_side_force()
+    sine = 43 * sin(radians(found.angle)) / 143
+    gas = made.gas_pressure(np.array([found.angle]))[0] * pi / 4 * 0.086**2
+    assert found.force == pytest.approx(gas * tan(asin(sine)), rel=1e-5)
+    fast = engine(SQUARE | {"speed": "3000 rpm", "compression": "2"}, motored=True)
+    # at 60 deg Y'' is -r (cos phi + (r/L) cos 2 phi), but for the third order of r/L
+    angle, ratio = radians(60), 43 / 143
+    k = int(np.flatnonzero(CYCLE == 60 - 360).item())
+    height = fast._height(np.radians(CYCLE))
+    step = radians(1)
+    second = (height[k + 1] - 2 * height[k] + height[k - 1]) / step**2
+    series = -0.043 * (cos(angle) + ratio * cos(2 * angle))
+    assert second == pytest.approx(series, rel=0.05)
+
+
+def test_the_case_is_sound_and_marks_its_estimates(tmp_path):
+    made = engine(SQUARE | {"mass": "0.35 kg"})
+    seen = write_case(made, tmp_path / "own")
+    assert seen.faults == []
+    assert seen.figure("bodies.swept_volume").value == pytest.approx(made.swept_volume, rel=1e-5)
+    assert not any("per =" in line for line in seen.remarks)
+    text = (tmp_path / "own" / "case.toml").read_text()
+    assert text.count("our estimate: ") >= 12 and "# mass: given;" in text
+    tree = read_tree(tmp_path / "own" / "case.toml")
+    assert tree["participants"]["bodies"]["parameters"]["crank_radius"] == "43 mm"
+    assert tree["pictures"][-1]["time"] == f"{made.largest_side_force().angle:g} deg"
+    with pytest.raises(BadInput, match="is there already"):
+        write_case(made, tmp_path / "own")
+
+
+def test_a_mesh_brings_its_skirt(tmp_path):
+    mesh = find_case("fired_motorcycle").parent / "piston.msh.gz"
+    made = engine({"bore": 73, "stroke": 59.5, "rod": 108})
+    seen = write_case(made, tmp_path / "own", mesh)
+    assert seen.faults == []
+    tree = read_tree(tmp_path / "own" / "case.toml")
+    # the mesh's skirt is from -14 to 13 mm, the rule's from -23.4 to 11.7
+    assert tree["participants"]["ehd"]["parameters"]["skirt_length"] == "27 mm"
+    assert (tmp_path / "own" / "piston.msh.gz").is_file()
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({}, "--bore is needed"),
+        (SQUARE | {"bore": "86 kg"}, "--bore: '86 kg' is in kg.*allowed is 20 to 600 mm"),
+        (SQUARE | {"bore": "5"}, "--bore 5: allowed is 20 to 600 mm"),
+        (SQUARE | {"rod": "44"}, "--rod 44 mm: must be longer"),
+        (SQUARE | {"compression": "1"}, "allowed is 2 to 30"),
+        (SQUARE | {"skirt_above": "50"}, "must lie below the crown"),
+        (SQUARE | {"rod_centre": "150"}, "must lie within the rod"),
+    ],
+)
+def test_what_is_refused(given, message):
+    with pytest.raises(BadInput, match=message):
+        engine(given)
+
+
+def test_a_peak_below_compression_is_refused():
+    with pytest.raises(BadInput, match="compression alone gives 21.8 bar"):  # 10.5^1.33 - 1
+        engine(SQUARE, "10 bar")
+    with pytest.raises(BadInput, match="--peak-pressure"):
+        engine(SQUARE, "10 m")
+
+
+def test_the_command(tmp_path, capsys):
+    command(tmp_path / "own", sizes=Sizes(bore="86", stroke="86", rod="143"))
+    printed = capsys.readouterr().out
+    assert "no faults" in printed and "499.56 cm^3" in printed and "piston-cosim run" in printed
+    with pytest.raises(BadInput, match="no such file|needs gmsh"):
+        command(
+            tmp_path / "other",
+            sizes=Sizes(bore="86", stroke="86", rod="143"),
+            step=tmp_path / "no.step",
+        )
+
+
+def test_every_size_says_what_it_is():
+    assert all(size.meaning and (size.words or size.rule is None) for size in SIZES.values())
+
+
+def test_a_step_file_is_meshed(tmp_path):
+    gmsh = pytest.importorskip("gmsh")
+    occ = gmsh.model.occ
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    cup, _ = occ.cut(
+        [(3, occ.addCylinder(0, -25, 0, 0, 55, 0, 42.9))],
+        [(3, occ.addCylinder(0, -25, 0, 0, 48, 0, 30))],
+    )
+    occ.cut(cup, [(3, occ.addCylinder(0, 0, -60, 0, 0, 120, 10))])
+    occ.synchronize()
+    gmsh.write(str(tmp_path / "cup.step"))
+    gmsh.finalize()
+    command(
+        tmp_path / "own",
+        sizes=Sizes(bore="86", stroke="86", rod="143"),
+        step=tmp_path / "cup.step",
+    )
+    parameters = read_tree(tmp_path / "own" / "case.toml")["participants"]["ehd"]["parameters"]
+    assert parameters["skirt_length"] == "55 mm"  # a plain cup: its wall is all skirt

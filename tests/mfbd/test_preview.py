@@ -1,0 +1,106 @@
+"""What is said of the bodies before they are reduced, beside the reduced ones and closed forms."""
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.preview import _runs, mass_properties, preview
+
+SHEET = {
+    "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
+    "piston": {
+        "rigid": {
+            "mass": "0.4 kg",
+            "centre": ["1 mm", "12 mm"],
+            "inertia": "300 kg mm^2",
+            "radius": "42.95 mm",
+        },
+        "skirt_lower": "-25 mm",
+        "skirt_upper": "20 mm",
+        "pin_offset": "0.5 mm",
+    },
+    "block": {"rigid": {"radius": "43 mm"}, "bore_lower": "60 mm", "bore_upper": "220 mm"},
+}
+CRANK = {"crank_radius": 43e-3, "rod_length": 143e-3, "radial_clearance": 40e-6, "barrel": 40e-6}
+
+
+def test_mass_of_a_mesh_is_that_of_the_reduced_body(bodies, reduced):
+    folder, table = bodies
+    options, piston, _ = reduced
+    seen = preview(table, {}, folder)
+    assert seen.faults == []
+    # the reduced body's is 1^T M 1, of a rule of higher degree in elements with curved faces
+    assert seen.figure("mass").value == pytest.approx(piston.mass, rel=1e-4)
+    centre = piston.S / piston.mass
+    assert seen.figure("centre_above_pin").value == pytest.approx(centre[1], rel=1e-4)
+    about = piston.I0 - piston.mass * centre @ centre
+    assert seen.figure("inertia").value == pytest.approx(about, rel=1e-3)
+    assert seen.figure("skirt_length").value == piston.skirt_upper - piston.skirt_lower
+    assert seen.figure("covered_share").value == 1.0 and options.skirt is None
+
+
+def test_mass_properties_of_a_box():
+    from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh
+    from piston_cosim.fmu_mfbd.verification import box_mesh
+
+    points, tets = box_mesh((2, 1, 1), (0.2, 0.1, 0.05))
+    found = mass_properties(Mesh(points + [0.3, 0.0, 0.0], tets, {}), 1000.0)
+    assert found.mass == pytest.approx(1.0, rel=1e-12)
+    assert found.centre == pytest.approx([0.4, 0.05, 0.025], rel=1e-12)
+    assert found.inertia == pytest.approx((0.2**2 + 0.1**2) / 12, rel=1e-9)  # m (a^2 + b^2)/12
+
+
+def test_sheet_stroke_and_clearance_by_hand(tmp_path):
+    growth = {"skirt_growth_lower": 10e-6, "skirt_growth_upper": 10e-6, "bore_growth_lower": 4e-6}
+    growth["bore_growth_upper"] = 4e-6
+    seen = preview(SHEET, {**CRANK, **growth, "crank_speed": 200.0}, tmp_path)
+    assert seen.faults == []
+    # stroke with offset e: sqrt((l + r)^2 - e^2) - sqrt((l - r)^2 - e^2)
+    offset = 0.5e-3
+    stroke = np.sqrt(0.186**2 - offset**2) - np.sqrt(0.1**2 - offset**2)
+    assert seen.figure("stroke").value == pytest.approx(stroke, rel=1e-12)
+    area = np.pi * 0.043**2
+    assert seen.figure("swept_volume").value == pytest.approx(area * stroke, rel=1e-12)
+    assert seen.figure("mean_piston_speed").value == pytest.approx(stroke * 200 / np.pi, rel=1e-12)
+    assert seen.figure("bore_radius").value == pytest.approx(0.043, rel=1e-12)
+    cold, hot = seen.figure("clearance_cold"), seen.figure("clearance_hot")
+    assert cold.value == pytest.approx(40e-6, rel=1e-9) and "at 90 deg" in cold.note
+    assert hot.value == pytest.approx(34e-6, rel=1e-9)  # 40 - 10 + 4
+
+
+def test_an_interference_when_hot_is_told(tmp_path):
+    growth = dict.fromkeys(("skirt_growth_lower", "skirt_growth_upper"), 55e-6)
+    seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
+    assert any("wider than the bore by 15 um when hot" in line for line in seen.remarks)
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"rod_length": 40e-3}, "rod_length = 0.04 m: must exceed"),
+        ({"crank_radius": 75e-3}, "the skirt travels"),
+        ({"rod_centre": 0.2}, "rod_centre = 0.2 m"),
+    ],
+)
+def test_geometry_that_does_not_go_together(given, message, tmp_path):
+    assert any(message in line for line in preview(SHEET, {**CRANK, **given}, tmp_path).faults)
+
+
+def test_faults_of_a_mesh_and_of_its_modes(bodies):
+    folder, table = bodies
+    turned = table | {"piston": table["piston"] | {"axes": ["y", "x", "-z"]}}
+    assert "its axis lies along" in preview(turned, {}, folder).faults[0]
+    many = table | {"grid": [4, 4], "piston": table["piston"] | {"modes": 60}}
+    many["block"] = table["block"] | {"mesh": "no.msh"}
+    assert "block.mesh = 'no.msh'" in preview(many, {}, folder).faults[0]
+    many["block"] = table["block"]
+    assert any("at most 14" in line for line in preview(many, {}, folder).faults)
+
+
+def test_a_picture_is_drawn(tmp_path):
+    preview(SHEET, CRANK, tmp_path).draw(tmp_path / "shapes.png")
+    assert (tmp_path / "shapes.png").stat().st_size > 10_000
+
+
+def test_runs_on_a_ring():
+    assert _runs(np.array([1, 0, 0, 1, 1, 0, 1], dtype=bool)) == [2, 2]  # 1 at the end goes on
+    assert _runs(np.ones(3, dtype=bool)) == [] and _runs(np.zeros(3, dtype=bool)) == []
