@@ -48,7 +48,7 @@ class RingPack(FieldSlave):
             parameter("viscosity", "Pa.s", "eta, of the oil", 0.01, 1e-5, 10.0),
             parameter("boundary_friction", "1", "mu_b", 0.1, 0.0, 1.0),
             parameter("groove_friction", "1", "mu_g", 0.1, 0.0, 1.0),
-            parameter("mixed_velocity", "m/s", "V_s, where boundary friction fades", 0.5, 1e-3, 50.0),
+            parameter("mixed_velocity", "m/s", "V_s, boundary friction fades", 0.5, 1e-3, 50.0),
             parameter("creep_velocity", "m/s", "V_0, along the bore", 0.1, 1e-6, 10.0),
             parameter("groove_creep_velocity", "m/s", "v_0, across the bore", 2e-3, 1e-6, 1.0),
             output_variable("side_force", "N", "F_x on the piston", 1e2),
