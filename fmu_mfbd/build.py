@@ -4,6 +4,7 @@ what the FMU carries.
 
 import hashlib
 from collections.abc import Callable
+from dataclasses import fields
 from math import pi
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -197,13 +198,14 @@ def _check_own(
 ) -> None:
     """Raise ValueError unless a user's file holds a body of this kind for this film grid."""
     body = load(kind, path)
-    try:
-        load(Anatomy, path)
-    except ValueError as lacking:
+    anatomy = {one.name for one in fields(Anatomy)}
+    with np.load(path) as file:
+        held = anatomy & set(file.files)
+    if held and held != anatomy:
         raise ValueError(
-            f"{lacking}: not as `piston-cosim reduce` writes it now (its film grid used to lie "
-            "half a cell further around); reduce it again"
-        ) from None
+            f"{path.name} lacks {', '.join(sorted(anatomy - held))}: not as `piston-cosim reduce` "
+            "writes it now (its film grid used to lie half a cell further around); reduce it again"
+        )
     around, along = grid
     rows = around * along if kind is ReducedPiston else around
     if len(body.radial) != rows:
