@@ -211,7 +211,7 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
     """A case's TOML tree with an FMU in the place of participant `name`.
 
     What the case says about variables the FMU does not have is left out: parameters, recorded
-    fields, pictures, summary and monitor entries.
+    fields, pictures, summary and monitor entries; studies altogether.
 
     Returns
     -------
@@ -255,6 +255,7 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
             "fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))
         },
         "summary": kept_reductions("summary"),
+        "studies": {},  # they compare runs of the case's own FMU
         "monitor": kept_reductions("monitor"),
         "pictures": [
             p

@@ -7,7 +7,7 @@ from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
 
 PAD = 1.94
-"""C of Eq. (U10): a ring face as a plane pad that closes to half its gap, flooded: load 0.1589
+"""C of Eq. (U14): a ring face as a plane pad that closes to half its gap, flooded: load 0.1589
 eta U b^2/h^2 and friction 0.7726 eta U b/h per length, so F' = 0.7726/sqrt(0.1589) sqrt(eta U W').
 """
 
@@ -20,10 +20,10 @@ class State:
 class RingPack(FieldSlave):
     """Quasi-static ring pack: Stribeck friction on the bore, dry friction in the grooves.
 
-    Eq. (U9):   W' = elastic_load + gas_width p
-    Eq. (U10):  F_y = -pi D W' [mu_b exp(-|V|/V_s) + C sqrt(eta |V|/W')] V/sqrt(V^2 + V_0^2)
-    Eq. (U11):  F_x = -mu_g pi D gas_depth p v/sqrt(v^2 + v_0^2),   v = x_A' - height w
-    Eq. (U12):  M = -height F_x
+    Eq. (U13):   W' = elastic_load + gas_width p
+    Eq. (U14):  F_y = -pi D W' [mu_b exp(-|V|/V_s) + C sqrt(eta |V|/W')] V/sqrt(V^2 + V_0^2)
+    Eq. (U15):  F_x = -mu_g pi D gas_depth p v/sqrt(v^2 + v_0^2),   v = x_A' - height w
+    Eq. (U16):  M = -height F_x
 
     W' load of all rings on the bore over their length, p gauge pressure of the gas, D bore, V
     velocity of the piston, v that of the grooves across the bore, where the rings stay; V_0, v_0
@@ -70,16 +70,16 @@ def _forces(of):
     around = pi * of["bore"]
     climb = of["piston_velocity"]
     across = of["lateral_velocity"] - of["height"] * of["rocking_velocity"]
-    load = of["elastic_load"] + of["gas_width"] * pressure  # Eq. (U9)
+    load = of["elastic_load"] + of["gas_width"] * pressure  # Eq. (U13)
     rubbing = of["boundary_friction"] * exp(-abs(climb) / of["mixed_velocity"]) * load
     shear = PAD * sqrt(of["viscosity"] * abs(climb) * load)
-    axial = -around * (rubbing + shear) * climb / hypot(climb, of["creep_velocity"])  # Eq. (U10)
+    axial = -around * (rubbing + shear) * climb / hypot(climb, of["creep_velocity"])  # Eq. (U14)
     pressed = around * of["gas_depth"] * pressure
     sliding = across / hypot(across, of["groove_creep_velocity"])
-    side = -of["groove_friction"] * pressed * sliding  # Eq. (U11)
+    side = -of["groove_friction"] * pressed * sliding  # Eq. (U15)
     return {
         "side_force": side,
         "axial_force": axial,
-        "moment": -of["height"] * side,  # Eq. (U12)
+        "moment": -of["height"] * side,  # Eq. (U16)
         "friction_power": -axial * climb - side * across,
     }

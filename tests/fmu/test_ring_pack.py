@@ -96,4 +96,4 @@ def test_the_pack_acts_on_the_piston_in_the_same_macro_step(tmp_path):
             for name, apart in (("side_force", 0.75), ("axial_force", 0.1), ("moment", 0.02)):
                 got = results.series(f"rings.{name}").values[k]
                 assert got == pytest.approx(want[name], rel=1e-3, abs=apart)
-    assert abs(speeds["rings"]).max() < 0.9 * abs(speeds["without"]).max()
+    assert abs(speeds["rings"][-1]) < abs(speeds["without"][-1])

@@ -96,6 +96,7 @@ def trends(tmp_path_factory):
         ("time.step", "2 deg"),
         ("participants.bodies.parameters.start_crank_angle", "-30 deg"),
         ("record.fields", []),
+        ("pictures", []),
         *tree["variants"]["rigid"].items(),
     ]
     starved = [*changes, *tree["variants"]["starved"].items()]
