@@ -36,9 +36,12 @@ def verdicts(case, results) -> list[Verdict]:
     case : Case
     results : Results
     """
-    found = [*_of_summary(results.summary or {})]
+    summary = results.summary or {}
+    found = [*_of_summary(summary)]
     for name in players(results.case, "lubrication"):
         found += _of_film(case, results, name)
+    if "periodic" in summary:
+        return [*found, _of_repetition(summary)]
     for name in players(results.case, "bodies"):
         found += _of_cycle(results, name)
     return found
@@ -65,6 +68,13 @@ def _of_summary(summary):
             "energy",
             f"both sides' interface work differs by {share:.2g} of it, allowed {WORK_AMBER:g}",
         )
+
+
+def _of_repetition(summary):
+    """Of a run that repeated its cycle until it was periodic, or had to stop before."""
+    count = summary["cycles"]
+    said = f"after {count} cycles the last is {summary['cycle_distance']:.2g} from the one before"
+    return Verdict("green" if summary["periodic"] else "amber", "periodic", said)
 
 
 def _of_film(case, results, name):

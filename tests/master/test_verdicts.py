@@ -32,6 +32,7 @@ def judged(folder, film=5e-6, pressure=3e6, cycles=2, drift=0.0, **summary):
     gap[1, 30, 9] = film  # cell 31 of 40 has its centre on 270 deg
     with h5py.File(folder / "run.h5", "w") as file:
         made = {"steps": 10, "unconverged_steps": 0, "interface_work_imbalance": 0.0} | summary
+        made["cycles"] = made.pop("cycles_run", 0)
         file.attrs.update({"case": json.dumps(tree), "summary": json.dumps(made)})
         file["time"] = (angle - angle[0]) / 100.0
         file["fields/time"] = file["time"][:2]
@@ -44,6 +45,13 @@ def judged(folder, film=5e-6, pressure=3e6, cycles=2, drift=0.0, **summary):
     found = {one.what: one for one in verdicts(case, results)}
     results.close()
     return found
+
+
+@pytest.mark.parametrize("periodic, colour", [(True, "green"), (False, "amber")])
+def test_a_repeated_cycle_is_judged_by_its_own_distance(tmp_path, periodic, colour):
+    found = judged(tmp_path, cycles=1, periodic=periodic, cycles_run=4, cycle_distance=3e-4)
+    assert found["periodic"].colour == colour
+    assert "after 4 cycles the last is 0.0003 from the one before" in found["periodic"].said
 
 
 def test_a_sound_run_is_green(tmp_path):
