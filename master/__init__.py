@@ -4,6 +4,7 @@ participants and signals, neither films nor bodies. Its rooms, each built on tho
     commands      the command line, a file a command
     verification  figures beside their references; independent importers
     runs          a run from start to end, and many of them: sweeps, studies
+    engine        what only engines have: a new case from bore and stroke, verdicts on a run
     results       what is made of results files: reports, pictures, tables, comparisons
     case          a case, from its file to participants and wires; SSP; the contract
     coupling      macro steps and the methods that bring them to agreement

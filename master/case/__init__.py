@@ -4,7 +4,6 @@ schema    what a case file may say, checked
 keys      every key of it, those of the FMUs included, as a list and as a JSON schema
 changes   keys set, dotted or short
 check     a case looked at before anything is built
-new       a case of an own engine from a few lengths; step_mesh: its piston from a STEP file
 system    participants opened, wires checked
 contract  an FMU against the interface contract, and in another's place
 ssp       a case as a System Structure package, out and in

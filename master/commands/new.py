@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..case.new import SIZES, engine, write_case
-from ..case.step_mesh import mesh_of_step
+from ..engine.new import SIZES, engine, write_case
+from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
 from .check import print_checked
 from .common import console

@@ -8,9 +8,9 @@ from pathlib import Path
 from ..case.contract import swap_all
 from ..case.schema import check_case, find_case
 from ..case.system import open_system
+from ..engine.verdicts import verdicts
 from ..fmi.errors import BadInput
 from ..results.file import Results
-from ..results.verdicts import verdicts
 from ..runs.console import print_summary, watching
 from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system

@@ -5,9 +5,9 @@ from math import asin, cos, pi, radians, sin, sqrt, tan
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.new import CYCLE, SIZES, engine, write_case
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
+from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
 from piston_cosim.master.fmi.errors import BadInput
 
 SQUARE = {"bore": "86", "stroke": "86 mm", "rod": 143}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.results.verdicts import verdicts
 
 PATH = find_case("data_sheet")
 ROUGHNESS = 0.54e-6

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
-from .instants import crank_angle, told
+from ..results.instants import crank_angle, told
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Thinnest film over composite roughness: below 3 asperities begin to touch, below 1 they carry."""

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.quantities import is_known, registry, to_si
-from .check import CheckedCase, check
 
 STEEL = 7850.0
 """Density of the pin [kg/m3]."""
