@@ -39,10 +39,11 @@ from .bases import (
 )
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
-from .reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, save
+from .reduced_body import Anatomy, Probes, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
+from .truncation import probes, random_patterns
 
-VERSION = 11  # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 12  # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
 FILES = ("mesh", "stiffness", "mass")
@@ -76,21 +77,30 @@ class FullModel(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced body and what reports need of it besides."""
+    """A reduced body and what reports need of it besides; no probes of a body without modes."""
 
     body: ReducedBody
     anatomy: Anatomy
+    probes: Probes | None = None
 
 
 class FilmSide(NamedTuple):
-    """What a basis must know of the side that the film touches: name of the surface, matrix that
-    reads its outward displacement on a grid, and where pressure is expected there
-    (`expected_pressure`).
+    """What a basis must know of the side that the film touches: name of the surface, matrices that
+    read its displacement on a grid, where pressure is expected there (`expected_pressure`), and
+    which points have the surface under them.
     """
 
     surface: str
-    radial: Sparse
+    reading: SurfaceReading
     weight: np.ndarray
+    there: np.ndarray
+
+
+class Basis(NamedTuple):
+    """Modes of a body, and what its reduction keeps of the whole answer; None of a rigid one."""
+
+    modes: ClassedModes
+    probes: Probes | None
 
 
 class FilmSurface(NamedTuple):
@@ -190,8 +200,8 @@ def reduce_piston(
     faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
-    film = FilmSide("skirt", surface.reading.radial, expected_pressure(angle, along))
-    modes = _modes(mesh, elastic, options, film, loads, progress)
+    film = FilmSide("skirt", surface.reading, expected_pressure(angle, along), there.ravel())
+    modes, kept = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
     body = ReducedPiston(
         **floating_frame_integrals(M, position, shapes)._asdict(),
@@ -204,7 +214,7 @@ def reduce_piston(
         skirt_lower=lower,
         skirt_upper=upper,
     )
-    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there))
+    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there), kept)
 
 
 def reduce_block(
@@ -236,9 +246,11 @@ def reduce_block(
     faults_of_modes(mesh, options, "bolts", "bore", len(angle) * len(heights))
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
-    film = FilmSide("bore", surface.reading.radial, expected_pressure(angle, len(heights)))
+    everywhere = np.ones(len(angle) * len(heights), dtype=bool)
+    weight = expected_pressure(angle, len(heights))
+    film = FilmSide("bore", surface.reading, weight, everywhere)
     no_loads = np.empty((3 * len(mesh.points), 0))
-    modes = _modes(mesh, elastic, options, film, no_loads, progress)
+    modes, kept = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
     table = (around, len(heights), len(modes.omega))
     body = ReducedBlock(
@@ -250,7 +262,7 @@ def reduce_block(
         radius=surface.radius,
     )
     nowhere = np.zeros((around, 0), dtype=bool)
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere))
+    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere), kept)
 
 
 def _refuse(faults: list[str], options: Piston | Block) -> None:
@@ -347,26 +359,27 @@ def _modes(
     film: FilmSide,
     loads: np.ndarray,
     progress: Say,
-) -> ClassedModes:
+) -> Basis:
     """Modes of a body by the chosen basis; none of a rigid one."""
     count = options.modes
     if elastic is None:
         no_shapes = np.empty((3 * len(mesh.points), 0))
-        return ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int))
+        return Basis(ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int)), None)
     progress(f"{count} modes, basis {options.basis}")
     if options.basis == "craig_bampton":
         shapes = craig_bampton(elastic, count)
     elif options.basis == "characteristic_constraint_modes":
         shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), count)
     else:
-        radial = film.radial[:, elastic.free]
+        radial = film.reading.radial[:, elastic.free]
         shapes = pressure_modes(elastic, radial, film.weight, count, loads[elastic.free])
+    kept = probes(elastic, film.reading, random_patterns(film.there))
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
     classed = symmetric_modes(elastic, modes, mesh.points)
-    kept = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
-    return ClassedModes(classed.shapes[:, kept], classed.omega[kept], classed.kind[kept])
+    on = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
+    return Basis(ClassedModes(classed.shapes[:, on], classed.omega[on], classed.kind[on]), kept)
 
 
 def faults_of_modes(
@@ -471,9 +484,10 @@ def cached(
     if not path.exists():
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy = reduce(options, grid, progress, factors)
+        body, anatomy, kept = reduce(options, grid, progress, factors)
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        save(path, body, replace(anatomy, seconds=seconds, peak_memory=peak_memory))
+        anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
+        save(path, *(part for part in (body, anatomy, kept) if part))
         factors.forget()
     return path

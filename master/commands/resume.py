@@ -4,6 +4,7 @@ from pathlib import Path
 
 from ..case.schema import check_case
 from ..case.system import open_system
+from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..runs.checkpoint import Checkpoint
 from ..runs.console import print_summary, watching
@@ -32,5 +33,6 @@ def command(checkpoint: Path):
     system = open_system(case, Path(kept.folder), say)
     with watching(console, output.stem) as watch:
         summary = run_system(system, case, kept.tree, output, watch, kept, say)
+    summary |= state_truncation(kept.tree, Path(kept.folder), output, say)
     print_summary(console, {output.stem: summary})
     console.print(f"results  {shown}", highlight=False, soft_wrap=True)

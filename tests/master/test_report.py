@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.file import Results, add_to_summary
 from piston_cosim.master.results.judgement import Quantity, extremes, loop_work, windows
 from piston_cosim.master.results.report import write_report
 
@@ -169,3 +169,21 @@ def test_cycles_are_judged(case, results, tmp_path, periodic, verdict):
 
 def test_a_plain_run_has_no_cycles_to_judge(case, results, tmp_path):
     assert "eriodic" not in write_report(case, {"run": results}, tmp_path / "r").read_text()
+
+
+@pytest.mark.parametrize(
+    "entries, said",
+    [
+        ({"truncation_error_block": 0.0175}, "block miss 1.8 % of its deflection under the film"),
+        ({"truncation_error": "not known: no forces"}, "deflection is not known: no forces."),
+        ({}, None),
+    ],
+)
+def test_what_the_modes_miss_is_stated(case, results, tmp_path, entries, said):
+    results.close()
+    add_to_summary(results.path, entries)
+    again = Results(results.path)
+    page = write_report(case, {"run": again}, tmp_path / "page").read_text()
+    again.close()
+    assert ("deflection" in page) == (said is not None)
+    assert said is None or said in " ".join(page.split())

@@ -77,10 +77,19 @@ def test_a_sound_run_is_green(tmp_path):
         ({"interface_work_imbalance": -2e-3}, "energy", "amber"),
         ({"interface_work_imbalance": 0.02}, "energy", "red"),
         ({"interface_work_imbalance": float("nan")}, "energy", "red"),
+        ({"truncation_error_piston": 0.0099}, "truncation", "green"),
+        ({"truncation_error_piston": 0.011}, "truncation", "amber"),
+        ({"truncation_error_block": 0.051}, "truncation", "red"),
     ],
 )
 def test_limits(given, what, colour, tmp_path):
     assert judged(tmp_path, **given)[what].colour == colour
+
+
+def test_what_the_modes_of_each_body_miss(tmp_path):
+    found = judged(tmp_path, truncation_error_block=0.0175)
+    said = "the modes of the block miss 0.018 of its deflection under the film, allowed 0.01"
+    assert found["truncation"].said == said
 
 
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
