@@ -13,6 +13,8 @@ from .reduced_body import Probes, ReducedBody
 
 PROBES = 100
 """Random patterns: the estimate of Eq. (J17) is then good to 1/sqrt(2 PROBES) = 7 % of itself."""
+COUNTED = 0.1
+"""Of the largest deflection: an instant with less has nothing to lose. Our own choice."""
 AT_ONCE = 20
 """Patterns solved together: bounds the memory."""
 
@@ -42,7 +44,8 @@ class Truncation(NamedTuple):
         Root mean square of the missing radial deflection over that of the deflection, all points
         and instants [-].
     largest : float
-        The same of the worst instant, over the deflection of all instants [-].
+        The same of the worst single instant, of those with a deflection of at least `COUNTED` of
+        the largest one [-].
     """
 
     error: float
@@ -119,8 +122,11 @@ def truncation(kept: Probes, modes: StaticModes, film: FilmLoads) -> Truncation:
     counted = kept.probe.any(axis=0)
     # Eq. (J17)
     missing = ((pressure @ missing_radial.T - friction @ missing_axial.T) ** 2).mean(axis=1)
-    deflection = yielding @ modes.radial[counted].T
-    whole = float((deflection**2).sum(axis=1).mean())
-    if not whole:
+    deflection = ((yielding @ modes.radial[counted].T) ** 2).sum(axis=1)
+    if not deflection.any():
         return Truncation(0.0, 0.0)
-    return Truncation(float(np.sqrt(missing.mean() / whole)), float(np.sqrt(missing.max() / whole)))
+    loaded = deflection >= COUNTED**2 * deflection.max()
+    return Truncation(
+        error=float(np.sqrt(missing.sum() / deflection.sum())),
+        largest=float(np.sqrt((missing[loaded] / deflection[loaded]).max())),
+    )
