@@ -1,5 +1,6 @@
 """What a film has done to the bodies in a finished run, read from its results file."""
 
+import hashlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,6 +44,27 @@ class RecordedLoads(NamedTuple):
 
     film: FilmLoads
     height_of_A: np.ndarray
+
+
+class Training(NamedTuple):
+    """Forces that a body is trained on.
+
+    Parameters
+    ----------
+    loads : RecordedLoads
+    rows : ndarray, shape (a,)
+        Heights of the grid rows above A [m]; a piston knows them itself.
+    """
+
+    loads: RecordedLoads
+    rows: np.ndarray
+
+    def digest(self) -> str:
+        """Of all its numbers."""
+        digest = hashlib.sha256()
+        for array in (*self.loads.film, self.loads.height_of_A, self.rows):
+            digest.update(str(array.shape).encode() + np.ascontiguousarray(array).data)
+        return digest.hexdigest()
 
 
 def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:

@@ -34,13 +34,17 @@ from .bases import (
     craig_bampton,
     expected_pressure,
     mean_conditions,
+    of_unit_energy,
     orthonormal_modes,
     pressure_modes,
+    static_answers,
 )
+from .film_loads import FilmLoads, Training, on_stations
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import Anatomy, Probes, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
+from .training import trained_shapes
 from .truncation import probes, random_patterns
 
 VERSION = 12  # part of the cache key: raise it when the numbers in the .npz change their meaning
@@ -86,14 +90,15 @@ class Reduced(NamedTuple):
 
 class FilmSide(NamedTuple):
     """What a basis must know of the side that the film touches: name of the surface, matrices that
-    read its displacement on a grid, where pressure is expected there (`expected_pressure`), and
-    which points have the surface under them.
+    read its displacement on a grid, where pressure is expected there (`expected_pressure`), which
+    points have the surface under them, and film forces at the points that it is trained on.
     """
 
     surface: str
     reading: SurfaceReading
     weight: np.ndarray
     there: np.ndarray
+    training: FilmLoads | None
 
 
 class Basis(NamedTuple):
@@ -154,7 +159,11 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
 
 
 def reduce_piston(
-    options: Piston, grid: Grid, progress: Say = print, factors: Factorise = factorise
+    options: Piston,
+    grid: Grid,
+    progress: Say = print,
+    factors: Factorise = factorise,
+    training: Training | None = None,
 ) -> Reduced:
     """Reduced piston: mass properties, modes and their values on the skirt grid.
 
@@ -167,6 +176,8 @@ def reduce_piston(
         Takes a sentence now and then.
     factors : callable
         Factorises a matrix (`solver`).
+    training : Training, optional
+        For the basis `trained`.
 
     Raises
     ------
@@ -200,7 +211,9 @@ def reduce_piston(
     faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
-    film = FilmSide("skirt", surface.reading, expected_pressure(angle, along), there.ravel())
+    weight = expected_pressure(angle, along)
+    film_forces = training.loads.film if training else None
+    film = FilmSide("skirt", surface.reading, weight, there.ravel(), film_forces)
     modes, kept = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
     body = ReducedPiston(
@@ -218,7 +231,11 @@ def reduce_piston(
 
 
 def reduce_block(
-    options: Block, grid: Grid, progress: Say = print, factors: Factorise = factorise
+    options: Block,
+    grid: Grid,
+    progress: Say = print,
+    factors: Factorise = factorise,
+    training: Training | None = None,
 ) -> Reduced:
     """Reduced cylinder block: modes and their values on a table of the bore (angles of the film
     grid x `stations` heights).
@@ -228,7 +245,7 @@ def reduce_block(
     options : Block
     grid : (int, int)
         Film grid; its angles are the table's.
-    progress, factors : callable
+    progress, factors, training
         As for `reduce_piston`.
 
     Raises
@@ -248,7 +265,8 @@ def reduce_block(
     del K
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
     weight = expected_pressure(angle, len(heights))
-    film = FilmSide("bore", surface.reading, weight, everywhere)
+    film_forces = on_stations(training.loads, training.rows, heights) if training else None
+    film = FilmSide("bore", surface.reading, weight, everywhere, film_forces)
     no_loads = np.empty((3 * len(mesh.points), 0))
     modes, kept = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
@@ -371,8 +389,7 @@ def _modes(
     elif options.basis == "characteristic_constraint_modes":
         shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), count)
     else:
-        radial = film.reading.radial[:, elastic.free]
-        shapes = pressure_modes(elastic, radial, film.weight, count, loads[elastic.free])
+        shapes = _film_shapes(elastic, film, count, loads[elastic.free])
     kept = probes(elastic, film.reading, random_patterns(film.there))
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
@@ -380,6 +397,23 @@ def _modes(
     classed = symmetric_modes(elastic, modes, mesh.points)
     on = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
     return Basis(ClassedModes(classed.shapes[:, on], classed.omega[on], classed.kind[on]), kept)
+
+
+def _film_shapes(elastic, film, count, loads):
+    """Shapes that answer to a film: those it was trained on first, then those to which the surface
+    yields most; `loads` are answered exactly.
+    """
+    reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
+    first = static_answers(elastic, loads, count)
+    if film.training is None:
+        return pressure_modes(elastic, reading.radial, film.weight, count, first)
+    psi = of_unit_energy(elastic, first)
+    spread = sp.hstack([reading.radial.T, -reading.axial.T], format="csr")
+    trained = trained_shapes(elastic, spread, film.training, psi, count - psi.shape[1])
+    psi = np.hstack([trained, psi])
+    if psi.shape[1] == count:
+        return psi
+    return pressure_modes(elastic, reading.radial, film.weight, count, psi, psi)
 
 
 def faults_of_modes(
@@ -417,6 +451,7 @@ def faults_of_modes(
         "craig_bampton": 3 * free_nodes - 2,
         "characteristic_constraint_modes": 3 * free_on_surface - 2,
         "pressure_modes": grid_points - 2,
+        "trained": grid_points - 2,
     }[options.basis]
     if count > most:
         faults.append(
@@ -458,9 +493,10 @@ def cached(
     grid: Grid,
     folder: Path | str,
     progress: Say = print,
+    training: Training | None = None,
 ) -> Path:
-    """Path of the reduced body's .npz, made unless one of the same file contents, options and code
-    version lies in `folder`.
+    """Path of the reduced body's .npz, made unless one of the same file contents, options, training
+    and code version lies in `folder`.
 
     The file is written under another name and moved into place, so that an interrupted run leaves
     nothing half-written; its solutions wait in `folder` for the next try.
@@ -473,18 +509,22 @@ def cached(
     grid : (int, int)
     folder : Path
     progress : callable
+    training : Training, optional
+        For the basis `trained`: its forces count, not the file they come from.
     """
-    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced"})
+    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced", "train_on"})
     for key in FILES:
         if decided[key]:
             decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
     decided |= {"grid": list(grid), "version": VERSION, "of": reduce.__name__}
+    if training:
+        decided["training"] = training.digest()
     digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
     path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{digest}.npz"
     if not path.exists():
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy, kept = reduce(options, grid, progress, factors)
+        body, anatomy, kept = reduce(options, grid, progress, factors, training)
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
