@@ -13,8 +13,8 @@ Eq. (F3):  P = -sum A V (tau_v + tau_a)
 tau_b is the boundary shear stress of `asperity`; c, b are those of `films` (smooth surfaces: mu/h,
 h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
 `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
-both cells, edge pressure at an edge, an opening's at its end). v0 rounds Coulomb's step at rest, so that friction has a
-derivative.
+both cells, edge pressure at an edge, an opening's at its end). v0 rounds Coulomb's step at rest, so
+that friction has a derivative.
 
 Why not the shear on the skirt: it differs from Eq. (F1) by h dp/dy, and the pressure on the slope
 of the skirt adds p dh/dy. Both together are d(p h)/dy: in all, the film gives the skirt Eq. (F1)
