@@ -6,6 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
+from rich.table import Table
 
 from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
@@ -92,6 +93,23 @@ def open_runs(files):
             f"{', '.join(map(str, files))}: not all are results of a run: {error}"
         ) from None
     return check_case(tree, files[0]), runs
+
+
+def print_answers(answers, verbose=False):
+    """Label -> `engine.answer.Answer` of every run, side by side, then what is amber or red of
+    each; all verdicts with `verbose`.
+    """
+    table = Table("", *answers, box=None, pad_edge=False)
+    for name in dict.fromkeys(line.name for one in answers.values() for line in one.lines):
+        table.add_row(name, *(one.said(name) for one in answers.values()))
+    wide_console().print(table, highlight=False)
+    for label, one in answers.items():
+        for colour, what, said in one.verdicts:
+            if colour == "green" and not verbose:
+                continue
+            colour = {"amber": "yellow"}.get(colour, colour)
+            whose = f"{label}: " if len(answers) > 1 else ""
+            console.print(f"[{colour}]{what:11s}[/] {whose}{said}", highlight=False, soft_wrap=True)
 
 
 def draw_pictures(case, runs, folder):
