@@ -59,12 +59,16 @@ def default_folder(path):
 
 
 def variant_trees(path, changes, only):
-    """Resolved TOML tree of each run: the case itself under its label, then its variants."""
+    """Resolved TOML tree of each run: the case itself under its label, then the variants that run
+    beside it; or the one of the label `only`.
+    """
     tree = read_tree(path, changes)
-    variants = {tree.get("label", "base"): {}} | tree.get("variants", {})
+    own = tree.get("label", "base")
+    variants = {own: {}} | tree.get("variants", {})
     if only and only not in variants:
         raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
-    chosen = {label: changed for label, changed in variants.items() if only in (None, label)}
+    wanted = (only,) if only else (own, *tree.get("beside", []))
+    chosen = {label: changed for label, changed in variants.items() if label in wanted}
     return {
         label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()
     }
@@ -114,7 +118,9 @@ def print_answers(answers, verbose=False):
 
 def draw_pictures(case, runs, folder):
     """Draw a case's pictures of its runs (label -> Results) and say where they are."""
-    from ..results.pictures import draw
+    from ..results.pictures import draw, left_out
 
+    for picture, why in left_out(case, runs).items():
+        say(f"picture  {picture} is left out: {why}")
     for picture in draw(case, runs, folder):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

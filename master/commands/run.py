@@ -59,7 +59,7 @@ def command(
         Folder for results; default results/CASE.
     only
         Run this variant alone; the label of the case itself (default base) for the case without
-        variants.
+        the variants that it names beside itself.
     summary_json
         Also write the summary there.
     plots
@@ -81,6 +81,7 @@ def command(
         variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
     )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
+    _say_ahead(cases, trees, plots, only)
     folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
@@ -112,6 +113,20 @@ def command(
             console.print(f"results  {shown}", highlight=False, soft_wrap=True)
         if plots:
             draw_pictures(next(iter(cases.values())), runs, folder)
+
+
+def _say_ahead(cases, trees, plots, only):
+    """Say what this run leaves out: pictures of what is not recorded, variants not asked for."""
+    first = next(iter(cases.values()))
+    for picture in first.pictures if plots else ():
+        if lacking := first.unrecorded(picture):
+            say(
+                f"picture  {picture.file} will be left out: {', '.join(lacking)} is not recorded; "
+                "name it in record.fields"
+            )
+    others = [label for label in first.variants if label not in trees]
+    if others and not only:
+        say(f"variants {', '.join(others)}: not asked for (--only LABEL)")
 
 
 @contextmanager

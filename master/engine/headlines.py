@@ -10,7 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import players
+from ..case.schema import Case
 from ..fmi.quantities import short, to_si
+from ..results.file import Results
 from ..results.instants import crank_angle
 from .places import Place, thinnest_place, worst_place
 
@@ -28,8 +30,8 @@ class Headline(NamedTuple):
 class Run(NamedTuple):
     """What every line is made of: case, results, the names of film and bodies ("" without one)."""
 
-    case: object
-    results: object
+    case: Case
+    results: Results
     film: str
     bodies: str
 
@@ -155,9 +157,11 @@ def _friction(run):
 def _asperities(run):
     share = run.values(f"{run.film}.boundary_friction_share")
     area = run.values(f"{run.film}.contact_area_fraction")
-    said = [] if share is None else [f"{share[-1]:.2%} of the friction work"]
-    said += [] if area is None else [f"touching {area.max():.2%} of the skirt at most"]
-    return ", ".join(said)
+    if share is None or area is None:
+        return ""
+    if not area.max() > 0.0:
+        return "never touch"
+    return f"{share[-1]:.2%} of the friction work, touching {area.max():.2%} of the skirt at most"
 
 
 def _side_force(run):
@@ -204,5 +208,5 @@ def _oil(run):
     if content is None or upper is None:
         return ""
     time = run.results.time
-    outwards = short(-_mean(time, upper), "m3/s")
-    return f"{short(_mean(time, content), 'm3')} in the film, {outwards} over the upper edge"
+    held, outwards = 1e9 * _mean(time, content), -1e9 * _mean(time, upper)
+    return f"{held:.3g} mm^3 in the film, {outwards:.3g} mm^3/s out over the upper edge"

@@ -1,6 +1,6 @@
 """A finished run as an engineer reads it: what is amber or red, and where the worst places lie."""
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy import ndimage
@@ -21,8 +21,6 @@ CYCLE = 4 * np.pi
 """Of a four-stroke engine [rad]."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Of the interface work: by how much both sides' accounts of it may differ."""
-RANK = ("green", "amber", "red")
-"""From good to bad."""
 
 
 FORCE_AMBER, FORCE_RED = 0.25, 0.75
@@ -35,10 +33,15 @@ OPENING = 3
 """Cells that an opening in the skirt is wide at least, for its edges to lie within half of them."""
 
 
+Colour = Literal["green", "amber", "red"]
+RANK: tuple[Colour, ...] = ("green", "amber", "red")
+"""From good to bad."""
+
+
 class Verdict(NamedTuple):
     """One judgement: its colour, what is judged, and a sentence with value and limit."""
 
-    colour: Literal["green", "amber", "red"]
+    colour: Colour
     what: str
     said: str
 
@@ -137,10 +140,12 @@ def _of_grid(case, results, name):
         f"the pressure peak is {widths.around} cells around and {widths.along} along at half its "
         f"height, wanted {PEAK_AMBER}"
     ]
-    colour = "red" if narrow < PEAK_RED else "amber" if narrow < PEAK_AMBER else "green"
+    colours: list[Colour] = [
+        "red" if narrow < PEAK_RED else "amber" if narrow < PEAK_AMBER else "green"
+    ]
     around, _ = pressure.shape[1:]
     if around % 2:
-        colour = max(colour, "amber", key=RANK.index)
+        colours.append("amber")
         remarks.append(
             f"{around} cells around: of an odd number none has its centre on the anti-thrust line"
         )
@@ -149,9 +154,9 @@ def _of_grid(case, results, name):
         closed = without_film(pressure, results.dataset(fraction)[:])
         thin = narrowest_opening(closed)
         if thin and thin < OPENING:
-            colour = max(colour, "amber", key=RANK.index)
+            colours.append("amber")
             remarks.append(f"an opening in the skirt is {thin} cells wide, wanted {OPENING}")
-    yield Verdict(colour, "grid", "; ".join(remarks))
+    yield Verdict(max(colours, key=RANK.index), "grid", "; ".join(remarks))
 
 
 class Widths(NamedTuple):
@@ -188,14 +193,12 @@ def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:
 
 def narrowest_opening(closed: np.ndarray) -> int:
     """Cells around of the widest place of the narrowest opening, 0 without one."""
-    pieces, count = ndimage.label(
-        np.concatenate([closed, closed])
-    )  # a ring: pieces may cross its seam
-    widths = [int((pieces == k).sum(axis=0).max()) for k in range(1, count + 1)]
+    pieces: Any = ndimage.label(np.concatenate([closed, closed]))  # of a ring: turned twice
+    numbered, count = pieces
+    widths = {k: int((numbered == k).sum(axis=0).max()) for k in range(1, count + 1)}
     # what is cut off at either end is there as a whole, too
-    ends = {*np.unique(pieces[0]), *np.unique(pieces[-1])}
-    whole = [width for k, width in enumerate(widths, 1) if k not in ends]
-    return min(whole, default=0)
+    ends = {*np.unique(numbered[0]).tolist(), *np.unique(numbered[-1]).tolist()}
+    return min((width for k, width in widths.items() if k not in ends), default=0)
 
 
 def _of_side_force(results, name):
