@@ -15,7 +15,7 @@ from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
 from .geometry.grid import film_rows
-from .options import read_options
+from .options import Bodies, read_options
 from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
 from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
@@ -119,7 +119,7 @@ def reduce(
     BadInput
         Every fault of the table, then of meshes and matrices.
     """
-    bodies = reduced_bodies(options, folder, progress)
+    bodies = _flexible(options, folder, progress)
     return [_written(name, path, Path(output)) for name, path in bodies.items()]
 
 
@@ -147,7 +147,7 @@ def recover(
     BadInput
         As `reduce`, and if the bodies have other numbers of modes.
     """
-    files = reduced_bodies(options, folder, progress)
+    files = _flexible(options, folder, progress)
     bodies = {name: _whole(name, file) for name, file in files.items()}
     modes = [len(whole.body.omega) for whole in bodies.values()]
     if sum(modes) != len(modal_coordinate):
@@ -210,6 +210,16 @@ def truncations(
         for name, (body, film) in bodies.items()
         if len(body.omega)
     }
+
+
+def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
+    """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
+    files = reduced_bodies(options, folder, progress)
+    for name, body in vars(read_options(options, folder, Bodies)).items():
+        if name in files and body.rigid:
+            progress(f"{name}: rigid, of a data sheet; there is nothing to reduce or to recover")
+            del files[name]
+    return files
 
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:
