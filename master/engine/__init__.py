@@ -2,5 +2,8 @@
 
 new        a case of an own engine from a few lengths
 step_mesh  its piston from a STEP file
-verdicts   a finished run judged: film, pressure, cycle
+answer     what a run answers: its headlines and its verdicts
+headlines  film, pressure, friction, side force, slap, oil: ten lines
+verdicts   what is amber or red
+places     where a film has its worst place, by side, angle and height
 """
