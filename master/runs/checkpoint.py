@@ -17,6 +17,7 @@ from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
 from ..participants.plain import NotPlain, pack, unpack
+from .extrapolation import Extrapolation
 from .reductions import Reduction
 from .repetition import Repetition
 
@@ -63,7 +64,15 @@ VERSION = 1
 CHECKSUM = 32
 """Bytes of a SHA-256."""
 
-ACCOUNTS = (Account, Counters, Reduction, Repetition, InterfaceWork, ConjugatePair)
+ACCOUNTS = (
+    Account,
+    ConjugatePair,
+    Counters,
+    Extrapolation,
+    InterfaceWork,
+    Reduction,
+    Repetition,
+)
 """Classes of what an account is made of."""
 
 

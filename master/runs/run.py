@@ -251,6 +251,8 @@ class March:
         self.say(account.repetition.sentence())
         if account.repetition.is_over:
             return False
+        if done := account.repetition.proceed(self.system.participants):
+            self.say(done)
         self.recorder.close()
         account.steps_done = 0
         account.reductions = [Reduction(name, text) for name, text in self.case.summary.items()]
