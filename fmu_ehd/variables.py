@@ -183,6 +183,16 @@ SUMMARY = (
         "Oil flow into the film over the upper edge at the end of the step",
         1e-6,
     ),
+    output_variable(
+        "stored_energy", "J", "Elastic energy of the asperities and of the coating", 1e-3
+    ),
+    output_variable(
+        "energy_gain",
+        "J",
+        "Energy that was stored or rubbed into heat over the step, less what the pressure around "
+        "the film did",
+        1e-3,
+    ),
     output_variable("oil_in_film", "m3", "Oil in the film", 1e-8),
     output_variable(
         "oil_on_bore",

@@ -12,7 +12,7 @@ from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
 from .dynamics.instant import Response, RingForce
-from .dynamics.model import EnergyCreated, Inputs, NotConverged, State
+from .dynamics.model import Inputs, NotConverged, State
 from .dynamics.parameters import Parameters
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
@@ -82,7 +82,7 @@ class Mfbd(FieldSlave):
         """One step; returns (state, outputs)."""
         try:
             return self.model.advance(state, _inputs(values), step)
-        except (NotConverged, EnergyCreated) as error:
+        except NotConverged as error:
             raise Discard(str(error)) from None
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

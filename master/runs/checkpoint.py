@@ -13,6 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 
+from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
@@ -57,6 +58,7 @@ class Account:
     rows: int = 0
     wall_time: float = 0.0
     repetition: Repetition | None = None
+    ledger: Ledger | None = None
 
 
 MAGIC = b"piston-cosim checkpoint\n"
@@ -70,6 +72,7 @@ ACCOUNTS = (
     Counters,
     Extrapolation,
     InterfaceWork,
+    Ledger,
     Reduction,
     Repetition,
 )

@@ -1,0 +1,115 @@
+"""Energy from nowhere: steps that are refused, and what is said of the others, on toys.
+
+The force between the toys is 10 + t [N] and moves them by as many metres, so that (10 + t) H passes
+in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.coupling.ledger import LIMIT, EnergyCreated, Ledger, ledger
+from piston_cosim.master.coupling.stepping import StepFailed
+from piston_cosim.master.coupling.work import Exchange
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.run import run
+
+TREE = {
+    "title": "Toys",
+    "time": {"stop": "4 s", "step": "1 s"},
+    "participants": {
+        "plant": {"fmu": "plant.fmu", "role": "bodies"},
+        "echo": {"fmu": "echo.fmu", "role": "lubrication"},
+    },
+    "wires": [
+        {"from": "echo.w0", "to": "plant.u0", "conjugate": "plant.y0"},
+        {"from": "plant.y0", "to": "echo.v0"},
+    ],
+    "coupling": {
+        "order": ["plant", "echo"],
+        "method": "constant",
+        "relaxation": 1.0,
+        "halvings": 4,
+    },
+}
+
+
+def toys(affine, made):
+    system = affine([[0.0]], lambda t: 10.0 + t, 1e-9, stop=4.0)
+    for name, amount in (("plant", made), ("echo", 0.0)):
+        one = system.participants[name]
+        given = vars(next(iter(one.fields.values())))
+        gain = given | {"name": "energy_gain", "unit": "J", "causality": "output"}
+        one.fields["energy_gain"] = SimpleNamespace(**gain)
+        one.values["energy_gain"] = np.zeros(())
+        one.step = telling(one, type(one).step, amount)
+    return system
+
+
+def telling(one, advance, amount):
+    def step(time, size):
+        advance(one, time, size)
+        one.values["energy_gain"] = np.array(amount * size**2)
+
+    return step
+
+
+def go(affine, made, output, begin=None):
+    return run(toys(affine, made), check_case(TREE, "case.toml"), TREE, output)
+
+
+def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):
+    """1 J of 12, 13 and 14 J is more than 5 %; 0.25 J of 5.75 J and more is not. The first step
+    moves the toys from 0: 11 N by 11 m.
+    """
+    summary = go(affine, 1.0, tmp_path / "run.h5")
+    assert summary["energy_refused_steps"] == summary["halved_steps"] == 3
+    assert summary["steps"] == 1 + 6
+    assert summary["energy_taken_plant_j"] == pytest.approx(1.0 + 6 * 0.25, rel=1e-12)
+    assert summary["energy_taken_echo_j"] == 0.0
+    # 0.25 J of 11.5 N by 0.5 m
+    assert summary["energy_created_share_max"] == pytest.approx(0.25 / 5.75, rel=1e-6)
+
+
+def test_steps_that_make_none_are_left_alone(affine, tmp_path):
+    summary = go(affine, 0.5, tmp_path / "run.h5")
+    assert summary["energy_refused_steps"] == summary["halved_steps"] == 0
+    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 12.0, rel=1e-6)
+    lost = go(affine, -0.5, tmp_path / "lost.h5")
+    assert lost["energy_created_share_max"] < 0.0
+
+
+def test_energy_that_no_halving_cures_stops_the_run(affine, tmp_path):
+    with pytest.raises(StepFailed, match=r"energy from nowhere: .* J \(echo 0 J, plant .* J\)"):
+        go(affine, 1e4, tmp_path / "run.h5")
+
+
+def test_the_rule_by_hand():
+    """Eq. (W2): 3 J from 5 - 2 J; 5 % of 40 J and what the tolerance is worth, 1 J."""
+    one = Ledger([("a", "e"), ("b", "e")])
+    gains = {"a": SimpleNamespace(get=lambda _: 5.0), "b": SimpleNamespace(get=lambda _: -2.0)}
+    assert LIMIT == 0.05
+    one.check(gains, Exchange(np.zeros(2), 40.1, 1.0))
+    with pytest.raises(EnergyCreated, match="3 J .a 5 J, b -2 J. of 39.9 J"):
+        one.check(gains, Exchange(np.zeros(2), 39.9, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 40.0, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0))
+    assert one.summary() == {
+        "energy_taken_a_j": 10.0,
+        "energy_taken_b_j": -4.0,
+        "energy_created_share_max": pytest.approx(3.0 / 41.0, rel=1e-14),
+    }
+
+
+def test_whose_accounts_are_believed():
+    joule = SimpleNamespace(fields={"e": SimpleNamespace(unit="J")})
+    watt = SimpleNamespace(fields={"e": SimpleNamespace(unit="W")})
+    known = {"a": joule, "b": joule, "c": watt}
+    assert ledger([("a", "e"), ("b", "e")], 1, known) is not None
+    # one account alone says nothing, and without conjugates nobody knows what passed
+    assert ledger([("a", "e")], 1, known) is None
+    assert ledger([("a", "e"), ("b", "e")], 0, known) is None
+    with pytest.raises(BadInput, match="c.e: is in W, the contract says J"):
+        ledger([("a", "e"), ("c", "e")], 1, known)
