@@ -8,9 +8,9 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
                          + y (h_n - h_s)/2 + y^2 (h_n - 2 h_c + h_s)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
-at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Beyond an edge and a
-cut-out the gap goes on straight, h_n = 2 h_c - h_s. Ovality and barrel are parabolas within a cell;
-valid where the gap is smooth on the grid, steps from cell to cell are not.
+at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Beyond an
+edge and a cut-out the gap goes on straight, h_n = 2 h_c - h_s. Ovality and barrel are parabolas
+within a cell; valid where the gap is smooth on the grid, steps from cell to cell are not.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """

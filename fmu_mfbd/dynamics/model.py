@@ -2,6 +2,7 @@
 at a time.
 """
 
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -238,6 +239,18 @@ class PistonInBore:
                 break
             crank = crank._replace(acceleration=state.crank_acceleration)
         return replace(state, auxiliary=state.acceleration), outputs
+
+    def unyielding(self) -> "PistonInBore":
+        """The same without a deformation of the modes that follow statically."""
+        system = self.system
+        held = [
+            modes._replace(stiffness=np.full_like(modes.stiffness, np.inf))
+            for modes in (system.piston_static, system.block_static)
+        ]
+        model = copy(self)
+        piston, block = held
+        model.system = system._replace(piston_static=piston, block_static=block)
+        return model
 
     def advance(self, state: State, inputs: Inputs, step: float) -> tuple[State, dict]:
         """One step of the generalised-alpha method; equations hold at its end, with the forces

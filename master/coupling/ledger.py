@@ -8,10 +8,11 @@ gives.
 Eq. (W2):  c = sum over participants of E_i,   believed as long as  c <= LIMIT X + Y,
            X = sum |F_in| . |dq_out|,   Y = sum |F_in| . (tolerance of q)
 
-F and q are those of Eq. (W1), in the step: X is what passed to and fro, Y what the wires' tolerance
-is worth. c is 0 where every account is complete, and negative by the heat that none of them counts;
-where it is positive energy was made, by a participant's discretisation in time or by its model. A
-macro step that is not believed is taken back and halved, as one that does not converge.
+F and q are those of Eq. (W1), in the step: X is what passed to and fro, by the trapezoidal rule, Y
+what the wires' tolerance is worth. c is 0 where every account is complete, and negative by the heat
+that none of them counts; where it is positive energy was made, by a participant's discretisation in
+time or by its model. A macro step that is not believed is taken back and halved, as one that does
+not converge.
 """
 
 from collections.abc import Mapping
@@ -53,11 +54,11 @@ class Ledger:
         """Raise EnergyCreated unless the last step of the participants is to be believed."""
         amounts = self._read(participants)
         created = sum(amounts.values())
-        allowed = LIMIT * exchange.exchanged + exchange.worth
+        allowed = LIMIT * exchange.passed + exchange.worth
         if created > allowed:  # Eq. (W2)
             said = ", ".join(f"{name} {amount:.3g} J" for name, amount in amounts.items())
             raise EnergyCreated(
-                f"energy from nowhere: {created:.3g} J ({said}) of {exchange.exchanged:.3g} J "
+                f"energy from nowhere: {created:.3g} J ({said}) of {exchange.passed:.3g} J "
                 f"that passed to and fro, allowed {allowed:.3g} J"
             )
 
@@ -66,7 +67,7 @@ class Ledger:
         amounts = self._read(participants)
         for name, amount in amounts.items():
             self.taken[name] += amount
-        whole = exchange.exchanged + exchange.worth
+        whole = exchange.passed + exchange.worth
         if whole > 0.0:
             self.largest = max(self.largest, sum(amounts.values()) / whole)
 

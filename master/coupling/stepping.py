@@ -162,8 +162,9 @@ class Stepper:
         control divides it.
 
         A macro step that does not converge, that a participant discards, or in which energy is
-        made, is rolled back with cleared history and taken in two halves, or as step control then says; one whose local error
-        is too large is rolled back and taken shorter. Raises StepFailed when no halving is left.
+        made, is rolled back with cleared history and taken in two halves, or as step control then
+        says; one whose local error is too large is rolled back and taken shorter. Raises StepFailed
+        when no halving is left.
         """
         if not self.control:
             self._step(time, step, self.halvings)

@@ -35,12 +35,14 @@ class ConjugatePair(NamedTuple):
 class Exchange(NamedTuple):
     """What crossed the interface in a macro step [J].
 
-    work : ndarray, shape (2,), W_1 and W_2; exchanged : sum |F_in| . |dq_out|; worth : sum |F_in| .
+    work : ndarray, shape (2,), W_1 and W_2; exchanged : sum |F_in| . |dq_out|; passed : the same by
+    the trapezoidal rule, with what F_in and a velocity were at the beginning; worth : sum |F_in| .
     (tolerance of q), what the iteration leaves open.
     """
 
     work: np.ndarray
     exchanged: float
+    passed: float
     worth: float
 
 
@@ -85,7 +87,7 @@ class InterfaceWork:
         before, used_before, y_before = self.last
         step = time - before
         work = np.zeros(2)
-        exchanged = worth = 0.0
+        exchanged = passed = worth = 0.0
         for pair in self.pairs:
             q = self.parts[pair.wire]
             f = self.parts[pair.conjugate]
@@ -94,8 +96,11 @@ class InterfaceWork:
             into = used[q] * step if pair.is_power else used[q] - used_before[q]
             work += np.array([used[f] @ out, y[f] @ into])  # Eq. (W1)
             exchanged += float(np.abs(used[f]) @ np.abs(out))
+            began = y_before[q] * step if pair.is_power else out
+            passed += float(np.abs(used[f]) @ np.abs(out)) / 2
+            passed += float(np.abs(used_before[f]) @ np.abs(began)) / 2
             worth += span * pair.tolerance * float(np.abs(used[f]).sum())
-        return Exchange(work, exchanged, worth)
+        return Exchange(work, exchanged, passed, worth)
 
     def add(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
         """Add the macro step that ends at `time` [s]; arguments as of `exchange`."""

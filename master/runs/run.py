@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..case.schema import reduced
 from ..case.contract import contract, players
+from ..case.schema import reduced
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
@@ -60,7 +60,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
-        Told in one line each what is done otherwise than the FMUs offer it, and how far each cycle
+        Told in one line each what FMUs warn of at the start, what is done otherwise than they offer
+        it, and how far each cycle
         of a case that is run until periodic is from the one before.
 
     Returns
@@ -90,6 +91,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
                 system,
                 (lambda participant: []) if begin_at else partial(_trial, system),
             )
+            for line in _warnings(system):
+                say(line)
             objected = objections(system, method_of(case.coupling))
             for line in sentences(objected):
                 say(line)
@@ -119,6 +122,13 @@ def _check_resumable(checkpoint, system, output):
         faults.append(f"{partial_file}: is gone; without it the run cannot go on")
     if faults:
         raise BadInput(faults)
+
+
+def _warnings(system):
+    """What the participants warned of at their start."""
+    for name, participant in system.participants.items():
+        if warned := getattr(participant, "warned", None):
+            yield from (f"{name}: {text}" for text in warned())
 
 
 def _trial(system, participant):

@@ -1,7 +1,7 @@
 """Energy from nowhere: steps that are refused, and what is said of the others, on toys.
 
-The force between the toys is 10 + t [N] and moves them by as many metres, so that (10 + t) H passes
-in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
+The force between the toys is 10 + t [N] and moves them by as many metres, so that its mean times H
+passes in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
 """
 
 from types import SimpleNamespace
@@ -56,27 +56,27 @@ def telling(one, advance, amount):
     return step
 
 
-def go(affine, made, output, begin=None):
+def go(affine, made, output):
     return run(toys(affine, made), check_case(TREE, "case.toml"), TREE, output)
 
 
 def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):
-    """1 J of 12, 13 and 14 J is more than 5 %; 0.25 J of 5.75 J and more is not. The first step
-    moves the toys from 0: 11 N by 11 m.
+    """1 J of 11.5, 12.5 and 13.5 J is more than 5 %; 0.25 J of 5.625 J and more is not. The first
+    step moves the toys from 0: 5.5 N by 11 m.
     """
     summary = go(affine, 1.0, tmp_path / "run.h5")
     assert summary["energy_refused_steps"] == summary["halved_steps"] == 3
     assert summary["steps"] == 1 + 6
     assert summary["energy_taken_plant_j"] == pytest.approx(1.0 + 6 * 0.25, rel=1e-12)
     assert summary["energy_taken_echo_j"] == 0.0
-    # 0.25 J of 11.5 N by 0.5 m
-    assert summary["energy_created_share_max"] == pytest.approx(0.25 / 5.75, rel=1e-6)
+    # 0.25 J of 11.25 N by 0.5 m
+    assert summary["energy_created_share_max"] == pytest.approx(0.25 / 5.625, rel=1e-6)
 
 
 def test_steps_that_make_none_are_left_alone(affine, tmp_path):
     summary = go(affine, 0.5, tmp_path / "run.h5")
     assert summary["energy_refused_steps"] == summary["halved_steps"] == 0
-    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 12.0, rel=1e-6)
+    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 11.5, rel=1e-6)
     lost = go(affine, -0.5, tmp_path / "lost.h5")
     assert lost["energy_created_share_max"] < 0.0
 
@@ -91,11 +91,11 @@ def test_the_rule_by_hand():
     one = Ledger([("a", "e"), ("b", "e")])
     gains = {"a": SimpleNamespace(get=lambda _: 5.0), "b": SimpleNamespace(get=lambda _: -2.0)}
     assert LIMIT == 0.05
-    one.check(gains, Exchange(np.zeros(2), 40.1, 1.0))
+    one.check(gains, Exchange(np.zeros(2), 0.0, 40.1, 1.0))
     with pytest.raises(EnergyCreated, match="3 J .a 5 J, b -2 J. of 39.9 J"):
-        one.check(gains, Exchange(np.zeros(2), 39.9, 1.0))
-    one.add(gains, Exchange(np.zeros(2), 40.0, 1.0))
-    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0))
+        one.check(gains, Exchange(np.zeros(2), 0.0, 39.9, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 40.0, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0, 0.0))
     assert one.summary() == {
         "energy_taken_a_j": 10.0,
         "energy_taken_b_j": -4.0,
