@@ -186,23 +186,3 @@ def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -
     for k in range(moving.block, moving.block + len(moving.block_stiffness)):
         out[k] += a[k]
     return out
-
-
-def energy_gain(kinetic: float, way: np.ndarray, others: np.ndarray, axial_work: float) -> float:
-    """Energy that the bodies took from the film over a step, by what their motion shows [J].
-
-    Eq. (D14):  E = T_1 - T_0 - (q_1 - q_0) . (O_0 + O_1)/2 + h (axial power)
-
-    What they hold more of and what other forces took, Eq. (D15), by the trapezoidal rule. It does
-    not go by the film's forces: where a time integrator returns a stop as a rebound E shows it.
-
-    Parameters
-    ----------
-    kinetic : float
-        T_1 - T_0 [J].
-    way, others : ndarray, shape (n,)
-        q_1 - q_0 and O_0 + O_1.
-    axial_work : float
-        Of the film along the bore's axis [J].
-    """
-    return kinetic - float(way @ others) / 2 + axial_work  # Eq. (D14)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.film import Window
-from .energy import energy_gain
+from .account import account
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
     NO_RINGS,
@@ -284,12 +284,13 @@ class PistonInBore:
             self.crank.turn(state, step, inputs.crank_speed),
             inputs,
         )
-        outputs["energy_gain"] = energy_gain(
-            end.kinetic - state.kinetic,
+        found = account(
+            (state.kinetic, end.kinetic),
             end.position - state.position,
-            state.other_forces + end.other_forces,
+            (state.other_forces, end.other_forces),
             outputs["energy_gain"],
         )
+        outputs |= {"energy_gain": found.gain, "energy_size": found.size}
         if self.crank.free:
             jerk = (end.crank_acceleration - state.crank_acceleration) / step
             end = replace(end, crank_jerk=jerk)
@@ -388,6 +389,7 @@ class PistonInBore:
             "film_work": now.ledger.film_work,
             "energy_error": now.ledger.error,
             "energy_gain": now.ledger.axial_work,
+            "energy_size": now.ledger.kinetic,
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }

@@ -53,6 +53,7 @@ class Role:
     repeats: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
     energy: str | None = None
+    energy_size: str | None = None
     agree: dict[str, str] = field(default_factory=dict)
 
 

@@ -202,13 +202,14 @@ class March:
     def _ledger(self):
         """Of the participants whose role in the contract has an account of energy."""
         known = self.system.participants
-        ports = [
-            (name, terms.energy)
-            for role, terms in contract().items()
-            for name in players(self.tree, role)
-            if terms.energy in known[name].fields
+        playing = [
+            (name, terms) for role, terms in contract().items() for name in players(self.tree, role)
         ]
-        return ledger(ports, len(self.account.work.pairs), known)
+        ports = [(name, t.energy) for name, t in playing if t.energy in known[name].fields]
+        sizes = [
+            (name, t.energy_size) for name, t in playing if t.energy_size in known[name].fields
+        ]
+        return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):
         """Writer of the cycle's results, its rows so far taken over."""
