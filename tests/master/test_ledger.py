@@ -61,22 +61,23 @@ def go(affine, made, output):
 
 
 def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):
-    """1 J of 11.5, 12.5 and 13.5 J is more than 5 %; 0.25 J of 5.625 J and more is not. The first
-    step moves the toys from 0: 5.5 N by 11 m.
+    """The first step moves the toys from 0, 5.5 N by 11 m: half of these 60.5 J counts in the
+    second, a quarter in the third. There 1 J is more than 5 % of 15.1 J, and of 13.5 J in the
+    fourth; 0.25 J of 6.1 J and more is not.
     """
     summary = go(affine, 1.0, tmp_path / "run.h5")
-    assert summary["energy_refused_steps"] == summary["halved_steps"] == 3
-    assert summary["steps"] == 1 + 6
-    assert summary["energy_taken_plant_j"] == pytest.approx(1.0 + 6 * 0.25, rel=1e-12)
+    assert summary["energy_refused_steps"] == summary["halved_steps"] == 2
+    assert summary["steps"] == 2 + 4
+    assert summary["energy_taken_plant_j"] == pytest.approx(2 * 1.0 + 4 * 0.25, rel=1e-12)
     assert summary["energy_taken_echo_j"] == 0.0
-    # 0.25 J of 11.25 N by 0.5 m
-    assert summary["energy_created_share_max"] == pytest.approx(0.25 / 5.625, rel=1e-6)
+    # 0.25 J of 13.25 N by 0.5 m
+    assert summary["energy_created_share_max"] == pytest.approx(0.25 / 6.625, rel=1e-6)
 
 
 def test_steps_that_make_none_are_left_alone(affine, tmp_path):
     summary = go(affine, 0.5, tmp_path / "run.h5")
     assert summary["energy_refused_steps"] == summary["halved_steps"] == 0
-    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 11.5, rel=1e-6)
+    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 13.5, rel=1e-6)
     lost = go(affine, -0.5, tmp_path / "lost.h5")
     assert lost["energy_created_share_max"] < 0.0
 
