@@ -14,6 +14,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
+from .options import Bodies, read_options
 from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
@@ -108,7 +109,7 @@ def reduce(
     BadInput
         Every fault of the table, then of meshes and matrices.
     """
-    bodies = reduced_bodies(options, folder, progress)
+    bodies = _flexible(options, folder, progress)
     return [_written(name, path, Path(output)) for name, path in bodies.items()]
 
 
@@ -136,7 +137,7 @@ def recover(
     BadInput
         As `reduce`, and if the bodies have other numbers of modes.
     """
-    files = reduced_bodies(options, folder, progress)
+    files = _flexible(options, folder, progress)
     bodies = {name: _whole(name, file) for name, file in files.items()}
     modes = [len(whole.body.omega) for whole in bodies.values()]
     if sum(modes) != len(modal_coordinate):
@@ -154,6 +155,16 @@ def recover(
         displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
         out.append(Recovery(name, file, displacement, stress))
     return out
+
+
+def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
+    """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
+    files = reduced_bodies(options, folder, progress)
+    for name, body in vars(read_options(options, folder, Bodies)).items():
+        if name in files and body.rigid:
+            progress(f"{name}: rigid, of a data sheet; there is nothing to reduce or to recover")
+            del files[name]
+    return files
 
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:

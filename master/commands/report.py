@@ -5,6 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..engine.answer import answer
 from ..fmi.errors import BadInput
 from ..results.report import write_report
 from .common import console, open_runs
@@ -28,7 +29,8 @@ def command(
     output
         Folder for report.html and the figures.
     notes
-        Text file shown on the page, for example the case's README with the sources of its numbers.
+        Markdown file shown on the page, for example the case's README with the sources of its
+        numbers.
     study
         Tables of studies to show, results/study_CASE_NAME/study.csv; several allowed.
     """
@@ -36,5 +38,7 @@ def command(
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
-    page = write_report(case, runs, output, notes.read_text() if notes else "", study)
+    answers = {label: answer(case, results) for label, results in runs.items()}
+    text = notes.read_text() if notes else ""
+    page = write_report(case, runs, output, text, study, answers)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)

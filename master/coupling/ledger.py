@@ -23,8 +23,10 @@ from ..fmi.errors import BadInput
 from .wiring import Port
 from .work import Exchange
 
-LIMIT = 0.05
-"""Of what passed to and fro and of what is held: our own choice."""
+LIMIT = 0.1
+"""Of what passed to and fro and of what is held: our own choice. A mass that an integrator throws
+back from a film faster than it came has a step with 0.2 or more (`tests/mfbd/test_impact.py`).
+"""
 REMEMBERED = 0.5
 """Of the size of a step, in the next one."""
 

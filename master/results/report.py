@@ -15,6 +15,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
+from markdown_it import MarkdownIt
 
 from ..fmi.quantities import short, to_si
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, monitored, windows
@@ -24,7 +25,7 @@ FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, inst
 LEVELS = 65535
 
 
-def write_report(case, runs, folder, notes="", studies=()):
+def write_report(case, runs, folder, notes="", studies=(), answers=None):
     """Write `<folder>/report.html` and the figures.
 
     Parameters
@@ -35,9 +36,12 @@ def write_report(case, runs, folder, notes="", studies=()):
         Label -> results.
     folder : Path
     notes : str
-        Text shown as it is, for example the case's README with the sources of its numbers.
+        Markdown, for example the case's README with the sources of its numbers.
     studies : sequence of Path
         Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
+    answers : dict, optional
+        Label -> what is said of the run first: `lines` (name, said) and `verdicts` (colour, what,
+        said).
 
     Returns
     -------
@@ -67,10 +71,14 @@ def write_report(case, runs, folder, notes="", studies=()):
     page = templates.get_template("report.html").render(
         case=case,
         runs=[judged(case, label, results) for label, results in runs.items()],
+        answers=answers or {},
+        names=list(
+            dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
+        ),
         pictures=pictures,
         health=health,
         data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"),
-        notes=notes,
+        notes=MarkdownIt("commonmark", {"html": False}).enable("table").render(notes),
         studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

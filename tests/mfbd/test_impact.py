@@ -100,7 +100,7 @@ def made(push, path, velocity, force):
 
 def test_the_ledger_sees_a_rebound_that_makes_energy():
     """Wall to wall: whatever leaves the film 5 % faster than it came has a step in which it was
-    given more than 5 % of what passed and was held; one that is stopped has none.
+    given more than a tenth of what passed and was held; one that is stopped has none.
     """
     rng = np.random.default_rng(1)
     faster = 0
