@@ -364,7 +364,7 @@ class LubricationModel:
         gain = stored - state.stored + step * self._last.rubbing_power
         outputs |= dict(
             stored_energy=stored,
-            energy_gain=gain - self._work_around(around, volume - state.volume, passed),
+            energy_gain=gain - self._work_around(around, volume - state.volume, passed, step),
         )
         if self._bore is not None:
             spilled = pace.share * layer.spilled  # Eq. (T28)
@@ -601,16 +601,19 @@ class LubricationModel:
             energy = energy + last.film.inputs.deflection**2 / (2.0 * self._compliance)
         return float(np.vdot(self.area, energy))  # Eq. (A10)
 
-    def _work_around(self, around: Surroundings, opened: float, passed: Array) -> float:
+    def _work_around(
+        self, around: Surroundings, opened: float, passed: Array, step: float
+    ) -> float:
         """Work that the pressure around the film did on it over a step [J].
 
         Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
 
         p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
-        surfaces, p_e pressure at an edge.
+        surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
         """
         inflow, outflow = passed[:, 0].sum(), passed[:, -1].sum()
         work = self.parameters.cavitation_pressure * opened
+        work += around.opening * step * self.film_step.flow_from_openings()
         # Eq. (A11); pressures around are above p_c
         return float(work + around.lower * inflow - around.upper * outflow)
 
