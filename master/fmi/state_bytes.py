@@ -53,4 +53,4 @@ def slow_members(data: bytes) -> dict[str, np.ndarray]:
 def with_members(data: bytes, members: Mapping[str, np.ndarray]) -> bytes:
     """The state with some members set to other values of the same shape."""
     head, arrays = split(data)
-    return join(head, arrays | members)
+    return join(head, {**arrays, **members})

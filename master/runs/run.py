@@ -202,13 +202,14 @@ class March:
     def _ledger(self):
         """Of the participants whose role in the contract has an account of energy."""
         known = self.system.participants
-        playing = [
-            (name, terms) for role, terms in contract().items() for name in players(self.tree, role)
-        ]
-        ports = [(name, t.energy) for name, t in playing if t.energy in known[name].fields]
-        sizes = [
-            (name, t.energy_size) for name, t in playing if t.energy_size in known[name].fields
-        ]
+        ports: list[tuple[str, str]] = []
+        sizes: list[tuple[str, str]] = []
+        for role, terms in contract().items():
+            for name in players(self.tree, role):
+                if terms.energy in known[name].fields:
+                    ports.append((name, str(terms.energy)))
+                if terms.energy_size in known[name].fields:
+                    sizes.append((name, str(terms.energy_size)))
         return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):
