@@ -228,6 +228,15 @@ def test_energy_taken_is_work_and_what_integration_made(which, request):
         state, push = end, push_then
 
 
+def test_what_nothing_moves_stays_at_rest(model):
+    """All accelerations are zero, and so is what they are compared with."""
+    nothing = np.zeros(model.system.skirt.gap.shape)
+    state, _ = model.start(0.0, 0.0, 0.0, Inputs(0.0, 0.0, nothing, nothing))
+    for _ in range(2):
+        state, _ = model.advance(state, Inputs(0.0, 0.0, nothing, nothing), STEP)
+    assert not state.position.any() and not state.acceleration.any()
+
+
 def test_rigid_bodies_run(reduced):
     """No modes at all: the film moves as one rigid piston."""
     options, piston, block = reduced
