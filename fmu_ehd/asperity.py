@@ -11,6 +11,10 @@ The usual power fit, 4 to 74 % low for H = 0 to 3:
 
 Eq. (A5):  F_5/2(H) = 4.4086e-5 (4 - H)^6.804, H < 4
 
+Elastic energy by area, what the asperities give back as the gap opens:
+
+Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(h/sigma),   p = p_0 F_5/2
+
 Boundary shear, Coulomb's and that of the boundary layer:
 
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
@@ -43,6 +47,7 @@ TABLE_CELLS = 512  # Hermite error 1e-10 of F_5/2(0)
 # columns of the table: each integral, its slope in the column behind
 PRESSURE_COLUMN = 0
 AREA_COLUMN = 2
+ENERGY_COLUMN = 4
 
 FIT_FACTOR = 4.4086e-5  # of Eq. (A5)
 FIT_POWER = 6.804
@@ -72,7 +77,7 @@ class PointContact(NamedTuple):
     """Contact at a point.
 
     pressure : p [Pa]; pressure_slope : dp/dh [Pa/m]; area_fraction : A_c/A [-], up to 1;
-    shear_stress : tau_b [Pa]; shear_stress_slope : dtau_b/dh [Pa/m].
+    shear_stress : tau_b [Pa]; shear_stress_slope : dtau_b/dh [Pa/m]; energy : e [J/m2].
     """
 
     pressure: float
@@ -80,6 +85,7 @@ class PointContact(NamedTuple):
     area_fraction: float
     shear_stress: float
     shear_stress_slope: float
+    energy: float
 
 
 def gaussian_integral(order: float, separation: Any) -> Any:
@@ -116,7 +122,8 @@ def fitted_integral(separation: Any) -> tuple[Any, Any]:
 
 @cache
 def contact_table(law: str = "greenwood_tripp_1970") -> Array:
-    """Values and slopes of F_5/2 and F_2 on a uniform grid of H from 0 to `TABLE_END`.
+    """Values and slopes of F_5/2, F_2 and int_H^inf F_5/2 on a uniform grid of H from 0 to
+    `TABLE_END`.
 
     Parameters
     ----------
@@ -125,18 +132,20 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
 
     Returns
     -------
-    ndarray, shape (TABLE_CELLS + 1, 4)
-        F_5/2, dF_5/2/dH, F_2, dF_2/dH [-].
+    ndarray, shape (TABLE_CELLS + 1, 6)
+        F_5/2, dF_5/2/dH, F_2, dF_2/dH, int_H^inf F_5/2, -F_5/2 [-].
     """
     separation = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
     if law == "power_fit":
         pressure, pressure_slope = fitted_integral(separation)
+        energy = pressure * np.maximum(FIT_REACH - separation, 0.0) / (FIT_POWER + 1.0)
     else:
         pressure = gaussian_integral(2.5, separation)
         pressure_slope = -2.5 * gaussian_integral(1.5, separation)  # Eq. (A2)
+        energy = 2.0 / 7.0 * gaussian_integral(3.5, separation)  # Eq. (A9), by Eq. (A2)
     area = gaussian_integral(2.0, separation)
     area_slope = -2.0 * gaussian_integral(1.0, separation)
-    columns = [pressure, pressure_slope, area, area_slope]
+    columns = [pressure, pressure_slope, area, area_slope, energy, -pressure]
     return np.ascontiguousarray(np.stack(columns, axis=1))
 
 
@@ -148,6 +157,15 @@ def _integral(table, column, separation):
     if separation < 0.0:
         return table[0, column] + table[0, column + 1] * separation, table[0, column + 1]
     return interpolate(table, column, TABLE_END, separation)
+
+
+@compiled(inline="always")
+def _energy_integral(table, separation):
+    """int_H^inf F_5/2, with F_5/2 straight below 0."""
+    value, slope = _integral(table, ENERGY_COLUMN, separation)
+    if separation < 0.0:
+        value -= 0.5 * table[0, PRESSURE_COLUMN + 1] * separation * separation
+    return value
 
 
 def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus: float) -> float:
@@ -174,7 +192,7 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
 
 @compiled(inline="always")
 def point_contact(film_thickness, constants):
-    """Contact at a point, Eqs. (A3), (A4), (A6); `constants`: ContactConstants.
+    """Contact at a point, Eqs. (A3), (A4), (A6), (A9); `constants`: ContactConstants.
 
     Parameters
     ----------
@@ -195,4 +213,5 @@ def point_contact(film_thickness, constants):
     darea = area_scale * dcovered / rms if area < 1.0 else 0.0
     stress = friction_coefficient * pressure + shear_strength * area  # Eq. (A6)
     dstress = friction_coefficient * slope + shear_strength * darea
-    return PointContact(pressure, slope, area, stress, dstress)
+    energy = scale * rms * _energy_integral(table, separation)  # Eq. (A9)
+    return PointContact(pressure, slope, area, stress, dstress, energy)

@@ -8,9 +8,9 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
                          + y (h_n - h_s)/2 + y^2 (h_n - 2 h_c + h_s)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
-at Gauss points q with weights w_q; area fraction and boundary stress likewise. Beyond an edge and a
-cut-out the gap goes on straight, h_n = 2 h_c - h_s. Ovality and barrel are parabolas within a cell;
-valid where the gap is smooth on the grid, steps from cell to cell are not.
+at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Beyond an
+edge and a cut-out the gap goes on straight, h_n = 2 h_c - h_s. Ovality and barrel are parabolas
+within a cell; valid where the gap is smooth on the grid, steps from cell to cell are not.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """
@@ -34,7 +34,8 @@ class Contact(NamedTuple):
     pressure : p [Pa]; area_fraction : A_c/A [-], up to 1; shear_stress : tau_b [Pa]; each ndarray
     of shape (n_c, n_a);
     pressure_slope, shear_stress_slope : ndarray, shape (5, n_c, n_a), their derivatives to the
-    film thickness of the cell and of its neighbours, `grid` [Pa/m].
+    film thickness of the cell and of its neighbours, `grid` [Pa/m];
+    energy : e [J/m2], ndarray of shape (n_c, n_a).
     """
 
     pressure: Array
@@ -42,6 +43,7 @@ class Contact(NamedTuple):
     shear_stress: Array
     pressure_slope: Array
     shear_stress_slope: Array
+    energy: Array
 
 
 @compiled(inline="always")
@@ -79,8 +81,8 @@ def contact(
     open_cells: Flags,
     constants: ContactConstants,
 ):
-    """Asperity pressure, contact area fraction and boundary shear stress of the cells of a ring,
-    Eqs. (A7), (A8).
+    """Asperity pressure, contact area fraction, boundary shear stress and elastic energy of the
+    cells of a ring, Eqs. (A7), (A8).
 
     Parameters
     ----------
@@ -100,10 +102,11 @@ def contact(
     pressure = np.zeros((n_c, n_a))
     area = np.zeros((n_c, n_a))
     stress = np.zeros((n_c, n_a))
+    energy = np.zeros((n_c, n_a))
     slope = np.zeros((5, n_c, n_a))
     stress_slope = np.zeros((5, n_c, n_a))
     if constants.roughness_rms <= 0.0:
-        return Contact(pressure, area, stress, slope, stress_slope)
+        return Contact(pressure, area, stress, slope, stress_slope, energy)
     reach = TABLE_END * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     there = np.zeros(5, np.bool_)
@@ -137,10 +140,11 @@ def contact(
                     pressure[i, j] += weight * at.pressure
                     area[i, j] += weight * at.area_fraction
                     stress[i, j] += weight * at.shear_stress
+                    energy[i, j] += weight * at.energy
                     for k in range(5):
                         slope[k, i, j] += weight * share[k] * at.pressure_slope
                         stress_slope[k, i, j] += weight * share[k] * at.shear_stress_slope
-    return Contact(pressure, area, stress, slope, stress_slope)
+    return Contact(pressure, area, stress, slope, stress_slope, energy)
 
 
 @compiled

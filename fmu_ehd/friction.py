@@ -158,6 +158,17 @@ def boundary_force(inputs: ShearInputs, boundary_stress: Array) -> Array:
     return -inputs.area * boundary_stress * inputs.velocity / speed  # Eq. (F2)
 
 
+def rubbing_power(inputs: ShearInputs) -> float:
+    """Heat that shear by sliding makes in the film, asperities apart [W].
+
+    Eq. (F5):  P = sum over cells of  A f c V^2
+
+    The part of - force x velocity by Eq. (F1) that is heat whatever the pressure does.
+    """
+    couette = inputs.film[COUETTE]
+    return float(np.vdot(inputs.area * inputs.shearing * couette, inputs.velocity**2))  # Eq. (F5)
+
+
 @compiled
 def _viscous_force(inputs):
     """Viscous force of each cell, Eq. (F1)."""

@@ -55,6 +55,8 @@ class State:
         Oil outside the film; without it no cells of the bore.
     friction_work, boundary_work : float
         What sliding has cost since the start, and the asperities' part of it [J].
+    stored, volume : float
+        Elastic energy [J], and volume between the surfaces [m3].
     """
 
     unknown: Array
@@ -71,6 +73,8 @@ class State:
     layer: OilLayer
     friction_work: float
     boundary_work: float
+    stored: float
+    volume: float
 
     @property
     def past(self) -> Past:
@@ -133,13 +137,14 @@ class Film:
 
 class Last(NamedTuple):
     """What the tangent needs of the last step: film, asperity contact, what friction depends on;
-    and the power of asperity friction [W].
+    and the power of asperity friction [W], and of all rubbing, `friction.rubbing_power` [W].
     """
 
     film: Film
     contact: Contact
     shear: ShearInputs
     boundary_power: float
+    rubbing_power: float
 
 
 class Linear(NamedTuple):
@@ -242,8 +247,12 @@ class LubricationModel:
         unknown = np.where(fraction < 1.0, fraction - 1.0, pressure)
         flow = self._flow_film(inputs)
         film = self._film(inputs, flow, pressure, fraction)
-        _, outputs = self._outputs(film)
+        last, outputs = self._outputs(film)
+        stored = self._stored(last)
+        volume = float(np.vdot(self.area, film_thickness))
         outputs |= dict(
+            stored_energy=stored,
+            energy_gain=0.0,
             flow_lower_edge=0.0,
             flow_upper_edge=0.0,
             flow_openings=0.0,
@@ -271,6 +280,8 @@ class LubricationModel:
             layer,
             0.0,
             0.0,
+            stored,
+            volume,
         )
         return state, outputs
 
@@ -348,6 +359,13 @@ class LubricationModel:
             boundary_friction_share=boundary_work / friction_work if friction_work > 0.0 else 0.0,
         )
         passed = carried + begin.length * solution.axial_flow
+        stored = self._stored(self._last)
+        volume = float(np.vdot(self.area, inputs.film_thickness))
+        gain = stored - state.stored + step * self._last.rubbing_power
+        outputs |= dict(
+            stored_energy=stored,
+            energy_gain=gain - self._work_around(around, volume - state.volume, passed, step),
+        )
         if self._bore is not None:
             spilled = pace.share * layer.spilled  # Eq. (T28)
             if self._has_openings:
@@ -378,6 +396,8 @@ class LubricationModel:
             layer,
             friction_work,
             boundary_work,
+            stored,
+            volume,
         )
         return state, outputs
 
@@ -443,7 +463,7 @@ class LubricationModel:
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
-        film, contact, shear, _ = last
+        film, contact, shear, *_ = last
         slopes = film.flow.slopes
         to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
         by_pressure = self._zero
@@ -568,6 +588,34 @@ class LubricationModel:
             oil_on_bore=self._bore.volume(layer) if self._bore is not None else 0.0,
             oil_supplied=layer.supplied,
         )
+
+    def _stored(self, last: Last) -> float:
+        """Elastic energy of asperities and coating [J].
+
+        Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
+
+        e by area, Eq. (A9), delta deflection of the coating and C its compliance.
+        """
+        energy = last.contact.energy
+        if self._compliance > 0.0:
+            energy = energy + last.film.inputs.deflection**2 / (2.0 * self._compliance)
+        return float(np.vdot(self.area, energy))  # Eq. (A10)
+
+    def _work_around(
+        self, around: Surroundings, opened: float, passed: Array, step: float
+    ) -> float:
+        """Work that the pressure around the film did on it over a step [J].
+
+        Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
+
+        p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
+        surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
+        """
+        inflow, outflow = passed[:, 0].sum(), passed[:, -1].sum()
+        work = self.parameters.cavitation_pressure * opened
+        work += around.opening * step * self.film_step.flow_from_openings()
+        # Eq. (A11); pressures around are above p_c
+        return float(work + around.lower * inflow - around.upper * outflow)
 
     def _flow_film(self, inputs: Inputs) -> FlowFilm:
         """Film seen by flow and shear."""
@@ -698,7 +746,8 @@ class LubricationModel:
             friction_force_anti_thrust_side=summary.friction.anti_thrust,
         )
         boundary_power = -float(np.vdot(forces.boundary, sliding_velocity))  # Eq. (F3)
-        return Last(film, contact, shear, boundary_power), outputs
+        rubbing_power = friction.rubbing_power(shear) + boundary_power
+        return Last(film, contact, shear, boundary_power, rubbing_power), outputs
 
 
 def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:

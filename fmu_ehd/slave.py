@@ -30,6 +30,7 @@ class Ehd(FieldSlave):
     name = "fmu_ehd"
     description = "Transient elastohydrodynamic lubrication of a piston skirt"
     state_type = State
+    slow_state = ("layer.bore",)
     derivative_inputs = DERIVATIVE_INPUTS
     derivative_outputs = DERIVATIVE_OUTPUTS
 

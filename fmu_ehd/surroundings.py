@@ -27,6 +27,8 @@ class Surroundings:
     piezoviscosity : oil.Piezoviscosity or None
     ring_layer, splash : float
         Oil that the ring leaves above the skirt [m], and that is thrown below it [m/s].
+    opening : float
+        Pressure in openings of the skirt above cavitation pressure [Pa].
     """
 
     edges: Edges
@@ -37,6 +39,7 @@ class Surroundings:
     piezoviscosity: Piezoviscosity | None
     ring_layer: float
     splash: float
+    opening: float
 
 
 def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
@@ -97,4 +100,5 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
         law,
         given["oil_ring_layer"],
         given["oil_splash"],
+        opening,
     )

@@ -184,6 +184,16 @@ SUMMARY = (
         1e-6,
     ),
     output_variable(
+        "stored_energy", "J", "Elastic energy of the asperities and of the coating", 1e-3
+    ),
+    output_variable(
+        "energy_gain",
+        "J",
+        "Energy that was stored or rubbed into heat over the step, less what the pressure around "
+        "the film did",
+        1e-3,
+    ),
+    output_variable(
         "flow_openings",
         "m3/s",
         "Oil flow into the film from cut-outs at the end of the step",

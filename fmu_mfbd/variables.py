@@ -146,6 +146,19 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             1e-3,
         ),
         output_variable(
+            "energy_gain",
+            "J",
+            "Energy that the bodies took from the film over the step, by what their motion shows",
+            1e-3,
+        ),
+        output_variable(
+            "energy_size",
+            "J",
+            "Kinetic energy across the bore, and what other forces than the film's passed to and "
+            "fro over the step",
+            1e-3,
+        ),
+        output_variable(
             "residual_evaluations",
             "1",
             "Residuals of the equations of motion evaluated so far (NRES)",

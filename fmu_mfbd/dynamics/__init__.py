@@ -9,6 +9,7 @@ pin_friction       between piston and pin
 generalised_alpha  time integration
 impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
+account            what they took from the film over it
 model              one step after the other
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)

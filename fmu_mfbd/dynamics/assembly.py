@@ -83,7 +83,6 @@ def assemble(
         gas_area,
         parameters.spectral_radius,
         options.gas,
-        parameters.film_work_limit,
     )
 
 

@@ -23,12 +23,15 @@ class Ledger(NamedTuple):
         Of the film on both bodies over the step [J].
     error : float
         `energy_error` [J].
+    axial_work : float
+        Part of `film_work` along the bore's axis [J].
     """
 
     kinetic: float
     elastic: float
     film_work: float
     error: float
+    axial_work: float
 
 
 class Moving(NamedTuple):
@@ -141,3 +144,45 @@ def film_work(
     for k in range(first, len(position)):
         work += forces.block[k - first] * (position[k] - before[k])
     return work
+
+
+@compiled
+def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
+    """All forces on the motion across the bore but the film's, from what it does: of springs,
+    damping, gas, rod and pin.
+
+    Eq. (D15):  O = M q'' - Q
+
+    Parameters
+    ----------
+    moving : Moving
+    acceleration : ndarray, shape (n,)
+        As the equations of motion hold.
+    forces : FilmForces
+        Q.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [N], [N m], [kg^-1/2 N].
+    """
+    body = moving.body
+    rigid = moving.rigid
+    a = acceleration
+    first = RIGID + len(forces.piston)
+    out = np.empty(len(a))
+    # Eq. (D15), with M of Eq. (D9); modes that follow statically have none
+    out[LATERAL] = rigid.mass * a[LATERAL] - rigid.moment * a[ROCKING] - forces.lateral
+    out[ROCKING] = rigid.inertia * a[ROCKING] - rigid.moment * a[LATERAL] - forces.moment
+    for k in range(RIGID, first):
+        out[k] = -forces.piston[k - RIGID]
+    for k in range(first, len(a)):
+        out[k] = -forces.block[k - first]
+    for k in range(len(body.stiffness)):
+        m = RIGID + k
+        out[LATERAL] += body.T[X, k] * a[m]
+        out[ROCKING] += body.g[k] * a[m]
+        out[m] += a[m] + body.T[X, k] * a[LATERAL] + body.g[k] * a[ROCKING]
+    for k in range(moving.block, moving.block + len(moving.block_stiffness)):
+        out[k] += a[k]
+    return out

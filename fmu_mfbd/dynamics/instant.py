@@ -28,6 +28,7 @@ from .energy import (
     energy_error,
     film_work,
     motion_product,
+    other_forces,
 )
 from .floating_frame import Arrow, FlexibleBody, mode_coupling
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
@@ -120,6 +121,8 @@ class Instant(NamedTuple):
         Whether the step was an impact.
     ledger : Ledger
         Energy across the bore.
+    other_forces : ndarray, shape (n,)
+        All but the film's, on the motion across the bore.
     window : Window
     load : Load
         On the piston, all but the pin's.
@@ -146,6 +149,7 @@ class Instant(NamedTuple):
     auxiliary: np.ndarray
     impact: bool
     ledger: Ledger
+    other_forces: np.ndarray
     window: Window
     load: Load
     side_force: float
@@ -252,6 +256,7 @@ def end_of_step(
         elastic=elastic_energy(moving, end.position),
         film_work=film_work(film_forces, before.position, end.position, axial_work),
         error=energy_error(moving, before, kept, end),
+        axial_work=axial_work,
     )
     return Instant(
         position=end.position,
@@ -262,6 +267,7 @@ def end_of_step(
         auxiliary=predicted.auxiliary,
         impact=impact,
         ledger=ledger,
+        other_forces=other_forces(moving, end.acceleration, film_forces),
         window=window,
         load=load,
         side_force=-film_forces.lateral,

@@ -120,10 +120,3 @@ class Parameters:
     spectral_radius: float = _declared(
         "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0
     )
-    film_work_limit: float = _declared(
-        "1",
-        "Energy the film may add in a step, by the kinetic energy across the bore; 0: not judged",
-        0.0,
-        0.0,
-        1e9,
-    )

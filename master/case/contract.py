@@ -52,6 +52,8 @@ class Role:
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
+    energy: str | None = None
+    energy_size: str | None = None
     agree: dict[str, str] = field(default_factory=dict)
 
 

@@ -7,6 +7,7 @@ stepping       predict, solve, halve (equations S)
 step_control   lengths of macro steps by local error
 methods        ways to the fixed point (Q)
 work           work that crosses the wires, on both sides (W)
+ledger         energy that participants took from one another (W2)
 negotiation    whose own derivatives are those of a step
 freezing       everything a further step depends on, as bytes
 coupled        a whole system as one slave

@@ -1,6 +1,6 @@
 """The run in time: predict, converge, accept or halve; every macro step accounted for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any, Protocol
@@ -9,6 +9,7 @@ import numpy as np
 
 from ..fmi.errors import Discard
 from .interface import Interface
+from .ledger import EnergyCreated
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
 from .methods.explicit import Explicit
 from .step_control import StepControl
@@ -35,6 +36,7 @@ class Counters:
     jacobian_evaluations: int = 0
     derivative_products: int = 0
     unconverged_steps: int = 0
+    energy_refused_steps: int = 0
 
     def accept(self, solution: Solution) -> None:
         self.steps += 1
@@ -121,6 +123,8 @@ class Stepper:
         Carried at the beginning of every macro step.
     begin : float
         Where the participants stand [s].
+    judge : callable(time, solution), optional
+        Raises EnergyCreated unless the converged step that ends at `time` [s] is to be believed.
     """
 
     def __init__(
@@ -134,6 +138,7 @@ class Stepper:
         held: Sequence[HeldWire] = (),
         *,
         begin: float = 0.0,
+        judge: Callable[[float, Solution], None] | None = None,
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
@@ -144,6 +149,7 @@ class Stepper:
         self.method = method if self.interface.size else Explicit()
         self.halvings = halvings
         self.observer = observer or Nobody()
+        self.judge = judge or (lambda time, solution: None)
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
@@ -155,9 +161,10 @@ class Stepper:
         """Bring all participants from time to time + step [s]: in one macro step, or as step
         control divides it.
 
-        A macro step that does not converge, or that a participant discards, is rolled back with
-        cleared history and taken in two halves, or as step control then says; one whose local error
-        is too large is rolled back and taken shorter. Raises StepFailed when no halving is left.
+        A macro step that does not converge, that a participant discards, or in which energy is
+        made, is rolled back with cleared history and taken in two halves, or as step control then
+        says; one whose local error is too large is rolled back and taken shorter. Raises StepFailed
+        when no halving is left.
         """
         if not self.control:
             self._step(time, step, self.halvings)
@@ -171,8 +178,10 @@ class Stepper:
     def _step(self, time: float, step: float, halvings: int) -> None:
         saved = self._save()
         try:
-            self._accept(time, step, self._converge(time, step, saved))
-        except (NotConverged, Discard) as failure:
+            solution = self._converge(time, step, saved)
+            self.judge(time + step, solution)
+            self._accept(time, step, solution)
+        except (NotConverged, Discard, EnergyCreated) as failure:
             self._give_up(time, step, saved, failure, halvings > 0)
             self._step(time, step / 2, halvings - 1)
             self._step(time + step / 2, step / 2, halvings - 1)
@@ -185,13 +194,14 @@ class Stepper:
         try:
             solution = self._converge(time, step, saved)
             if control.accepts(self.predictor.past[-1], time, step, solution):
+                self.judge(time + step, solution)
                 self._accept(time, step, solution)
                 return True
             self._roll_back(
                 time, step, saved, f"local error {control.error:.2g} times the allowed one"
             )
             self.counters.rejected_steps += 1
-        except (NotConverged, Discard) as failure:
+        except (NotConverged, Discard, EnergyCreated) as failure:
             self._give_up(time, step, saved, failure, control.halve(step))
         finally:
             self._free(saved)
@@ -230,7 +240,7 @@ class Stepper:
         time: float,
         step: float,
         saved: Mapping[str, Any],
-        failure: NotConverged | Discard,
+        failure: NotConverged | Discard | EnergyCreated,
         may_halve: bool,
     ) -> None:
         """Roll back a step that failed and forget what led there; StepFailed if it may not be
@@ -240,6 +250,7 @@ class Stepper:
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {failure}")
         self.predictor.clear()
         self.memory = self.method.memory()
+        self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
         if not may_halve:
             raise StepFailed(self.failures[-1]) from failure
         self.counters.halved_steps += 1

@@ -22,11 +22,28 @@ class WireWithConjugate(Protocol):
 
 
 class ConjugatePair(NamedTuple):
-    """Index of a wire, index of its conjugate, and whether their product is power, not work."""
+    """Index of a wire, index of its conjugate, whether their product is power, not work, and the
+    wire's absolute tolerance, 0 on one that is not measured.
+    """
 
     wire: int
     conjugate: int
     is_power: bool
+    tolerance: float
+
+
+class Exchange(NamedTuple):
+    """What crossed the interface in a macro step [J].
+
+    work : ndarray, shape (2,), W_1 and W_2; exchanged : sum |F_in| . |dq_out|; passed : the same by
+    the trapezoidal rule, with what F_in and a velocity were at the beginning; worth : sum |F_in| .
+    (tolerance of q), what the iteration leaves open.
+    """
+
+    work: np.ndarray
+    exchanged: float
+    passed: float
+    worth: float
 
 
 class InterfaceWork:
@@ -63,21 +80,35 @@ class InterfaceWork:
         self.exchanged = 0.0
         self.last = begin, interface.read(), interface.read()
 
-    def add(self, time: float, used: np.ndarray, y: np.ndarray) -> None:
-        """Add the macro step that ends at `time` [s]: what inputs were set to and what outputs are
-        there.
+    def exchange(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
+        """What crosses in the macro step that ends at `time` [s]: what inputs were set to and what
+        outputs are there.
         """
         before, used_before, y_before = self.last
-        self.last = time, used, y
         step = time - before
+        work = np.zeros(2)
+        exchanged = passed = worth = 0.0
         for pair in self.pairs:
             q = self.parts[pair.wire]
             f = self.parts[pair.conjugate]
+            span = step if pair.is_power else 1.0
             out = y[q] * step if pair.is_power else y[q] - y_before[q]
             into = used[q] * step if pair.is_power else used[q] - used_before[q]
-            share = np.array([used[f] @ out, y[f] @ into])  # Eq. (W1)
-            self.work += share
-            self.exchanged += float(np.abs(used[f]) @ np.abs(out))
+            work += np.array([used[f] @ out, y[f] @ into])  # Eq. (W1)
+            exchanged += float(np.abs(used[f]) @ np.abs(out))
+            began = y_before[q] * step if pair.is_power else out
+            passed += float(np.abs(used[f]) @ np.abs(out)) / 2
+            passed += float(np.abs(used_before[f]) @ np.abs(began)) / 2
+            worth += span * pair.tolerance * float(np.abs(used[f]).sum())
+        return Exchange(work, exchanged, passed, worth)
+
+    def add(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
+        """Add the macro step that ends at `time` [s]; arguments as of `exchange`."""
+        exchange = self.exchange(time, used, y)
+        self.last = time, used, y
+        self.work += exchange.work
+        self.exchanged += exchange.exchanged
+        return exchange
 
     def summary(self) -> dict[str, float]:
         """Summary entries: W_1 [J], and (W_1 - W_2) / sum |F_in| . |dq_out|; none without
@@ -112,7 +143,8 @@ def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> li
         product = registry()(units[0]) * registry()(units[1])
         if not (product.check("[energy]") or product.check("[power]")):
             faults.append(f"{where}: the product is in {product.units:~P}, neither work nor power")
-        pairs.append(ConjugatePair(k, back, product.check("[power]")))
+        tolerance = wires[k].tolerance if np.isfinite(wires[k].tolerance) else 0.0
+        pairs.append(ConjugatePair(k, back, product.check("[power]"), tolerance))
     if faults:
         raise BadInput(faults)
     return pairs

@@ -91,6 +91,15 @@ def _of_summary(summary):
             "energy",
             f"both sides' interface work differs by {share:.2g} of it, allowed {WORK_AMBER:g}",
         )
+    if "energy_refused_steps" in summary:
+        count = summary["energy_refused_steps"]
+        share = summary["energy_created_share_max"]
+        yield Verdict(
+            "amber" if count else "green",
+            "energy ledger",
+            f"{count} steps in which energy came from nowhere were refused and halved; of the "
+            f"accepted ones none made more than {max(share, 0.0):.2g} of what passed to and fro",
+        )
 
 
 def _of_truncation(summary):

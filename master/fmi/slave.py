@@ -31,6 +31,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from .errors import BadInput, Discard
+from .state_bytes import join, split
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: an input's derivatives over a step, a directional derivative's seed
@@ -67,6 +68,8 @@ class FieldSlave(Fmi2Slave):
       fault;
     - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it
       cannot;
+    - `slow_state`: members of the state, `field` or `field.name`, that a run may extrapolate from
+      cycle to cycle, see `state_bytes`; optional.
     - `interpolates_inputs`: True if `advance` asks `course` for its inputs instead of reading
       `values`;
     - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`:
@@ -76,6 +79,7 @@ class FieldSlave(Fmi2Slave):
     name = "slave"
     description = ""
     state_type: Any = None
+    slow_state: tuple[str, ...] = ()
     experiment = Experiment(stop=5e-3, step=5e-5)
     interpolates_inputs = False
     derivative_inputs = ()
@@ -442,35 +446,19 @@ class FieldSlave(Fmi2Slave):
             self.real[: self.real_count] = real
         self.state = _assembled(self.state_type, state) if isinstance(state, dict) else state
 
-    @staticmethod
-    def _fmu_state_to_bytes(saved):  # pyright: ignore[reportIncompatibleMethodOverride]
+    @classmethod
+    def _fmu_state_to_bytes(cls, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
         arrays = {"": real} | ({} if state is None else _members(state))
-        header = {
-            "settings": settings,
-            "arrays": [(n, a.dtype.str, a.shape) for n, a in arrays.items()],
-            "started": state is not None,
-        }
-        text = json.dumps(header).encode()
-        return b"".join(
-            [
-                len(text).to_bytes(8, "little"),
-                text,
-                *(np.ascontiguousarray(a).tobytes() for a in arrays.values()),
-            ]
-        )
+        head = {"settings": settings, "started": state is not None}
+        return join(head | ({"slow": cls.slow_state} if cls.slow_state else {}), arrays)
 
     @staticmethod
     def _fmu_state_from_bytes(data):  # pyright: ignore[reportIncompatibleMethodOverride]
-        data = bytes(data)
-        end = 8 + int.from_bytes(data[:8], "little")
-        header, arrays = json.loads(data[8:end]), {}
-        for name, dtype, shape in header["arrays"]:
-            array = np.frombuffer(data, dtype, int(np.prod(shape)), end).reshape(shape).copy()
-            end += array.nbytes
-            arrays[name] = array if shape else array.item()
+        head, arrays = split(bytes(data))
         real = arrays.pop("")
-        return real, tuple(header["settings"]), arrays if header["started"] else None
+        members = {name: a if a.shape else a.item() for name, a in arrays.items()}
+        return real, tuple(head["settings"]), members if head["started"] else None
 
 
 def _members(state):

@@ -33,6 +33,7 @@ from .printf import Logger, printed
 REAL = ctypes.POINTER(ctypes.c_double)
 WHOLE = 1e-9
 """Of a step: what is left of it counts as nothing."""
+WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
@@ -155,6 +156,12 @@ class FmuParticipant:
         with self._refusing():
             self._fmu.exitInitializationMode()
         self._begun = True
+
+    def warned(self):
+        """What the FMU logged as warnings while it started, each once: list of texts; to be asked
+        for before the first step.
+        """
+        return list(dict.fromkeys(text for status, text in self.log if status == WARNING))
 
     @contextmanager
     def _refusing(self):

@@ -90,6 +90,10 @@ class IsolatedParticipant:
         self._fresh = set()
         self._ask("leave")
 
+    def warned(self):
+        """See `FmuParticipant.warned`."""
+        return self._ask("warned")
+
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
         self._fresh = set()  # an output may follow its input at once

@@ -2,6 +2,7 @@
 
 run         one run, start to end
 repetition  a cycle again and again until it is periodic
+extrapolation  what is slow from cycle to cycle
 recorder    the results file, written
 logs        convergence, step by step
 console     progress and summary on the screen

@@ -13,10 +13,12 @@ from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 
+from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput
 from ..participants.plain import NotPlain, pack, unpack
+from .extrapolation import Extrapolation
 from .reductions import Reduction
 from .repetition import Repetition
 
@@ -56,6 +58,7 @@ class Account:
     rows: int = 0
     wall_time: float = 0.0
     repetition: Repetition | None = None
+    ledger: Ledger | None = None
 
 
 MAGIC = b"piston-cosim checkpoint\n"
@@ -63,7 +66,16 @@ VERSION = 1
 CHECKSUM = 32
 """Bytes of a SHA-256."""
 
-ACCOUNTS = (Account, Counters, Reduction, Repetition, InterfaceWork, ConjugatePair)
+ACCOUNTS = (
+    Account,
+    ConjugatePair,
+    Counters,
+    Extrapolation,
+    InterfaceWork,
+    Ledger,
+    Reduction,
+    Repetition,
+)
 """Classes of what an account is made of."""
 
 

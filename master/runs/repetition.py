@@ -3,11 +3,9 @@
 From `time.start` to `time.stop` is one cycle. What is compared are all wires that carry reals, and
 what the contract says an FMU of a role `repeats`: together film, motion and oil.
 
-Cycles are plainly repeated. With flooded edges each is nearer by a factor of ten (numerical
-example, rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6), which leaves nothing
-to gain by extrapolation. Where oil on the bore is followed, its amount is slower (data sheet,
-12 x 8 cells, a layer of 5 um, steps of 4 deg: 0.04 in the fifth, 0.03 in the eighth cycle), and on
-so coarse a grid motion jumps about by as much: extrapolating that would not be safe.
+Motion and a flooded film forget their start by a factor of ten a cycle (numerical example, rigid,
+16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6). What a participant says is slower is
+extrapolated between two cycles, `extrapolation`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -16,6 +14,7 @@ import numpy as np
 
 from ..case.contract import contract, players
 from ..fmi.errors import BadInput
+from .extrapolation import Extrapolation
 
 Port = tuple[str, str]
 """Participant and variable."""
@@ -39,12 +38,14 @@ class Repetition:
     tolerance : float
         On d.
     most : int
-        Cycles at most.
+        Cycles at most, those taken back included.
+    extrapolation : Extrapolation, optional
+        Of what is slow; without it cycles are plainly repeated.
 
     Attributes
     ----------
     cycles : int
-        Finished ones.
+        Finished ones that stand.
     distances : list of float
         d of each [-].
     furthest : (participant, variable)
@@ -52,12 +53,18 @@ class Repetition:
     """
 
     def __init__(
-        self, compared: Iterable[Port], turning: Iterable[Port], tolerance: float, most: int
+        self,
+        compared: Iterable[Port],
+        turning: Iterable[Port],
+        tolerance: float,
+        most: int,
+        extrapolation: Extrapolation | None = None,
     ):
         self.compared = list(compared)
         self.turning = list(turning)
         self.tolerance = tolerance
         self.most = most
+        self.extrapolation = extrapolation
         self.cycles = 0
         self.distances: list[float] = []
         self.furthest = self.compared[0]
@@ -75,7 +82,12 @@ class Repetition:
     @property
     def is_over(self) -> bool:
         """Whether no further cycle is to be run."""
-        return self.is_periodic or self.cycles >= self.most
+        return self.is_periodic or self.taken >= self.most
+
+    @property
+    def taken(self) -> int:
+        """Cycles that were run."""
+        return self.cycles + (self.extrapolation.taken_back if self.extrapolation else 0)
 
     def begin(self, participants: Mapping) -> None:
         """A cycle begins where the participants stand."""
@@ -86,6 +98,8 @@ class Repetition:
             (owner, name): float(participants[owner].get(name)) for owner, name in self.turning
         }
         self.first = self.first or self.begun
+        if self.extrapolation:
+            self.extrapolation.begin(participants)
 
     def note(self, participants: Mapping) -> None:
         """A step is accepted."""
@@ -100,7 +114,18 @@ class Repetition:
         apart = {port: self._apart(port, now[port]) for port in self.compared}
         self.furthest = max(apart, key=apart.__getitem__)
         self.distances.append(apart[self.furthest])
+        if self.extrapolation:
+            self.extrapolation.end(participants)
         return self.distances[-1]
+
+    def proceed(self, participants: Mapping) -> str:
+        """Put the participants where the next cycle begins; what was done, in words, or nothing."""
+        if self.extrapolation is None:
+            return ""
+        before = self.extrapolation.taken_back
+        said = self.extrapolation.proceed(participants)
+        self.cycles -= self.extrapolation.taken_back - before
+        return said
 
     def turned(self, port: Port) -> float:
         """By how much an output has grown from the first cycle's beginning to this one's."""
@@ -109,19 +134,24 @@ class Repetition:
     def sentence(self) -> str:
         """The last cycle in words."""
         text = (
-            f"cycle {self.cycles}: its end is {self.distances[-1]:.2g} from its beginning "
+            f"cycle {self.taken}: its end is {self.distances[-1]:.2g} from its beginning "
             f"({'.'.join(self.furthest)}), wanted {self.tolerance:g}"
         )
         if self.is_over and not self.is_periodic:
-            text += f"; not periodic after {self.cycles} cycles (time.most_cycles)"
+            text += f"; not periodic after {self.taken} cycles (time.most_cycles)"
         return text
 
     def summary(self) -> dict[str, object]:
         """Summary entries."""
+        slow = self.extrapolation
+        counted: dict[str, object] = {}
+        if slow and slow.made:
+            counted = {"extrapolated_cycles": slow.made, "taken_back_cycles": slow.taken_back}
         return {
-            "cycles": self.cycles,
+            "cycles": self.taken,
             "cycle_distance": self.distances[-1] if self.distances else float("nan"),
             "periodic": self.is_periodic,
+            **counted,
         }
 
     def _read(self, participants):
@@ -159,4 +189,7 @@ def repetition(case, tree, system) -> Repetition | None:
             "time.until_periodic: nothing tells whether a cycle repeats: the case has no wire of "
             "reals, and no participant with a role of the contract"
         )
-    return Repetition(compared, turning, case.time.until_periodic, case.time.most_cycles)
+    time = case.time
+    storable = all(getattr(p, "can_serialise", False) for p in system.participants.values())
+    slow = Extrapolation() if storable else None
+    return Repetition(compared, turning, time.until_periodic, time.most_cycles, slow)

@@ -13,8 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..case.contract import contract, players
 from ..case.schema import reduced
 from ..coupling.freezing import freeze, thaw
+from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
 from ..coupling.negotiation import by_differences, objections, sentences
 from ..coupling.starting import closing, start
@@ -58,7 +60,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
-        Told in one line each what is done otherwise than the FMUs offer it, and how far each cycle
+        Told in one line each what FMUs warn of at the start, what is done otherwise than they offer
+        it, and how far each cycle
         of a case that is run until periodic is from the one before.
 
     Returns
@@ -88,6 +91,8 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
                 system,
                 (lambda participant: []) if begin_at else partial(_trial, system),
             )
+            for line in _warnings(system):
+                say(line)
             objected = objections(system, method_of(case.coupling))
             for line in sentences(objected):
                 say(line)
@@ -117,6 +122,13 @@ def _check_resumable(checkpoint, system, output):
         faults.append(f"{partial_file}: is gone; without it the run cannot go on")
     if faults:
         raise BadInput(faults)
+
+
+def _warnings(system):
+    """What the participants warned of at their start."""
+    for name, participant in system.participants.items():
+        if warned := getattr(participant, "warned", None):
+            yield from (f"{name}: {text}" for text in warned())
 
 
 def _trial(system, participant):
@@ -152,6 +164,7 @@ class March:
             _step_control(system, case.coupling),
             system.held,
             begin=system.begin,
+            judge=self.judge,
         )
         if begin_at:
             try:
@@ -173,6 +186,7 @@ class March:
                 self.stepper.interface.spent,
                 repetition=repetition(case, tree, system),
             )
+            self.account.ledger = self._ledger()
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
         self.observers = [
@@ -184,6 +198,19 @@ class March:
         with writing(output):
             self.recorder = self._recorder()
             self.log = CouplingLog(output, system.wires, self.account.counters)
+
+    def _ledger(self):
+        """Of the participants whose role in the contract has an account of energy."""
+        known = self.system.participants
+        ports: list[tuple[str, str]] = []
+        sizes: list[tuple[str, str]] = []
+        for role, terms in contract().items():
+            for name in players(self.tree, role):
+                if terms.energy in known[name].fields:
+                    ports.append((name, str(terms.energy)))
+                if terms.energy_size in known[name].fields:
+                    sizes.append((name, str(terms.energy_size)))
+        return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):
         """Writer of the cycle's results, its rows so far taken over."""
@@ -251,11 +278,14 @@ class March:
         self.say(account.repetition.sentence())
         if account.repetition.is_over:
             return False
+        if done := account.repetition.proceed(self.system.participants):
+            self.say(done)
         self.recorder.close()
         account.steps_done = 0
         account.reductions = [Reduction(name, text) for name, text in self.case.summary.items()]
         begin = self.system.begin + self._behind()
         account.work = InterfaceWork(self.stepper.interface, self.case.wires, begin)
+        account.ledger = self._ledger()
         account.rows = 0
         # first the checkpoint: rows of the older one go with the file
         if self.case.record.checkpoint_every != 0:
@@ -311,11 +341,21 @@ class March:
             reduction.add(values)
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
-            account.work.add(time, solution.inputs, self.stepper.interface.read())
+            exchange = account.work.add(time, solution.inputs, self.stepper.interface.read())
+            if account.ledger:
+                account.ledger.add(self.system.participants, exchange)
         monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
         for observer in self.observers:
             observer.accepted(time, solution)
         self.watch(time, self.system.stop + self._behind(), solution, monitored)
+
+    def judge(self, time, solution):
+        """Raise EnergyCreated where energy came from nowhere in the step that ends at `time`."""
+        account = self.account
+        if account.ledger:
+            y = self.stepper.interface.read()
+            exchange = account.work.exchange(time, solution.inputs, y)
+            account.ledger.check(self.system.participants, exchange)
 
     def keep(self):
         """Write a checkpoint, if all participants can put their states into a file."""
@@ -401,8 +441,17 @@ def summarise(account, control, wall_time):
         "wall_time_s": wall_time,
         **split(account.spent, wall_time),
         **account.work.summary(),
+        **_of_ledger(account),
         **{r.name: r.result() for r in account.reductions},
     }
+
+
+def _of_ledger(account):
+    """Summary entries of the energy that participants took; none without an account."""
+    if account.ledger is None:
+        return {}
+    refused = {"energy_refused_steps": account.counters.energy_refused_steps}
+    return account.ledger.summary() | refused
 
 
 def versions():

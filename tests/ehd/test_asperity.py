@@ -45,6 +45,23 @@ def test_overlap_goes_on_straight():
     assert slope[1] == slope[0] and np.diff(pressure) == pytest.approx(-slope[0])
 
 
+@pytest.mark.parametrize("law", asperity.CONTACT_LAWS)
+@pytest.mark.parametrize("separation", [-1.5, -0.2, 0.0, 0.7, 2.3, 3.5])
+def test_energy_is_the_work_of_closing_the_gap(law, separation):
+    """Eq. (A9) against quadrature of the pressure from far away to the gap; sigma 2, p_0 3."""
+    constants = asperity.ContactConstants(2.0, 3.0, 1.0, 0.1, 0.0, asperity.contact_table(law))
+    gap = 2.0 * separation
+    # pieces of the table's cells; the fit ends at H = 4
+    edges = np.concatenate([[gap], np.linspace(max(gap, 0.0), 16.0, 101)[int(gap >= 0.0) :]])
+    work = sum(
+        quad(lambda h: asperity.point_contact(h, constants).pressure, a, b)[0]
+        for a, b in zip(edges, edges[1:])
+    )
+    energy = asperity.point_contact(gap, constants).energy
+    # the table's cubics: 1e-10 of F at 0, over a length of some H
+    assert energy == pytest.approx(work, rel=1e-6, abs=1e-8)
+
+
 def test_smooth_surfaces_do_not_touch():
     smooth = LubricationModel(Parameters((4, 3), boundary_shear_strength=1e6))
     _, o = smooth.start(np.full((4, 3), -1e-6), np.ones((4, 3)))

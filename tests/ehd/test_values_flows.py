@@ -176,7 +176,7 @@ def test_layer_and_asperities_are_springs_in_series():
     c = 2.5e-14
     one = np.ones((1, 1))
     shares = np.array([0.5, 0.2, 0.1, 0.15, 0.05])[:, None, None]
-    touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares)
+    touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares, 0.0 * one)
     assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
     tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
     weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)

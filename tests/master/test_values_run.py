@@ -327,3 +327,11 @@ def test_summary_of_steps_by_local_error(affine, tmp_path):
     assert (summary["steps"], summary["rejected_steps"]) == (5, 1)
     assert summary["inaccurate_smallest_steps"] == 0
     assert summary["residual_evaluations"] == 12
+
+
+def test_warnings_of_the_start_are_told(toys, tmp_path):
+    system = toys()
+    system.participants["plant"].warned = lambda: ["the tank leaks", "and is hot"]
+    said = []
+    go(system, tmp_path / "run.h5", say=said.append)
+    assert said[:2] == ["plant: the tank leaks", "plant: and is hot"]

@@ -1,0 +1,53 @@
+"""The bodies' account of energy over a step, of the motion across the bore and along it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Account(NamedTuple):
+    """Of a step [J].
+
+    gain : Eq. (D14); size : of its terms, Eq. (D16).
+    """
+
+    gain: float
+    size: float
+
+
+def account(
+    kinetic: tuple[float, float],
+    way: np.ndarray,
+    others: tuple[np.ndarray, np.ndarray],
+    axial_work: float,
+) -> Account:
+    """Energy that the bodies took from the film over a step, by what their motion shows, and what
+    it is to be measured by.
+
+    Eq. (D14):  E = T_1 - T_0 - (q_1 - q_0) . (O_0 + O_1)/2 + h (axial power)
+    Eq. (D16):  Z = max(T_0, T_1) + |q_1 - q_0| . (|O_0| + |O_1|)/2
+
+    What they hold more of and what other forces took, Eq. (D15), by the trapezoidal rule. It does
+    not go by the film's forces: where a time integrator returns a stop as a rebound E shows it. An
+    integrator errs by a share of Z, and not of what the film did: in free flight that is nothing.
+
+    Parameters
+    ----------
+    kinetic : (float, float)
+        T_0, T_1 [J].
+    way : ndarray, shape (n,)
+        q_1 - q_0.
+    others : (ndarray, ndarray)
+        O_0, O_1, shape (n,).
+    axial_work : float
+        Of the film along the bore's axis [J].
+
+    Returns
+    -------
+    Account
+    """
+    before, after = kinetic
+    begun, ended = others
+    gain = after - before - float(way @ (begun + ended)) / 2 + axial_work  # Eq. (D14)
+    turned = float(np.abs(way) @ (np.abs(begun) + np.abs(ended))) / 2
+    return Account(gain, max(before, after) + turned)  # Eq. (D16)

@@ -1,0 +1,179 @@
+"""What is slow, extrapolated from cycle to cycle, on a tank whose cycles one can work out.
+
+The tank is at the end of a cycle where `flow` takes the level of its beginning; beside it runs
+y = sin(pi t/2), a cycle of 4 s in steps of 1 s.
+"""
+
+import os
+import signal
+from functools import partial
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.fmi.state_bytes import join, slow_members, split, with_members
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
+from piston_cosim.master.runs.extrapolation import FARTHEST, extrapolated
+from piston_cosim.master.runs.run import run
+
+CYCLE = 4
+
+
+def tree(tolerance=1e-3):
+    return {
+        "title": "Tank",
+        "time": {"stop": f"{CYCLE} s", "step": "1 s", "until_periodic": tolerance},
+        "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
+        "wires": [
+            {"from": "echo.w0", "to": "plant.u0"},
+            {"from": "plant.y0", "to": "echo.v0"},
+        ],
+        "coupling": {"order": ["plant", "echo"], "method": "constant", "relaxation": 1.0},
+    }
+
+
+def tank(affine, flow, slow=("level",)):
+    """A system whose plant is a tank, its states in the layout of the project's slaves."""
+    system = affine([[0.0]], lambda t: 0.0, 1e-9, stop=float(CYCLE))
+    plant = system.participants["plant"]
+
+    def step(time, size):
+        now, level = plant.state
+        now += size
+        if round(now) % CYCLE == 0:
+            level = flow(level)
+        plant.state = np.array([now, level])
+        plant.values["y0"] = np.array(np.sin(np.pi * now / 2) + level)
+
+    def serialise(saved):
+        (now, level), values = saved
+        return join({"slow": slow, "values": values["y0"].tolist()}, {"t": now, "level": level})
+
+    def deserialise(data):
+        head, arrays = split(data)
+        state = np.array([arrays["t"].item(), arrays["level"].item()])
+        return state, plant.values | {"y0": np.array(head["values"])}
+
+    plant.state = np.zeros(2)
+    plant.step, plant.serialise, plant.deserialise = step, serialise, deserialise
+    return system
+
+
+def go(system, output, tolerance=1e-3, watch=lambda *args: None, **given):
+    whole = tree(tolerance)
+    return run(system, check_case(whole, "case.toml"), whole, output, watch, **given)
+
+
+def ends(output):
+    """y of the last cycle."""
+    results = Results(output)
+    values = results.series("plant.y0").values
+    results.close()
+    return values
+
+
+def slow_flow(level):
+    """Falls by three tenths a cycle in its distance from 1."""
+    return 1.0 + 0.7 * (level - 1.0)
+
+
+def test_a_linear_tank_is_full_after_two_cycles_and_equals_twenty_plain_ones(affine, tmp_path):
+    """The secant of a linear map is exact. After 20 plain cycles 0.7^20 = 8e-4 is left."""
+    said = []
+    summary = go(tank(affine, slow_flow), tmp_path / "fast.h5", say=said.append)
+    assert summary["periodic"]
+    assert (summary["cycles"], summary["extrapolated_cycles"], summary["taken_back_cycles"]) == (
+        4,
+        1,
+        0,
+    )
+    # to 1 from g_2 = 0.51, whose last change was 0.21
+    assert "extrapolated, in changes of the last cycle: plant.level by 2.3" in said
+    plain = go(tank(affine, slow_flow, slow=()), tmp_path / "plain.h5", 1e-4)
+    assert plain["cycles"] == 20
+    assert "extrapolated_cycles" not in plain
+    # the tolerance, of a range of 2
+    assert ends(tmp_path / "fast.h5") == pytest.approx(ends(tmp_path / "plain.h5"), abs=2e-3)
+    # the round-off of a secant
+    assert ends(tmp_path / "fast.h5")[-1] == pytest.approx(1.0, abs=1e-12)
+
+
+def spilling(level):
+    """Rises by 0.01 a cycle up to 0.2; one that is fuller than that runs dry."""
+    return min(level + 0.01, 0.2) if level <= 0.2 else 0.0
+
+
+def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
+    """A rise that does not slow down is moved on by 30 of its changes: from 0.02 to 0.32, which
+    runs dry. The second time is the last, and the plain cycles go on as if nothing had been.
+    """
+    said = []
+    summary = go(tank(affine, spilling), tmp_path / "fast.h5", say=said.append)
+    plain = go(tank(affine, spilling, slow=()), tmp_path / "plain.h5")
+    assert (summary["extrapolated_cycles"], summary["taken_back_cycles"]) == (2, 2)
+    assert summary["cycles"] == plain["cycles"] == 20
+    assert sum("is taken back with its cycle" in line for line in said) == 2
+    assert "worse (1 instead of 0.5)" in " ".join(said)
+    low, high = ends(tmp_path / "fast.h5"), ends(tmp_path / "plain.h5")
+    # two of twenty cycles were lost
+    assert low[-1] == pytest.approx(high[-1] - 0.02, abs=1e-12)
+
+
+def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path):
+    def interrupt(at, time, *others):
+        if time == at:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    whole = go(tank(affine, slow_flow), tmp_path / "whole.h5")
+    for at in (6.0, 9.0, 13.0):
+        output = tmp_path / f"{at}.h5"
+        with pytest.raises(Interrupted):
+            go(tank(affine, slow_flow), output, watch=partial(interrupt, at))
+        begin_at = Checkpoint.read(Checkpoint.path(output))
+        resumed = go(tank(affine, slow_flow), output, begin_at=begin_at)
+        for key in ("cycles", "extrapolated_cycles", "cycle_distance"):
+            assert resumed[key] == whole[key]
+        assert ends(output).tolist() == ends(tmp_path / "whole.h5").tolist()
+
+
+@pytest.mark.parametrize(
+    "ends, changes, expected",
+    [
+        # f = 0.5 then 0.25: half of it each cycle, as much again is left
+        (([1.0], [1.25]), ([0.5], [0.25]), [1.5]),
+        # beyond: f turns its sign, x lies between
+        (([2.0], [1.0]), ([1.0], [-1.0]), [1.5]),
+        # a change as large as before has no secant; neither has one that grows
+        (([1.0], [1.5]), ([0.5], [0.5]), [1.5 + FARTHEST * 0.5]),
+        (([1.0], [1.6]), ([0.5], [0.6]), [1.6 + FARTHEST * 0.6]),
+        # what is nowhere negative stays so; what is may be
+        (([1.0], [0.5]), ([-0.5], [-0.5]), [0.0]),
+        (([-1.0], [-1.5]), ([-0.5], [-0.5]), [-1.5 - FARTHEST * 0.5]),
+        # nothing changes
+        (([1.0], [1.0]), ([0.5], [0.0]), [1.0]),
+    ],
+)
+def test_extrapolation_by_hand(ends, changes, expected):
+    """Eq. (Y3)."""
+    ends = tuple(np.array(each) for each in ends)
+    changes = tuple(np.array(each) for each in changes)
+    assert extrapolated(ends, changes) == pytest.approx(expected, rel=1e-14)
+
+
+def test_slow_members_of_bytes():
+    data = join({"slow": ["a"]}, {"a": np.arange(3.0), "b": np.ones((2, 2)), "c": np.array(2.0)})
+    assert slow_members(data)["a"].tolist() == [0.0, 1.0, 2.0]
+    assert list(slow_members(data)) == ["a"]
+    head, arrays = split(with_members(data, {"a": np.full(3, 7.0)}))
+    assert head == {"slow": ["a"]}
+    assert arrays["a"].tolist() == [7.0] * 3
+    assert arrays["b"].tolist() == [[1.0, 1.0], [1.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"something else", b"\x02" + 7 * b"\0" + b"[]", b"\x02" + 7 * b"\0" + b"{}"]
+)
+def test_other_states_have_no_slow_members(data):
+    assert slow_members(data) == {}

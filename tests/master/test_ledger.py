@@ -1,0 +1,120 @@
+"""Energy from nowhere: steps that are refused, and what is said of the others, on toys.
+
+The force between the toys is 10 + t [N] and moves them by as many metres, so that its mean times H
+passes in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.coupling.ledger import LIMIT, EnergyCreated, Ledger, ledger
+from piston_cosim.master.coupling.stepping import StepFailed
+from piston_cosim.master.coupling.work import Exchange
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.run import run
+
+TREE = {
+    "title": "Toys",
+    "time": {"stop": "4 s", "step": "1 s"},
+    "participants": {
+        "plant": {"fmu": "plant.fmu", "role": "bodies"},
+        "echo": {"fmu": "echo.fmu", "role": "lubrication"},
+    },
+    "wires": [
+        {"from": "echo.w0", "to": "plant.u0", "conjugate": "plant.y0"},
+        {"from": "plant.y0", "to": "echo.v0"},
+    ],
+    "coupling": {
+        "order": ["plant", "echo"],
+        "method": "constant",
+        "relaxation": 1.0,
+        "halvings": 4,
+    },
+}
+
+
+def toys(affine, made):
+    system = affine([[0.0]], lambda t: 10.0 + t, 1e-9, stop=4.0)
+    for name, amount in (("plant", made), ("echo", 0.0)):
+        one = system.participants[name]
+        given = vars(next(iter(one.fields.values())))
+        gain = given | {"name": "energy_gain", "unit": "J", "causality": "output"}
+        one.fields["energy_gain"] = SimpleNamespace(**gain)
+        one.values["energy_gain"] = np.zeros(())
+        one.step = telling(one, type(one).step, amount)
+    return system
+
+
+def telling(one, advance, amount):
+    def step(time, size):
+        advance(one, time, size)
+        one.values["energy_gain"] = np.array(amount * size**2)
+
+    return step
+
+
+def go(affine, made, output):
+    return run(toys(affine, made), check_case(TREE, "case.toml"), TREE, output)
+
+
+def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):
+    """The first step moves the toys from 0, 5.5 N by 11 m: half of these 60.5 J counts in the
+    second, a quarter in the third. There 2 J are more than a tenth of 15.1 J, and of 13.5 J in
+    the fourth; 0.5 J of 6.1 J and more are not.
+    """
+    summary = go(affine, 2.0, tmp_path / "run.h5")
+    assert summary["energy_refused_steps"] == summary["halved_steps"] == 2
+    assert summary["steps"] == 2 + 4
+    assert summary["energy_taken_plant_j"] == pytest.approx(2 * 2.0 + 4 * 0.5, rel=1e-12)
+    assert summary["energy_taken_echo_j"] == 0.0
+    # 0.5 J of 13.25 N by 0.5 m
+    assert summary["energy_created_share_max"] == pytest.approx(0.5 / 6.625, rel=1e-6)
+
+
+def test_steps_that_make_none_are_left_alone(affine, tmp_path):
+    summary = go(affine, 1.0, tmp_path / "run.h5")
+    assert summary["energy_refused_steps"] == summary["halved_steps"] == 0
+    assert summary["energy_created_share_max"] == pytest.approx(1.0 / 13.5, rel=1e-6)
+    lost = go(affine, -0.5, tmp_path / "lost.h5")
+    assert lost["energy_created_share_max"] < 0.0
+
+
+def test_energy_that_no_halving_cures_stops_the_run(affine, tmp_path):
+    with pytest.raises(StepFailed, match=r"energy from nowhere: .* J \(echo 0 J, plant .* J\)"):
+        go(affine, 1e4, tmp_path / "run.h5")
+
+
+def test_the_rule_by_hand():
+    """Eq. (W2): 3 J from 5 - 2 J; a tenth of 20 J, of which 10 J are held, and what the
+    tolerance is worth, 1 J.
+    """
+    one = Ledger([("a", "e"), ("b", "e")], [("a", "z")])
+    told = {"e": 5.0, "z": 10.0}
+    gains = {"a": SimpleNamespace(get=told.get), "b": SimpleNamespace(get=lambda _: -2.0)}
+    assert LIMIT == 0.1
+    one.check(gains, Exchange(np.zeros(2), 0.0, 10.1, 1.0))
+    with pytest.raises(EnergyCreated, match="3 J .a 5 J, b -2 J. of 19.9 J"):
+        one.check(gains, Exchange(np.zeros(2), 0.0, 9.9, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 10.0, 1.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0, 0.0))
+    assert one.summary() == {
+        "energy_taken_a_j": 10.0,
+        "energy_taken_b_j": -4.0,
+        # the second time nothing passed
+        "energy_created_share_max": pytest.approx(3.0 / 10.0, rel=1e-14),
+    }
+
+
+def test_whose_accounts_are_believed():
+    joule = SimpleNamespace(fields={"e": SimpleNamespace(unit="J")})
+    watt = SimpleNamespace(fields={"e": SimpleNamespace(unit="W")})
+    known = {"a": joule, "b": joule, "c": watt}
+    assert ledger([("a", "e"), ("b", "e")], [("a", "e")], 1, known) is not None
+    # one account alone says nothing, and without conjugates nobody knows what passed
+    assert ledger([("a", "e")], [], 1, known) is None
+    assert ledger([("a", "e"), ("b", "e")], [], 0, known) is None
+    with pytest.raises(BadInput, match="c.e: is in W, the contract says J"):
+        ledger([("a", "e"), ("c", "e")], [], 1, known)
