@@ -72,6 +72,7 @@ def command(
         raise BadInput("the case has no picture with lines: give --x and --y")
     x = x or lines[0].x
     y = y or [port for panel in lines[0].y for port in panel]
+    assert x is not None  # a picture with lines has one
     if measured:
         columns = curves.read_measured(measured)
         x = next(iter(columns))
