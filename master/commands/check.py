@@ -64,7 +64,7 @@ def _shown(figure: Figure) -> str:
         return (
             f"{1e3 * figure.value:.5g} mm"
             if size >= 1e-3 or not size
-            else (f"{1e6 * figure.value:.4g} um")
+            else (f"{1e6 * figure.value:.4g} \N{MICRO SIGN}m")
         )
     if figure.unit == "m3":
         return f"{1e6 * figure.value:.5g} cm^3"

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
@@ -27,7 +28,7 @@ def command(
     """Score curves: runs against the first, the last cycle against the one before, or runs against
     a measured file.
 
-    Printed are the ratio of ranges (amplitude), the shift (phase, in SI, positive = later) and the
+    Printed are the ratio of ranges (amplitude), the shift (phase, positive = later) and the
     rms difference over the reference's range. With --lubrication, a case is run with each of the
     models named, and they are held against the first by what the contract says of the role: film,
     load and friction; by iterations and time; with pictures.
@@ -71,10 +72,12 @@ def command(
         raise BadInput("the case has no picture with lines: give --x and --y")
     x = x or lines[0].x
     y = y or [port for panel in lines[0].y for port in panel]
+    assert x is not None  # a picture with lines has one
     if measured:
-        table = curves.read_measured(measured)
-        rows = curves.against_measured(runs, table)
-        drawn = curves.draw_measured(runs, table, output or Path("measured.png"))
+        columns = curves.read_measured(measured)
+        x = next(iter(columns))
+        rows = curves.against_measured(runs, columns)
+        drawn = curves.draw_measured(runs, columns, output or Path("measured.png"))
         console.print(f"picture  {drawn}", highlight=False, soft_wrap=True)
     elif period:
         rows = curves.against_last_cycle(case, runs, x, y, period)
@@ -82,11 +85,16 @@ def command(
         rows = curves.against_first(runs, x, y)
     else:
         raise BadInput("one run alone: give --period or --measured, or a second run")
-    table = Table("run", "curve", "amplitude [-]", "phase", "rms [-]", box=None)
+    print_scores(rows, next(iter(runs.values())).series(x).unit)
+
+
+def print_scores(rows, unit):
+    """Table of scores; the phase is in the SI `unit` of the abscissa, of angles in degrees."""
+    shown, factor = ("deg", np.degrees(1.0)) if unit == "rad" else (unit, 1.0)
+    table = Table("run", "curve", "amplitude [-]", escape(f"phase [{shown}]"), "rms [-]", box=None)
     for label, port, scored in rows:
-        table.add_row(
-            label, port, f"{scored.amplitude:.4f}", f"{scored.phase:+.4g}", f"{scored.rms:.4f}"
-        )
+        phase = f"{scored.phase * factor:+.4g}"
+        table.add_row(label, port, f"{scored.amplitude:.4f}", phase, f"{scored.rms:.4f}")
     console.print(table)
 
 

@@ -209,5 +209,6 @@ def _oil(run):
     if content is None or upper is None:
         return ""
     time = run.results.time
-    held, outwards = 1e9 * _mean(time, content), -1e9 * _mean(time, upper)
-    return f"{held:.3g} mm^3 in the film, {outwards:.3g} mm^3/s out over the upper edge"
+    held, inwards = 1e9 * _mean(time, content), 1e9 * _mean(time, upper)
+    way = "in" if inwards > 0.0 else "out"
+    return f"{held:.0f} mm^3 in the film, {abs(inwards):.0f} mm^3/s {way} over the upper edge"

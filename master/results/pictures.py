@@ -2,6 +2,7 @@
 here, at the edge.
 """
 
+import textwrap
 from itertools import cycle
 from pathlib import Path
 
@@ -15,6 +16,10 @@ from .instants import instant, told
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
 WINDOW = "#3a7d44"
+LETTERS = 9
+"""Of a title to an inch: a longer one goes on in a second line."""
+MICRO = ("um", "urad", "us", "uN")
+"""Units written without a micro sign, as a case file may."""
 
 
 def draw(case, runs, folder):
@@ -73,7 +78,8 @@ def figures(case, runs):
         if picture.file in without:
             continue
         figure = DRAWN[picture.kind](case, picture, runs)
-        figure.suptitle(picture.title)
+        width, _ = figure.get_size_inches()
+        figure.suptitle(textwrap.fill(picture.title, int(LETTERS * width)))
         yield picture, figure
         plt.close(figure)
 
@@ -89,7 +95,8 @@ def scaled(values, unit: str, wanted: str | None):
 
 def unit_shown(unit: str, wanted: str | None) -> str:
     """Label of the unit a picture asks for; the SI `unit` without one, nothing for pure numbers."""
-    return wanted or ("" if unit == "1" else unit)
+    shown = wanted or ("" if unit == "1" else unit)
+    return f"\N{MICRO SIGN}{shown[1:]}" if shown in MICRO else shown
 
 
 def labelled(text: str, unit: str) -> str:

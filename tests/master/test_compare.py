@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from piston_cosim.master.commands.compare import print_scores
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.compare import read_measured, score
+from piston_cosim.master.results.compare import Row, Score, read_measured, score
 
 X = np.linspace(0.0, 4 * np.pi, 721)
 
@@ -42,3 +43,11 @@ def test_measured_file_names_ports_and_units(tmp_path):
     path.write_text("a.angle [deg], a.shift [um]\n0, 1\n0, 3\n")
     with pytest.raises(BadInput, match="rising"):
         read_measured(path)
+
+
+@pytest.mark.parametrize("unit, told", [("rad", "phase [deg]"), ("s", "phase [s]")])
+def test_the_phase_has_a_unit(unit, told, capsys):
+    """A radian is 57.3 deg."""
+    print_scores([Row("run", "a.y", Score(1.0, 0.0, 1.0))], unit)
+    printed = capsys.readouterr().out
+    assert told in printed and ("+57.3" if unit == "rad" else "+1") in printed

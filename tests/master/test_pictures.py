@@ -7,7 +7,13 @@ import pytest
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
 from piston_cosim.master.results.file import RecordedField
-from piston_cosim.master.results.pictures import draw_maps, draw_sections, figures, left_out
+from piston_cosim.master.results.pictures import (
+    draw_maps,
+    draw_sections,
+    figures,
+    left_out,
+    unit_shown,
+)
 
 
 @pytest.mark.parametrize(
@@ -84,3 +90,35 @@ def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why
     runs = {"base": results}
     assert left_out(case, runs) == ({"map.png": why} if why else {})
     assert len(list(figures(case, runs))) == (why is None)
+
+
+@pytest.mark.parametrize(
+    "unit, wanted, shown",
+    [
+        ("m", "um", "\N{MICRO SIGN}m"),
+        ("m", None, "m"),
+        ("1", None, ""),
+        ("Pa", "MPa", "MPa"),
+        ("1", "us_cup", "us_cup"),
+    ],
+)
+def test_units_have_one_micro_sign(unit, wanted, shown):
+    assert unit_shown(unit, wanted) == shown
+
+
+def test_a_long_title_goes_on_in_a_second_line():
+    title = "Pressure, film thickness and film fraction where the side force is largest " * 2
+    picture = Picture(file="map.png", title=title, kind="map", fields=["ehd.pressure"], time="1 s")
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
+        case={"participants": {}},
+        time=np.array([0.0, 0.5, 1.0]),
+        recorded=["ehd.pressure"],
+        ports=[],
+    )
+    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
+    ((_, figure),) = figures(case, {"base": results})
+    figure.canvas.draw()
+    drawn = figure._suptitle.get_window_extent()
+    assert drawn.x0 >= 0.0 and drawn.x1 <= figure.bbox.width
+    assert " ".join(figure._suptitle.get_text().split()) == title.strip()
