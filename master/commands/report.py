@@ -5,6 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..engine.sections import special
 from ..fmi.errors import BadInput
 from ..results.report import write_report
 from .common import console, open_runs
@@ -36,5 +37,6 @@ def command(
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
-    page = write_report(case, runs, output, notes.read_text() if notes else "", study)
+    said = notes.read_text() if notes else ""
+    page = write_report(case, runs, output, said, study, special(case, runs))
     console.print(f"report   {page}", highlight=False, soft_wrap=True)

@@ -131,7 +131,8 @@ def worst_place(case, results, port, lowest):
     side = f"{min(apart, key=lambda word: apart[word])} side, " if apart else ""
     return (
         f"; of the recorded fields' instants worst at {told(results, results.instants[k])}: {side}"
-        f"{axes.first.label} {around:.4g} {axes.first.unit}, {axes.second.label} {along:.3g}"
+        f"{axes.first.label} {around:.4g} {axes.first.unit}, "
+        f"{axes.second.label} {along:.3g} {axes.second.unit}".rstrip()
     )
 
 

@@ -4,10 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.colors import LogNorm
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes
 from piston_cosim.master.results.file import RecordedField
-from piston_cosim.master.results.pictures import draw_maps, draw_sections
+from piston_cosim.master.results.pictures import draw_maps, draw_sections, logarithmic
 
 
 @pytest.mark.parametrize(
@@ -16,6 +17,7 @@ from piston_cosim.master.results.pictures import draw_maps, draw_sections
 def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
     results = SimpleNamespace(
         field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction"),
+        there=lambda port: None,
         case={"participants": {}},
     )
     picture = SimpleNamespace(fields=["ehd.film_fraction"], time="0 s", units={})
@@ -38,7 +40,9 @@ SKIRT = Axes(
 def test_axes_say_what_the_case_says_and_nothing_else(axes):
     field = np.arange(20.0).reshape(5, 4)
     results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""), case={"participants": {}}
+        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
+        there=lambda port: None,
+        case={"participants": {}},
     )
     picture = SimpleNamespace(
         fields=["heat.flux"], time="0 s", units={}, angles=("0 deg", "180 deg"), height=0.5
@@ -57,3 +61,36 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
         assert panel.get_xlabel() == "first index / its number" and "thrust" not in words
         assert panel.images[0].get_extent() == [0, 1, 0, 1]
         assert along == pytest.approx([0.1, 0.3, 0.5])
+
+
+def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
+    field = 10.0 ** np.arange(20.0).reshape(5, 4)[::-1]
+    there = np.ones((5, 4), bool)
+    there[0, 3] = False  # the largest: it must not set the scale either
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
+        there=lambda port: there,
+        case={"participants": {}},
+    )
+    picture = SimpleNamespace(fields=["ehd.pressure"], time="0 s", units={})
+    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
+    image = draw_maps(case, picture, {"base": results}).axes[0].images[0]
+    shown = image.get_array()
+    assert shown.mask.T.tolist() == (~there).tolist()
+    assert isinstance(image.norm, LogNorm)
+    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((1e14, 1e18))  # four decades
+
+
+@pytest.mark.parametrize(
+    "unit, low, high, expected",
+    [
+        ("MPa", 0.0, 1.0, True),
+        ("MPa", -1.0, 1.0, False),
+        ("MPa", 0.0, 0.0, False),
+        ("um", 1.0, 29.0, False),
+        ("um", 1.0, 31.0, True),
+        ("um", 0.0, 31.0, False),
+    ],
+)
+def test_which_colours_are_logarithmic(unit, low, high, expected):
+    assert logarithmic(unit, low, high) == expected

@@ -86,5 +86,5 @@ def test_limits(given, what, colour, tmp_path):
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
     said = judged(tmp_path)["film"].said
     # row 10 of 40 has its centre at 9.5/40 of the skirt
-    assert "anti-thrust side, angle from the pin axis 270 deg, height / skirt length 0.237" in said
+    assert "anti-thrust side, angle from the pin axis 270 deg, height 19.7 mm" in said
     assert "9.26 times the roughness" in said  # 5/0.54
