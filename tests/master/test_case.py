@@ -169,7 +169,7 @@ def test_an_axis_in_shares_of_a_length(case_file, given, ends, title):
 
 
 def test_masks_of_what_the_contract_gives_one(tmp_path):
-    """Rows as they are or from a file; none of a participant without the role, or without cut-outs."""
+    """Rows as they are or from a file; none of a participant without the role or without any."""
     (tmp_path / "skirt.csv").write_text("1,0\n1,1\n")
     roles = {"a": "lubrication", "b": "lubrication", "c": "lubrication", "d": None, "e": "bodies"}
     given = {"a": [[1, 0]], "b": "skirt.csv", "c": "none", "d": [[0, 0]], "e": [[0, 0]]}
