@@ -9,7 +9,7 @@ import numpy as np
 from . import cavitation, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
-from .grid import LOWER, Array, Edges, Entrainment, Flags, Grid
+from .grid import OPENINGS, Array, Edges, Entrainment, Flags, Grid
 from .openings import Openings
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
@@ -74,8 +74,7 @@ class FilmStep:
     model : str
         Name of the cavitation model, a key of `cavitation.CAVITATION`.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cells without a film, which hold the pressure and film fraction of the lower edge,
-        `openings`.
+        Cells without a film, `openings`.
     solver : sparse.LinearSolver, optional
         `sparse.linear_solver` by default.
     """
@@ -148,8 +147,8 @@ class FilmStep:
             self.openings.starve(faces, edges.limit)
         lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
-        supply = edges.film_fraction[LOWER]
-        held = edges.pressure[LOWER] if supply >= 1.0 else supply - 1.0
+        supply = edges.film_fraction[OPENINGS]
+        held = edges.pressure[OPENINGS] if supply >= 1.0 else supply - 1.0
         if self._has_openings:
             full = np.where(self.open_cells, supply >= 1.0, full)
 
@@ -226,6 +225,15 @@ class FilmStep:
         assert step is not None and solution is not None, "spilled before solve"
         filling = Filling(solution.pressure, solution.film_fraction, step.lift)
         return self.openings.spilled(filling, step.faces)
+
+    def flow_from_openings(self) -> float:
+        """Flow of the last step into the film from all openings [m3/s]."""
+        solution = self._solution
+        assert solution is not None, "flow_from_openings before solve"
+        if not self._has_openings:
+            return 0.0
+        along = np.diff(solution.axial_flow, axis=1)[self.open_cells]
+        return float(along.sum() - self.spilled().sum())
 
     def slopes(
         self,

@@ -13,8 +13,8 @@ Eq. (F3):  P = -sum A V (tau_v + tau_a)
 tau_b is the boundary shear stress of `asperity`; c, b are those of `films` (smooth surfaces: mu/h,
 h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
 `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
-both cells, edge pressure at an edge). v0 rounds Coulomb's step at rest, so that friction has a
-derivative.
+both cells, edge pressure at an edge, an opening's at its end). v0 rounds Coulomb's step at rest, so
+that friction has a derivative.
 
 Why not the shear on the skirt: it differs from Eq. (F1) by h dp/dy, and the pressure on the slope
 of the skirt adds p dh/dy. Both together are d(p h)/dy: in all, the film gives the skirt Eq. (F1)
@@ -119,7 +119,7 @@ class ForceSlopes(NamedTuple):
 
 
 @compiled(inline="always")
-def _gradients(pressure, lower, upper, dy, out):
+def _gradients(pressure, area, lower, upper, dy, out):
     """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
     last = pressure.size - 1
     half = 0.5 / dy
@@ -130,6 +130,12 @@ def _gradients(pressure, lower, upper, dy, out):
     else:
         out[0] = (0.5 * (pressure[0] + pressure[1]) - lower) / dy
         out[last] = (upper - 0.5 * (pressure[last - 1] + pressure[last])) / dy
+    for j in range(last):
+        # an opening's pressure reaches to the face
+        if area[j] == 0.0:
+            out[j + 1] += half * (pressure[j + 1] - pressure[j])
+        elif area[j + 1] == 0.0:
+            out[j] += half * (pressure[j + 1] - pressure[j])
 
 
 def shear_forces(inputs: ShearInputs) -> ShearForces:
@@ -161,7 +167,7 @@ def _viscous_force(inputs):
     viscous = np.empty((n_c, n_a))
     gradient = np.empty(n_a)
     for i in range(n_c):
-        _gradients(pressure[i], lower, upper, dy, gradient)
+        _gradients(pressure[i], area[i], lower, upper, dy, gradient)
         for j in range(n_a):
             v = velocity[i, j]
             f = shearing[i, j]
@@ -183,7 +189,7 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
     film_slopes : films.FilmSlopes
         Of `inputs.film`.
     by_pressure : ndarray, shape (n_c, n_a)
-        `ShearSlopes.pressure`, passed on.
+        What `ShearSlopes.pressure` holds beside openings too.
 
     Returns
     -------
@@ -197,9 +203,11 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
     to_velocity = np.empty((n_c, n_a))
     to_shearing = np.empty((n_c, n_a))
     to_gradient = np.empty((n_c, n_a))
+    to_pressure = by_pressure.copy()
+    half = 0.5 / dy
     gradient = np.empty(n_a)
     for i in range(n_c):
-        _gradients(pressure[i], lower, upper, dy, gradient)
+        _gradients(pressure[i], area[i], lower, upper, dy, gradient)
         for j in range(n_a):
             v = velocity[i, j]
             f = shearing[i, j]
@@ -219,7 +227,13 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
                 )
             to_shearing[i, j] = a * c * v
             to_gradient[i, j] = -a * film[POISEUILLE, i, j]
-    return ShearSlopes(to_film, to_velocity, to_shearing, to_gradient, by_pressure)
+        for j in range(n_a - 1):
+            # beside openings, whose own pressure is held
+            if area[i, j] == 0.0:
+                to_pressure[i, j + 1] += to_gradient[i, j + 1] * half
+            elif area[i, j + 1] == 0.0:
+                to_pressure[i, j] -= to_gradient[i, j] * half
+    return ShearSlopes(to_film, to_velocity, to_shearing, to_gradient, to_pressure)
 
 
 @compiled

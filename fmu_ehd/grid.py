@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]  # of the shape that the docstring says
 Flags = NDArray[np.bool_]
 
-# axis of the edges: both ends of the skirt, and the two sides of a grid that is no ring
-LOWER, UPPER, FIRST, LAST = range(4)
+# axis of the edges: both ends of the skirt, the two sides of a grid that is no ring, openings
+LOWER, UPPER, FIRST, LAST, OPENINGS = range(5)
 BOTH_AXIAL_EDGES = slice(LOWER, UPPER + 1)
 
 # axis of a stencil, shape (5, n_c, n_a): coefficient of the cell itself and of its neighbours
@@ -30,11 +30,11 @@ class Cells(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Oil supply at the edges in the order lower, upper, first, last (the last two unused on a
-    ring).
+    """Oil supply at the edges in the order lower, upper, first, last (these two unused on a ring),
+    and in openings.
 
-    pressure : ndarray, shape (4,), above cavitation pressure [Pa], >= 0.
-    film_fraction : ndarray, shape (4,), film fraction of the oil that sliding drags in [-], 0 to 1;
+    pressure : ndarray, shape (5,), above cavitation pressure [Pa], >= 0.
+    film_fraction : ndarray, shape (5,), film fraction of the oil that sliding drags in [-], 0 to 1;
     below 1 only at cavitation pressure, `parameters.edge_faults`.
     limit : ndarray, shape (n_c, n_a + 1), most that sliding can drag into the film over each axial
     face, an edge or one beside an opening [m3/s]; inf where oil is in plenty.
@@ -62,8 +62,8 @@ def in_plenty(shape: tuple[int, int]) -> Array:
 
 
 def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
-    """Oil in plenty at all four edges of a grid, at one pressure above cavitation pressure [Pa]."""
-    return Edges(np.full(4, pressure), np.ones(4), in_plenty(shape))
+    """Oil in plenty at all edges of a grid, at one pressure above cavitation pressure [Pa]."""
+    return Edges(np.full(5, pressure), np.ones(5), in_plenty(shape))
 
 
 @dataclass(frozen=True)

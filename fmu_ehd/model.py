@@ -246,6 +246,7 @@ class LubricationModel:
         outputs |= dict(
             flow_lower_edge=0.0,
             flow_upper_edge=0.0,
+            flow_openings=0.0,
             mass_imbalance=0.0,
             solver_iterations=0,
             boundary_friction_share=0.0,
@@ -341,6 +342,7 @@ class LubricationModel:
         outputs |= dict(
             flow_lower_edge=float(lower),
             flow_upper_edge=float(upper),
+            flow_openings=self.film_step.flow_from_openings(),
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
             boundary_friction_share=boundary_work / friction_work if friction_work > 0.0 else 0.0,

@@ -168,6 +168,7 @@ def physics(shape: tuple[int, int]) -> dict[str, dict[str, Any]]:
             roughness_share_skirt=0.1,
         ),
         "cut-out": dict(open_cells=opening(shape)),
+        "fed cut-out": dict(open_cells=opening(shape), opening_supply="own", pressure_openings=3e5),
         "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6),
         "coating and roelands": dict(
             coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")

@@ -1,9 +1,11 @@
 """Cells without a film: windows, pin holes, where there is no skirt.
 
-They hold the pressure and the film fraction of what is around the skirt, up to their edge. For the
-film beside them that is an edge, half a cell from its centre, with its own film alone, Eq. (E3)
-with g -> inf behind the face; what is given inside an opening is looked at nowhere. Where oil is
-not in plenty, what sliding drags in from an opening is bounded as over an edge, Eq. (E12).
+They hold the pressure and the film fraction of the lower edge, or of a supply of their own
+(`parameters.opening_supply`), up to their edge, and carry no force: what presses on the ground of a
+groove is the user's to add. For the film beside them that is an edge, half a cell from its centre,
+with its own film alone, Eq. (E3) with g -> inf behind the face; what is given inside an opening is
+looked at nowhere. Where oil is not in plenty, what sliding drags in from an opening is bounded as
+over an edge, Eq. (E12).
 """
 
 import numpy as np

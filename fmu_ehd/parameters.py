@@ -12,6 +12,7 @@ from .oil import Oil
 from .roughness import FLOW_FACTORS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
+OPENING_SUPPLIES = ("lower_edge", "own")
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,11 @@ class Parameters:
         condition=True,
     )
 
-    # what holds at the edges, and may change from step to step
+    # what holds at the edges and in openings, and may change from step to step
+    opening_supply: str = choice(
+        "Where cut-outs have pressure and oil from: as the lower edge, or of their own",
+        OPENING_SUPPLIES,
+    )
     pressure_lower_edge: float = declared(
         "Pa", 0.0, -2e5, 1e8, "Pressure at the lower edge, gauge", condition=True
     )
@@ -142,6 +147,18 @@ class Parameters:
         "Film fraction of the oil entering at the upper edge; below 1 only at cavitation pressure",
         condition=True,
     )
+    pressure_openings: float = declared(
+        "Pa", 0.0, -2e5, 1e8, "Pressure in cut-outs of their own supply, gauge", condition=True
+    )
+    film_fraction_openings: float = declared(
+        "1",
+        1.0,
+        0.0,
+        1.0,
+        "Film fraction of the oil entering from cut-outs of their own supply; below 1 only at "
+        "cavitation pressure",
+        condition=True,
+    )
     oil_temperature_lower_edge: float = declared(
         "K",
         373.15,
@@ -161,15 +178,16 @@ class Parameters:
 CONDITION_NAMES = names_of(Parameters, condition=True)
 
 
-# what belongs to one edge
+# what belongs to one edge, and to openings of their own supply
 EDGES = (
     ("film_fraction_lower_edge", "pressure_lower_edge"),
     ("film_fraction_upper_edge", "pressure_upper_edge"),
 )
+OPENING = ("film_fraction_openings", "pressure_openings")
 
 
-def edge_faults(conditions: Mapping[str, float], cavitation_pressure: float) -> list[str]:
-    """What is wrong with the oil supply at the edges.
+def edge_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
+    """What is wrong with the oil supply at the edges and in openings.
 
     An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity
     at cavitation pressure: the model knows no gas at another pressure inside the film, and a higher
@@ -177,31 +195,39 @@ def edge_faults(conditions: Mapping[str, float], cavitation_pressure: float) -> 
 
     Parameters
     ----------
+    parameters : Parameters
     conditions : mapping
         Values of `CONDITION_NAMES`.
-    cavitation_pressure : float
-        Gauge [Pa].
 
     Returns
     -------
     list of str
         One sentence a fault.
     """
+    least = parameters.cavitation_pressure
     sentences = []
-    for fraction_name, pressure_name in EDGES:
+    own = parameters.opening_supply == "own"
+    for fraction_name, pressure_name in (*EDGES, OPENING) if own else EDGES:
         pressure = conditions[pressure_name]
         fraction = conditions[fraction_name]
-        if pressure < cavitation_pressure:
+        if pressure < least:
             sentences.append(
                 f"{pressure_name} = {pressure:g} Pa: must not be below cavitation_pressure = "
-                f"{cavitation_pressure:g} Pa"
+                f"{least:g} Pa"
             )
-        elif fraction < 1.0 and pressure > cavitation_pressure:
+        elif fraction < 1.0 and pressure > least:
             sentences.append(
-                f"{fraction_name} = {fraction:g} (unit 1) at {pressure_name} = {pressure:g} Pa: an "
-                f"edge that is only partly filled must be at cavitation_pressure = "
-                f"{cavitation_pressure:g} Pa, or filled to 1"
+                f"{fraction_name} = {fraction:g} (unit 1) at {pressure_name} = {pressure:g} Pa: "
+                f"what is only partly filled must be at cavitation_pressure = {least:g} Pa, or "
+                "filled to 1"
             )
+    fraction_name, pressure_name = OPENING
+    if not own and (conditions[fraction_name] != 1.0 or conditions[pressure_name] != 0.0):
+        sentences.append(
+            f"{fraction_name} = {conditions[fraction_name]:g} (unit 1), {pressure_name} = "
+            f"{conditions[pressure_name]:g} Pa with opening_supply = {parameters.opening_supply}: "
+            "without effect, leave them at 1 and 0 Pa or choose opening_supply = own"
+        )
     return sentences
 
 
@@ -234,6 +260,10 @@ def bore_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list
                 f"{fraction_name} = {conditions[fraction_name]:g} with {law}: follows from the oil "
                 "on the bore, leave it at 1"
             )
+    if parameters.opening_supply == "own":
+        sentences.append(
+            f"opening_supply = own with {law}: what cut-outs give follows from the oil on the bore"
+        )
     if not CAVITATION[parameters.cavitation_model].conserving:
         sentences.append(f"cavitation_model = {parameters.cavitation_model} with {law}: needs jfo")
     return sentences
@@ -253,7 +283,7 @@ def faults(parameters: Parameters) -> list[str]:
     """
     p = parameters
     conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
-    sentences = edge_faults(conditions, p.cavitation_pressure)
+    sentences = edge_faults(p, conditions)
     oil = p.oil
     if oil.viscosity_law == "two_point" and oil.viscosity_40 <= oil.viscosity_100:
         sentences.append(

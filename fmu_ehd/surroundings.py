@@ -61,7 +61,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     """
     p = parameters
     given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
-    sentences = edge_faults(given, p.cavitation_pressure)
+    sentences = edge_faults(p, given)
     if p.oil_supply != "edges":
         sentences += bore_faults(p, given)
     if sentences:
@@ -79,10 +79,13 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     )
     viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
     law = p.oil.piezoviscosity(viscosity.mean())
-    pressure = np.array([lower, upper, 0.0, 0.0])
-    fraction = np.array(
-        [given["film_fraction_lower_edge"], given["film_fraction_upper_edge"], 1.0, 1.0]
-    )
+    below = given["film_fraction_lower_edge"]
+    opening, entering = lower, below
+    if p.opening_supply == "own":
+        opening = given["pressure_openings"] - p.cavitation_pressure
+        entering = given["film_fraction_openings"]
+    pressure = np.array([lower, upper, 0.0, 0.0, opening])
+    fraction = np.array([below, given["film_fraction_upper_edge"], 1.0, 1.0, entering])
     reduced = law.reduced(pressure) if law else pressure
     edges = Edges(reduced, fraction, in_plenty(p.shape))
     return Surroundings(

@@ -183,6 +183,12 @@ SUMMARY = (
         "Oil flow into the film over the upper edge at the end of the step",
         1e-6,
     ),
+    output_variable(
+        "flow_openings",
+        "m3/s",
+        "Oil flow into the film from cut-outs at the end of the step",
+        1e-6,
+    ),
     output_variable("oil_in_film", "m3", "Oil in the film", 1e-8),
     output_variable(
         "oil_on_bore",

@@ -898,8 +898,8 @@ def random_starved_films(count: int, seed: int = 0) -> RandomFilms:
         width, length = 10.0 ** rng.uniform(-3.0, -1.0, 2)
         grid = Grid(shape, width, length, ring=bool(rng.integers(2)))
         edges = Edges(
-            10.0 ** rng.uniform(2.0, 6.0, 4) * rng.integers(0, 2, 4),
-            rng.uniform(0.0, 1.0, 4),
+            np.append(10.0 ** rng.uniform(2.0, 6.0, 4) * rng.integers(0, 2, 4), 0.0),
+            np.append(rng.uniform(0.0, 1.0, 4), 1.0),
             in_plenty(shape),
         )
         # neighbours differ up to a hundredfold

@@ -14,6 +14,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
+from .options import Bodies, read_options
 from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
@@ -82,6 +83,52 @@ class Recovery:
     largest_stress: float | None
 
 
+@dataclass(frozen=True)
+class Skin:
+    """Outer surface of a reduced body, by the corners of its faces.
+
+    Parameters
+    ----------
+    name : str
+        piston or block.
+    points : ndarray, shape (n, 3)
+        From the body's origin: pin point A, or the crank's axis [m].
+    triangles : ndarray of int, shape (t, 3)
+    modes : ndarray, shape (n, 3, k)
+        Mode shapes there [kg^-1/2].
+    skirt : (float, float) or None
+        Heights of the skirt's edges above A [m]; None of a block.
+    """
+
+    name: str
+    points: np.ndarray
+    triangles: np.ndarray
+    modes: np.ndarray
+    skirt: tuple[float, float] | None
+
+
+def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[Skin]:
+    """Surfaces of the bodies of a build table with their modes, to be drawn.
+
+    Parameters, errors: as of `reduce`.
+    """
+    files = reduced_bodies(options, folder, progress)
+    return [_skin(name, _whole(name, file)) for name, file in files.items()]
+
+
+def _skin(name, whole):
+    body, anatomy = whole.body, whole.anatomy
+    corners, triangles = np.unique(anatomy.skin[:, :3], return_inverse=True)
+    skirt = (body.skirt_lower, body.skirt_upper) if isinstance(body, ReducedPiston) else None
+    return Skin(
+        name,
+        anatomy.points[corners],
+        triangles.reshape(-1, 3),
+        anatomy.shapes[corners],
+        skirt,
+    )
+
+
 def reduce(
     options: dict[str, Any], folder: Path, output: Path, progress: Say = print
 ) -> list[BodyReport]:
@@ -108,7 +155,7 @@ def reduce(
     BadInput
         Every fault of the table, then of meshes and matrices.
     """
-    bodies = reduced_bodies(options, folder, progress)
+    bodies = _flexible(options, folder, progress)
     return [_written(name, path, Path(output)) for name, path in bodies.items()]
 
 
@@ -136,7 +183,7 @@ def recover(
     BadInput
         As `reduce`, and if the bodies have other numbers of modes.
     """
-    files = reduced_bodies(options, folder, progress)
+    files = _flexible(options, folder, progress)
     bodies = {name: _whole(name, file) for name, file in files.items()}
     modes = [len(whole.body.omega) for whole in bodies.values()]
     if sum(modes) != len(modal_coordinate):
@@ -154,6 +201,16 @@ def recover(
         displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
         out.append(Recovery(name, file, displacement, stress))
     return out
+
+
+def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
+    """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
+    files = reduced_bodies(options, folder, progress)
+    for name, body in vars(read_options(options, folder, Bodies)).items():
+        if name in files and body.rigid:
+            progress(f"{name}: rigid, of a data sheet; there is nothing to reduce or to recover")
+            del files[name]
+    return files
 
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:

@@ -109,6 +109,12 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             1e3,
         ),
         output_variable(
+            "side_force_demand",
+            "N",
+            "Side force that gas, rings and inertia ask of a rigid piston amid the bore",
+            1e3,
+        ),
+        output_variable(
             "crank_torque",
             "N.m",
             "Torque of the drive on the crank in its direction of turning",

@@ -21,7 +21,7 @@ from .instant import (
     response,
 )
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
-from .slider_crank import CrankMotion
+from .slider_crank import CrankMotion, PistonLoad, side_force_demand
 from .speed_table import SpeedTable, crank_motion
 from .tables import GasTable, gas_pressure
 
@@ -334,12 +334,21 @@ class PistonInBore:
         end = Motion(now.position, now.velocity, now.acceleration)
         self._last = LastStep(c, now.load, end, crank, now.window)
         self._linear = None
-        outputs = self._outputs(now, crank) | {"cylinder_pressure": pressure}
+        outputs = self._outputs(now, crank) | {
+            "cylinder_pressure": pressure,
+            "side_force_demand": self._demand(crank, pressure, inputs.rings),
+        }
         if self.crank.free:
             freed = self._release(crank, outputs["crank_torque"])
             outputs["crank_torque"] = -self.crank.load_torque
             state = replace(state, crank_acceleration=freed)
         return state, outputs
+
+    def _demand(self, crank, pressure, rings):
+        """Side force [N] that gas, rings and inertia ask for (Eq. (K11))."""
+        mass = self.system.piston.mass + self.system.mechanism.pin_mass
+        load = PistonLoad(mass, self.gas_area * pressure, rings.lateral, rings.axial)
+        return side_force_demand(self.system.mechanism, load, crank)
 
     def _of_piston(self, end):
         """Motion of the piston's moving coordinates alone."""

@@ -297,3 +297,45 @@ def rod_turn(
         velocity_slope=psi2 * xi_velocity,
         lever=psi1 * xi_by_phi,
     )
+
+
+class PistonLoad(NamedTuple):
+    """What the pin has to hold beside the film.
+
+    Parameters
+    ----------
+    mass : float
+        Of piston and pin [kg].
+    gas : float
+        Along -y on the crown [N].
+    rings_lateral, rings_axial : float
+        Of the rings, along x and y [N].
+    """
+
+    mass: float
+    gas: float
+    rings_lateral: float
+    rings_axial: float
+
+
+def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion) -> float:
+    """Side force that gas, rings and inertia ask of a rigid piston that stays in the middle of the
+    bore, without friction: what a film must carry on average, whatever the piston does in between.
+
+    Eq. (K11):  F = F_x + f1 (F_y - p A - m Y'') - R    with x_A = x_A' = x_A'' = 0
+                Y'', f1 of Eq. (K2), R of Eq. (K4), F_x, F_y of the rings
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    load : PistonLoad
+    crank : CrankMotion
+
+    Returns
+    -------
+    float
+        On the bore, positive on the thrust side [N].
+    """
+    link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), crank)
+    axial = load.rings_axial - load.gas - load.mass * link.axial_acceleration
+    return load.rings_lateral + link.slope * axial - link.rod_force  # Eq. (K11)

@@ -99,5 +99,5 @@ def check_modes(start: StartState, modes: int) -> None:
         if len(values) != modes:
             raise ValueError(
                 f"start: {len(values)} values of {key} where these bodies have {modes} modes; "
-                "a run keeps them if its case names them in record.fields"
+                "a run keeps them at the instants of its fields (record.every)"
             )

@@ -101,7 +101,7 @@ class Case:
         if label not in self.variants:
             raise BadInput(f"no variant {label!r}: the case has {', '.join(self.variants)}")
         changes = self.tree.get("variants", {}).get(label, {})
-        return self.changed({**changes, "label": label, "variants": {}})
+        return self.changed({**changes, "label": label, "variants": {}, "beside": []})
 
     def changed(self, changes: Changes) -> "Case":
         """The case with other values.

@@ -468,7 +468,9 @@ class Case(Table):
     observers: dict[str, dict[str, Any]] = {}
     """Observers of other installed packages, name -> options."""
     variants: dict[FileName, dict[str, Any]] = {}
-    """Name -> {dotted key: value}, changes that make a further run."""
+    """Name -> {dotted key: value}, changes that make a further run, on demand (--only)."""
+    beside: list[FileName] = []
+    """Variants that run beside the case without being asked for."""
 
     @field_validator("summary", "monitor")
     @classmethod
@@ -507,6 +509,10 @@ class Case(Table):
         if unknown:
             raise ValueError(
                 f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}"
+            )
+        if missing := [label for label in self.beside if label not in self.variants]:
+            raise ValueError(
+                f"beside = {missing[0]!r}: the variants are {', '.join(self.variants) or 'none'}"
             )
         if sorted(self.coupling.order) != sorted(self.participants):
             raise ValueError(
@@ -552,6 +558,10 @@ class Case(Table):
         if motion := self.report.motion:
             ports += [motion.across, motion.along, motion.rotation]
         return ports
+
+    def unrecorded(self, picture: Picture) -> list[str]:
+        """Fields that a picture wants and the case does not record."""
+        return [port for port in picture.fields if port not in self.record.fields]
 
     def axes_of(self, port: str) -> Axes:
         """What the indices of a field "participant.name" run along."""

@@ -27,6 +27,9 @@ SPACE = {
     for part, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
 }
 
+LEFT = ("participants", "variants", "beside")
+"""Tables of a case that an SSP says otherwise, or does not have."""
+
 
 def _q(name):
     part, local = name.split(":")
@@ -141,7 +144,7 @@ def _structure(tree, system, version):
         SubElement(root, _q("ssd:Annotations")), _q("ssc:Annotation"), {"type": VENDOR}
     )
     SubElement(annotation, "case").text = json.dumps(
-        {key: value for key, value in tree.items() if key not in ("participants", "variants")}
+        {key: value for key, value in tree.items() if key not in LEFT}
     )
     return root
 

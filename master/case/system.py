@@ -609,11 +609,8 @@ def _check_ports(case, participants, faults):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
             faults.append(f"{where}: {port} is {shape}; {_taken(where)} takes scalar numbers")
     for picture in case.pictures:
-        faults += [
-            f"pictures.{picture.file}: {port} is not recorded; name it in record.fields"
-            for port in picture.fields
-            if port not in case.record.fields
-        ]
+        for port in picture.fields:
+            _field(port, ("output",), participants, f"pictures.{picture.file}", faults)
 
 
 def _curves(case):

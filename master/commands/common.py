@@ -6,6 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
+from rich.table import Table
 
 from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
@@ -58,12 +59,16 @@ def default_folder(path):
 
 
 def variant_trees(path, changes, only):
-    """Resolved TOML tree of each run: the case itself under its label, then its variants."""
+    """Resolved TOML tree of each run: the case itself under its label, then the variants that run
+    beside it; or the one of the label `only`.
+    """
     tree = read_tree(path, changes)
-    variants = {tree.get("label", "base"): {}} | tree.get("variants", {})
+    own = tree.get("label", "base")
+    variants = {own: {}} | tree.get("variants", {})
     if only and only not in variants:
         raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
-    chosen = {label: changed for label, changed in variants.items() if only in (None, label)}
+    wanted = (only,) if only else (own, *tree.get("beside", []))
+    chosen = {label: changed for label, changed in variants.items() if label in wanted}
     return {
         label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()
     }
@@ -94,9 +99,28 @@ def open_runs(files):
     return check_case(tree, files[0]), runs
 
 
+def print_answers(answers, verbose=False):
+    """Label -> `engine.answer.Answer` of every run, side by side, then what is amber or red of
+    each; all verdicts with `verbose`.
+    """
+    table = Table("", *answers, box=None, pad_edge=False)
+    for name in dict.fromkeys(line.name for one in answers.values() for line in one.lines):
+        table.add_row(name, *(one.said(name) for one in answers.values()))
+    wide_console().print(table, highlight=False)
+    for label, one in answers.items():
+        for colour, what, said in one.verdicts:
+            if colour == "green" and not verbose:
+                continue
+            colour = {"amber": "yellow"}.get(colour, colour)
+            whose = f"{label}: " if len(answers) > 1 else ""
+            console.print(f"[{colour}]{what:11s}[/] {whose}{said}", highlight=False, soft_wrap=True)
+
+
 def draw_pictures(case, runs, folder):
     """Draw a case's pictures of its runs (label -> Results) and say where they are."""
-    from ..results.pictures import draw
+    from ..results.pictures import draw, left_out
 
+    for picture, why in left_out(case, runs).items():
+        say(f"picture  {picture} is left out: {why}")
     for picture in draw(case, runs, folder):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

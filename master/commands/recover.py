@@ -30,7 +30,7 @@ def command(
     Parameters
     ----------
     file
-        Results file of a case that records modal_coordinate (record.fields).
+        Results file of a run with flexible bodies.
     time
         The recorded instant nearest to this time or crank angle; several allowed.
     case
@@ -47,7 +47,10 @@ def command(
     )
     port = PORT.format(participant)
     if port not in results.recorded:
-        raise BadInput(f"{file}: {port} was not recorded; the case must name it in record.fields")
+        raise BadInput(
+            f"{file}: holds no {port}: both bodies are rigid, or the file is of an older version; "
+            "run the case again with modes"
+        )
     instants = [instant(results, text) for text in time]
     folder = find_case(case or file.resolve().parent.name).parent
     for wanted in instants:

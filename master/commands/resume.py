@@ -1,17 +1,22 @@
 """`piston-cosim resume`."""
 
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from ..case.schema import check_case
 from ..case.system import open_system
+from ..engine.answer import answer
 from ..fmi.errors import BadInput
+from ..results.file import Results
 from ..runs.checkpoint import Checkpoint
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
-from .common import console, say
+from .common import console, print_answers, say
 
 
-def command(checkpoint: Path):
+def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())] = False):
     """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had
     happened.
 
@@ -21,6 +26,8 @@ def command(checkpoint: Path):
     ----------
     checkpoint
         The file <results>.h5.checkpoint that the interrupted run left.
+    verbose
+        Also print what solver and coupling have counted, the case's own summary and every verdict.
     """
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory
@@ -32,5 +39,8 @@ def command(checkpoint: Path):
     system = open_system(case, Path(kept.folder), say)
     with watching(console, output.stem) as watch:
         summary = run_system(system, case, kept.tree, output, watch, kept, say)
-    print_summary(console, {output.stem: summary})
+    if verbose:
+        print_summary(console, {output.stem: summary})
+    with Results(output) as results:
+        print_answers({output.stem: answer(case, results)}, verbose)
     console.print(f"results  {shown}", highlight=False, soft_wrap=True)

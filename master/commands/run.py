@@ -1,14 +1,17 @@
 """`piston-cosim run`."""
 
 import json
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from os.path import relpath
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from ..case.contract import swap_all
 from ..case.schema import check_case, find_case
 from ..case.system import open_system
-from ..engine.verdicts import verdicts
+from ..engine.answer import answer
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.console import print_summary, watching
@@ -21,6 +24,7 @@ from .common import (
     default_folder,
     draw_pictures,
     parse_change,
+    print_answers,
     say,
     variant_trees,
 )
@@ -37,8 +41,10 @@ def command(
     lubrication: str | None = None,
     bodies: str | None = None,
     live: bool = False,
+    verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
-    """Run a case and its variants: results file, summary, pictures.
+    """Run a case and the variants it names beside itself: results file, what an engineer reads of
+    it, verdicts, pictures.
 
     Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa
     s"
@@ -53,7 +59,7 @@ def command(
         Folder for results; default results/CASE.
     only
         Run this variant alone; the label of the case itself (default base) for the case without
-        variants.
+        the variants that it names beside itself.
     summary_json
         Also write the summary there.
     plots
@@ -66,6 +72,8 @@ def command(
         The same for the participant in the role of the bodies.
     live
         Serve a page on this machine with curves while the run goes on, to pause and to stop it.
+    verbose
+        Also print what solver and coupling have counted, the case's own summary and every verdict.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
@@ -73,6 +81,7 @@ def command(
         variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
     )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
+    _say_ahead(cases, trees, plots, only)
     folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
@@ -88,26 +97,36 @@ def command(
         ):
             summaries[label] = run_system(system, shown, trees[label], files[label], told, say=say)
         summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
-    print_summary(console, summaries)
+    if verbose:
+        print_summary(console, summaries)
     if summary_json:
         first, *others = summaries
         whole = summaries[first] | (
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
-    for label, file in files.items():
-        for colour, what, said in verdicts(cases[label], Results(file)):
-            colour = {"amber": "yellow"}.get(colour, colour)
-            mark = f"[{colour}]{what:11s}[/]"
-            console.print(f"{mark} {label}: {said}", highlight=False, soft_wrap=True)
-        shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
-        console.print(f"results  {shown}", highlight=False, soft_wrap=True)
-    if plots:
-        draw_pictures(
-            next(iter(cases.values())),
-            {label: Results(file) for label, file in files.items()},
-            folder,
-        )
+    with ExitStack() as opened:
+        runs = {label: opened.enter_context(Results(file)) for label, file in files.items()}
+        print_answers({label: answer(cases[label], runs[label]) for label in runs}, verbose)
+        for file in files.values():
+            shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
+            console.print(f"results  {shown}", highlight=False, soft_wrap=True)
+        if plots:
+            draw_pictures(next(iter(cases.values())), runs, folder)
+
+
+def _say_ahead(cases, trees, plots, only):
+    """Say what this run leaves out: pictures of what is not recorded, variants not asked for."""
+    first = next(iter(cases.values()))
+    for picture in first.pictures if plots else ():
+        if lacking := first.unrecorded(picture):
+            say(
+                f"picture  {picture.file} will be left out: {', '.join(lacking)} is not recorded; "
+                "name it in record.fields"
+            )
+    others = [label for label in first.variants if label not in trees]
+    if others and not only:
+        say(f"variants {', '.join(others)}: not asked for (--only LABEL)")
 
 
 @contextmanager

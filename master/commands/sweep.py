@@ -26,7 +26,8 @@ def command(
     dask: str | None = None,
     time_limit: str | None = None,
 ):
-    """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture.
+    """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture; of
+    another sweep in the same folder both are kept, and these are sweep_2 and so on.
 
     Stopped and started again, it goes on where it was, and tries again what has failed. Points that
     fail are rows with their reason, and the exit code is 1 then.
@@ -68,6 +69,9 @@ def command(
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
     )
     folder = folder.absolute()
+    table = sweeps.table_for(folder, points)
+    if table.stem != "sweep":
+        say(f"{folder}: holds the table of another sweep; this one's is {table.name}")
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
@@ -81,8 +85,8 @@ def command(
 
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
-    console.print(f"table    {folder / 'sweep.csv'}", highlight=False, soft_wrap=True)
-    picture = draw_sweep(rows, axes, tree.get("summary", {}), folder / "sweep.png")
+    console.print(f"table    {table}", highlight=False, soft_wrap=True)
+    picture = draw_sweep(rows, axes, tree.get("summary", {}), table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:

@@ -5,8 +5,9 @@ thrust line, envelopes and wear.
 Only what was recorded is drawn.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import trapezoid
@@ -29,11 +30,12 @@ from ..results.charts import (
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.report import Special
+from ..results.solids import Solid
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """From firing top dead centre on, 180 deg each."""
 WEAR_COEFFICIENT = 1e-17
-"""Archard's [1/Pa], of Eq. (X13): our own choice for a run-in, lubricated skirt; the depth is
+"""Archard's [1/Pa], of Eq. (X15): our own choice for a run-in, lubricated skirt; the depth is
 proportional to it.
 """
 CRANK = "crank angle [deg]"
@@ -49,21 +51,24 @@ class Line(NamedTuple):
     factor: float = 1.0
 
 
-def special(case: Case, runs: Runs, skirt: tuple[float, float] | None = None) -> Special:
-    """Sections, strokes and cursor strip of a piston's runs; nothing special of other cases.
+def special(
+    case: Case, runs: Runs, skins: Mapping[str, Sequence[Any]] = MappingProxyType({})
+) -> Special:
+    """Sections, strokes, cursor strip and bodies of a piston's runs; nothing special of others.
 
     Parameters
     ----------
     case : Case
     runs : dict of str to Results
-    skirt : (float, float), optional
-        Heights of the skirt's lower and upper edge above the pin axis [m].
+    skins : dict of str to sequence of fmu_mfbd.offline.Skin, optional
+        Label -> surfaces of the run's piston and block.
     """
     bodies = players(next(iter(runs.values())).case, "bodies")
     films = players(next(iter(runs.values())).case, "lubrication")
     if not bodies or not films or any(crank_angle(results) is None for results in runs.values()):
         return Special()
     body, film = bodies[0], films[0]
+    skirt = next((skin.skirt for own in skins.values() for skin in own if skin.skirt), None)
     sections = [
         _motion(runs, body, skirt),
         _forces(runs, body, film),
@@ -77,7 +82,40 @@ def special(case: Case, runs: Runs, skirt: tuple[float, float] | None = None) ->
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
         strip=[f"{body}.cylinder_pressure", f"{body}.side_force"],
+        solids={label: _solids(own, runs[label], body) for label, own in skins.items()},
     )
+
+
+def _solids(skins, results, body) -> list[Solid]:
+    """Piston and block as they are at the recorded instants; without modal coordinates in the file
+    they stay undeformed.
+    """
+    port = f"{body}.modal_coordinate"
+    count = len(results.instants)
+    held = results.dataset(port)[:] if port in results.recorded else np.zeros((count, 0))
+    modes = [skin.modes.shape[2] for skin in skins]
+    if held.shape[1] != sum(modes):
+        modes, held = [0] * len(skins), np.zeros((count, 0))
+    parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
+    ports = ("lateral_displacement", "piston_position", "rocking_angle")
+    motion = np.column_stack(
+        [
+            np.interp(results.instants, results.time, results.series(f"{body}.{name}").values)
+            for name in ports
+        ]
+    )
+    return [
+        Solid(
+            skin.name,
+            skin.points,
+            skin.triangles,
+            skin.modes[:, :, : part.shape[1]],
+            part,
+            motion if skin.skirt else None,
+            skin.skirt,
+        )
+        for skin, part in zip(skins, parts)
+    ]
 
 
 def strokes(runs: Runs) -> list[Phase]:
@@ -146,7 +184,7 @@ def _motion(runs, body, skirt):
 def _eccentricity(runs, body, skirt) -> list[Drawn]:
     """Displacement of the skirt's edges.
 
-    Eq. (X12):  e(y) = x_A - beta y      y above the pin's axis, beta the rocking angle about +z
+    Eq. (X14):  e(y) = x_A - beta y      y above the pin's axis, beta the rocking angle about +z
     """
     ports = f"{body}.lateral_displacement", f"{body}.rocking_angle"
     curves = []
@@ -155,7 +193,7 @@ def _eccentricity(runs, body, skirt) -> list[Drawn]:
             continue
         displacement, tilt = (results.series(port).values for port in ports)
         for dash, name, height in zip(DASHES, ("lower edge", "upper edge"), skirt):
-            shown = 1e6 * (displacement - tilt * height)  # Eq. (X12)
+            shown = 1e6 * (displacement - tilt * height)  # Eq. (X14)
             curves.append(Curve(f"{label}, {name}", k, _degrees(results), shown, dash))
     title = "Eccentricity of the skirt's edges, positive towards thrust"
     return [Chart(title, CRANK, "[um]", curves, cursor=True)] if curves else []
@@ -406,7 +444,7 @@ def _hourly(results):
 def wear_depth(pressure, results, body) -> np.ndarray:
     """Depth worn off every cell over the recorded instants [m].
 
-    Eq. (X13):  depth = k integral p_c |v| dt      trapezia between recorded instants
+    Eq. (X15):  depth = k integral p_c |v| dt      trapezia between recorded instants
 
     Parameters
     ----------
@@ -422,4 +460,4 @@ def wear_depth(pressure, results, body) -> np.ndarray:
     """
     speed = np.abs(results.series(f"{body}.piston_velocity").values)
     power = pressure * np.interp(results.instants, results.time, speed)[:, None, None]
-    return WEAR_COEFFICIENT * trapezoid(power, results.instants, axis=0)  # Eq. (X13)
+    return WEAR_COEFFICIENT * trapezoid(power, results.instants, axis=0)  # Eq. (X15)

@@ -1,12 +1,15 @@
 """A finished run as an engineer reads it: what is amber or red, and where the worst places lie."""
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from scipy import ndimage
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.instants import crank_angle, told
+from .headlines import last_cycle
+from .places import thinnest_place, worst_place
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Thinnest film over composite roughness: below 3 asperities begin to touch, below 1 they carry."""
@@ -20,10 +23,25 @@ WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Of the interface work: by how much both sides' accounts of it may differ."""
 
 
+FORCE_AMBER, FORCE_RED = 0.25, 0.75
+"""Distance of the side force from what gas and inertia ask for, root mean square over a cycle of
+the latter's."""
+PEAK_AMBER, PEAK_RED = 4, 2
+"""Cells across the pressure peak at half its height: the nearest centre misses the top of a
+parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
+OPENING = 3
+"""Cells that an opening in the skirt is wide at least, for its edges to lie within half of them."""
+
+
+Colour = Literal["green", "amber", "red"]
+RANK: tuple[Colour, ...] = ("green", "amber", "red")
+"""From good to bad."""
+
+
 class Verdict(NamedTuple):
     """One judgement: its colour, what is judged, and a sentence with value and limit."""
 
-    colour: Literal["green", "amber", "red"]
+    colour: Colour
     what: str
     said: str
 
@@ -40,6 +58,9 @@ def verdicts(case, results) -> list[Verdict]:
     found = [*_of_summary(summary)]
     for name in players(results.case, "lubrication"):
         found += _of_film(case, results, name)
+        found += _of_grid(case, results, name)
+    for name in players(results.case, "bodies"):
+        found += _of_side_force(results, name)
     if "periodic" in summary:
         return [*found, _of_repetition(summary)]
     for name in players(results.case, "bodies"):
@@ -92,8 +113,8 @@ def _of_film(case, results, name):
             film += f", {ratio:.3g} times the roughness, wanted {LAMBDA_AMBER:g}"
         else:
             colour = "red" if values[k] <= 0.0 else "green"
-        place = worst_place(case, results, _film_field(results), lowest=True)
-        yield Verdict(colour, "film", f"{film}{place}")
+        place = thinnest_place(case, results, name)
+        yield Verdict(colour, "film", f"{film}{place.clause if place else ''}")
     if highest in results.ports:
         values = results.series(highest).values
         k = int(values.argmax())
@@ -102,37 +123,101 @@ def _of_film(case, results, name):
             _colour(values[k], PRESSURE_AMBER, PRESSURE_RED),
             "pressure",
             f"highest pressure {short(values[k], 'Pa')} at {told(results, results.time[k])}, "
-            f"allowed {short(PRESSURE_AMBER, 'Pa')}{place}",
+            f"allowed {short(PRESSURE_AMBER, 'Pa')}{place.clause if place else ''}",
         )
 
 
-def _film_field(results):
-    """Film thickness as the bodies give it."""
-    names = players(results.case, "bodies")
-    return f"{names[0]}.film_thickness" if names else ""
+def _of_grid(case, results, name):
+    """Whether the cells can show what was found: pressure peak, openings, both thrust lines."""
+    port = f"{name}.pressure"
+    peak = worst_place(case, results, port, lowest=False)
+    if peak is None:
+        return
+    pressure = results.dataset(port)[:]
+    widths = peak_width(pressure[peak.row], peak.index)
+    narrow = min(widths)
+    remarks = [
+        f"the pressure peak is {widths.around} cells around and {widths.along} along at half its "
+        f"height, wanted {PEAK_AMBER}"
+    ]
+    colours: list[Colour] = [
+        "red" if narrow < PEAK_RED else "amber" if narrow < PEAK_AMBER else "green"
+    ]
+    around, _ = pressure.shape[1:]
+    if around % 2:
+        colours.append("amber")
+        remarks.append(
+            f"{around} cells around: of an odd number none has its centre on the anti-thrust line"
+        )
+    fraction = f"{name}.film_fraction"
+    if fraction in results.recorded:
+        closed = without_film(pressure, results.dataset(fraction)[:])
+        thin = narrowest_opening(closed)
+        if thin and thin < OPENING:
+            colours.append("amber")
+            remarks.append(f"an opening in the skirt is {thin} cells wide, wanted {OPENING}")
+    yield Verdict(max(colours, key=RANK.index), "grid", "; ".join(remarks))
 
 
-def worst_place(case, results, port, lowest):
-    """Where a recorded field has its smallest or largest value, as a clause with side, angle and
-    height; empty where it was not recorded.
+class Widths(NamedTuple):
+    """Cells across a peak."""
+
+    around: int
+    along: int
+
+
+def peak_width(field: np.ndarray, index: tuple[int, int]) -> Widths:
+    """Cells beside one another that hold at least half of the value at `index`, around (a ring) and
+    along.
     """
-    if port not in results.recorded:
-        return ""
-    values = results.dataset(port)[:]
-    at = values.argmin() if lowest else values.argmax()
-    k, i, j = np.unravel_index(at, values.shape)
-    axes = case.axes_of(port)
-    around = float(axes.first.positions(values.shape[1])[i])
-    along = float(axes.second.positions(values.shape[2])[j])
-    low, high = axes.first.range
-    turn = high - low
-    marks = axes.first.marks
-    apart = {word: abs((around - at + turn / 2) % turn - turn / 2) for word, at in marks.items()}
-    side = f"{min(apart, key=lambda word: apart[word])} side, " if apart else ""
-    return (
-        f"; of the recorded fields' instants worst at {told(results, results.instants[k])}: {side}"
-        f"{axes.first.label} {around:.4g} {axes.first.unit}, "
-        f"{axes.second.label} {along:.3g} {axes.second.unit}".rstrip()
+    i, j = index
+    high = field >= field[i, j] / 2
+    ring = np.roll(high[:, j], -i)
+    line = high[i]
+    around = len(ring) if ring.all() else _run(ring) + _run(ring[::-1])
+    return Widths(around, _run(line[j:]) + _run(line[: j + 1][::-1]) - 1)
+
+
+def _run(flags):
+    """True values in front of the first false one."""
+    return len(flags) if flags.all() else int(np.argmin(flags))
+
+
+def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:
+    """Cells whose pressure and film fraction never change: openings in the skirt hold those of what
+    is around it.
+    """
+    still = np.ptp(pressure, axis=0) == 0.0
+    return still & (np.ptp(fraction, axis=0) == 0.0)
+
+
+def narrowest_opening(closed: np.ndarray) -> int:
+    """Cells around of the widest place of the narrowest opening, 0 without one."""
+    pieces: Any = ndimage.label(np.concatenate([closed, closed]))  # of a ring: turned twice
+    numbered, count = pieces
+    widths = {k: int((numbered == k).sum(axis=0).max()) for k in range(1, count + 1)}
+    # what is cut off at either end is there as a whole, too
+    ends = {*np.unique(numbered[0]).tolist(), *np.unique(numbered[-1]).tolist()}
+    return min((width for k, width in widths.items() if k not in ends), default=0)
+
+
+def _of_side_force(results, name):
+    """Side force beside what gas and inertia ask for: a piston that strikes has both apart."""
+    force, demand = f"{name}.side_force", f"{name}.side_force_demand"
+    if not {force, demand} <= {*results.ports}:
+        return
+    within = last_cycle(results, name)
+    rows = slice(None) if within is None else within
+    found, asked = (results.series(port).values[rows] for port in (force, demand))
+    size = float(np.sqrt(np.mean(asked**2)))
+    if not size > 0.0:
+        return
+    apart = float(np.sqrt(np.mean((found - asked) ** 2))) / size
+    yield Verdict(
+        _colour(apart, FORCE_AMBER, FORCE_RED),
+        "side force",
+        f"side force is {apart:.2g} of what gas and inertia ask for away from it, root mean square "
+        f"over the cycle, allowed {FORCE_AMBER:g}",
     )
 
 

@@ -26,7 +26,7 @@ from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
-from .documentation import documentation
+from .documentation import ICON, documentation
 from .errors import BadInput
 from .tree import ROOT, import_part, reached
 
@@ -299,6 +299,7 @@ def _members_2(slave):
     return {
         "modelDescription.xml": _xml(description),
         TOKEN: description.attrib["guid"].encode(),
+        "model.png": ICON.read_bytes(),
         **documentation(slave, any_host),
         **binaries,
     }
@@ -312,6 +313,7 @@ def _members_3(slave):
         TOKEN: description.attrib["instantiationToken"].encode(),
         f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
         "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
+        "terminalsAndIcons/icon.png": ICON.read_bytes(),
         **documentation(slave, any_host=True),
     }
 

@@ -83,8 +83,14 @@ def _variables(parent, table):
 
 
 def terminals(slave):
-    """terminalsAndIcons.xml: what crosses the interface, by the names both sides share."""
+    """terminalsAndIcons.xml: what crosses the interface, by the names both sides share; the icon
+    fills the block.
+    """
     root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
+    picture = SubElement(root, "GraphicalRepresentation")
+    block = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    SubElement(picture, "CoordinateSystem", {**block, "suggestedScalingFactorTo_mm": "0.1"})
+    SubElement(picture, "Icon", block)
     terminal = SubElement(
         SubElement(root, "Terminals"),
         "Terminal",

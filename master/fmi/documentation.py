@@ -10,6 +10,8 @@ from .description import AUTHOR, COPYRIGHT, LICENCE
 from .requirements import PACKAGES
 
 OWN_LICENCE = Path(__file__).parents[2] / "LICENSE"
+ICON = Path(__file__).parent / "icon.png"
+"""Drawn by docs/icon.py."""
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..case.contract import players
 from ..fmi.errors import BadInput
-from ..fmi.quantities import registry, to_si
+from ..fmi.quantities import registry, short, to_si
 
 CRANK_ANGLE = "crank_angle"
 """Output that the contract has of a participant in the role `bodies`."""
@@ -42,13 +42,17 @@ def instant(results, text: str) -> float:
     Raises
     ------
     BadInput
-        If it is neither, or a crank angle that the run does not come by.
+        If it is neither, or one that the run does not come by.
     """
     if not _is_angle(text):
         try:
-            return to_si(text, "s")
+            time = to_si(text, "s")
         except ValueError as error:
             raise BadInput(f"{error}, or a crank angle, e.g. '24 deg'") from None
+        begin, *_, end = results.time
+        if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
+            raise BadInput(f"{text!r}: the run goes from {short(begin, 's')} to {short(end, 's')}")
+        return time
     crank = crank_angle(results)
     if crank is None:
         raise BadInput(f"{text!r}: the run says no crank angle; give a time, e.g. '18 ms'")

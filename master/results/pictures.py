@@ -11,6 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..case.schema import reduced
+from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry, to_si
 from .instants import instant, told
 
@@ -19,7 +20,7 @@ WINDOW = "#3a7d44"
 
 
 def draw(case, runs, folder):
-    """Draw every picture of the case.
+    """Draw every picture of the case that can be drawn of the runs.
 
     Parameters
     ----------
@@ -41,11 +42,38 @@ def draw(case, runs, folder):
     return drawn
 
 
-def figures(case, runs):
-    """Every picture of the case with its figure, one after the other; a figure is closed when the
-    next is asked for.
-    """
+def left_out(case, runs):
+    """Why pictures of the case cannot be drawn of these runs: the picture's file -> a sentence."""
+    reasons = {}
     for picture in case.pictures:
+        for label, results in runs.items():
+            lacking = [port for port in picture.fields if port not in results.recorded]
+            if lacking:
+                reasons[picture.file] = (
+                    f"{label} has not recorded {', '.join(lacking)}; name it in record.fields"
+                )
+            elif picture.time and not _is_passed(results, picture.time):
+                reasons[picture.file] = f"{label} does not come by {picture.time}"
+    return reasons
+
+
+def _is_passed(results, text):
+    """Whether a run comes by an instant."""
+    try:
+        instant(results, text)
+    except BadInput:
+        return False
+    return True
+
+
+def figures(case, runs):
+    """Every picture of the case that can be drawn of the runs, with its figure, one after the
+    other; a figure is closed when the next is asked for. `left_out` says why others cannot.
+    """
+    without = left_out(case, runs)
+    for picture in case.pictures:
+        if picture.file in without:
+            continue
         figure = DRAWN[picture.kind](case, picture, runs)
         figure.suptitle(picture.title)
         yield picture, figure

@@ -5,7 +5,7 @@ and SVG.
 import csv
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
@@ -25,6 +25,7 @@ from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
 from .pictures import PALETTE, figures, name_of, scaled
+from .solids import Solid, solids_data
 
 COLOURS = "viridis"
 """Of fields: even steps in lightness, told apart by colour-blind readers."""
@@ -42,17 +43,20 @@ class Special:
         Named parts of the cursor's abscissa.
     strip : sequence of str
         Ports drawn beneath the cursor.
+    solids : dict of str to list of Solid
+        Label -> bodies on their meshes.
     """
 
     sections: Sequence[Section] = ()
     phases: Sequence[Phase] = ()
     strip: Sequence[str] = ()
+    solids: Mapping[str, list[Solid]] = field(default_factory=dict)
 
 
 PLAIN = Special()
 
 
-def write_report(case, runs, folder, notes="", studies=(), special=PLAIN):
+def write_report(case, runs, folder, notes="", studies=(), answers=None, special=PLAIN):
     """Write `<folder>/report.html` and the figures.
 
     Parameters
@@ -66,6 +70,9 @@ def write_report(case, runs, folder, notes="", studies=(), special=PLAIN):
         Markdown, for example the case's README with the sources of its numbers.
     studies : sequence of Path
         Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
+    answers : dict, optional
+        Label -> what is said of the run first: `lines` (name, said) and `verdicts` (colour, what,
+        said).
     special : Special
         What only the kind of machine knows.
 
@@ -84,6 +91,10 @@ def write_report(case, runs, folder, notes="", studies=(), special=PLAIN):
     page = templates.get_template("report.html").render(
         case=case,
         runs=[judged(case, label, results) for label, results in runs.items()],
+        answers=answers or {},
+        names=list(
+            dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
+        ),
         data=json.dumps(page_data(case, runs, special)).replace("<", "\\u003c"),
         plotter=packed(get_plotlyjs().encode()),
         notes=MarkdownIt("commonmark", {"html": False}).enable("table").render(notes),
@@ -313,6 +324,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
         "strip": [_strip(case, port, runs, cursor, columns) for port in special.strip],
         "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
         "motion": motion_frames(case.report.motion, runs, cursor) if case.report.motion else None,
+        "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
     }

@@ -28,6 +28,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..case.contract import contract
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
@@ -89,7 +90,8 @@ class Recorder:
         self.participants = participants
         self.case = case
         self.record = case.record
-        self.flush_every = 20 if self.record.fields else CHUNK
+        self.ports = recorded_ports(case, participants)
+        self.flush_every = 20 if self.ports else CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
@@ -143,7 +145,7 @@ class Recorder:
         if self.crank:
             self._series(self.fields, f"fields/{CRANK_ANGLE}", "rad", "crank angle at `time`")
         sizes = names_taken(self.participants)
-        for port in self.record.fields:
+        for port in self.ports:
             owner, name = port_of(port)
             field = self.participants[owner].fields[name]
             path = f"fields/{dataset_path(port)}"
@@ -265,7 +267,7 @@ class Recorder:
         )
         self._waiting.append(row)
         if self.rows % self.record.every == 0:
-            ports = [port_of(port) for port in self.record.fields]
+            ports = [port_of(port) for port in self.ports]
             crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
             fields = [self.participants[a].get(b) for a, b in ports]
             self._instants.append([time, *crank, *fields])
@@ -289,6 +291,22 @@ class Recorder:
                 self.flush()
             self.file.close()
             self.file = None
+
+
+def recorded_ports(case, participants):
+    """Fields that a run records: those that the case names, and the rows of numbers without which a
+    state is not known (modal coordinates and their rates: what the contract has a participant's
+    role `repeats` and that has one index), about 60 numbers an instant each.
+    """
+    ports = list(case.record.fields)
+    for name, table in case.participants.items():
+        terms = contract().get(table.role or "")
+        for variable in terms.repeats if terms else ():
+            field = participants[name].fields.get(variable)
+            port = f"{name}.{variable}"
+            if field is not None and len(field.shape) == 1 and port not in ports:
+                ports.append(port)
+    return ports
 
 
 def _extend(dataset, values):

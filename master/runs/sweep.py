@@ -23,7 +23,18 @@ from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
 from .pool import LocalPool
 
-SHOWN = ("title", "label", "monitor", "pictures", "axes", "window", "report", "studies", "variants")
+SHOWN = (
+    "title",
+    "label",
+    "monitor",
+    "pictures",
+    "axes",
+    "window",
+    "report",
+    "studies",
+    "variants",
+    "beside",
+)
 """Tables of a case that say how a run is shown: changing them changes no result."""
 
 
@@ -157,7 +168,8 @@ def _silent(_text):
 
 
 def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: None):
-    """Run the points that are not done yet; `<folder>/sweep.csv` holds a row for each that has run.
+    """Run the points that are not done yet; the table `table_for` holds a row for each that has
+    run.
 
     Parameters
     ----------
@@ -186,6 +198,7 @@ def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: 
 
 
 def _sweep(points, case_folder, folder, executor, watch):
+    table = table_for(folder, points)
     runs = Path(folder) / "runs"
     runs.mkdir(parents=True, exist_ok=True)
     kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(points)}
@@ -201,10 +214,34 @@ def _sweep(points, case_folder, folder, executor, watch):
         k = waiting[future]
         rows[k] = _row(future)
         _replace(runs / f"{points[k].name}.json", json.dumps(rows[k]))
-        _write_table(Path(folder) / "sweep.csv", points, rows)
+        _write_table(table, points, rows)
         watch(points[k].values | rows[k], len(rows), len(points))
-    _write_table(Path(folder) / "sweep.csv", points, rows)
+    _write_table(table, points, rows)
     return [points[k].values | rows[k] for k in range(len(points))]
+
+
+def table_for(folder, points):
+    """Where the rows of these points go: `<folder>/sweep.csv`, or sweep_2.csv and so on where that
+    holds a row of another sweep, or is no table of one. Of a sweep that goes on or grows it is the
+    same file.
+    """
+    names = {f"runs/{point.name}.h5" for point in points}
+    axes = set(points[0].values) if points else set()
+    for number in itertools.count(1):
+        path = Path(folder) / ("sweep.csv" if number == 1 else f"sweep_{number}.csv")
+        if not path.exists() or _belongs(path, axes, names):
+            return path
+    raise AssertionError
+
+
+def _belongs(path, axes, names):
+    """Whether a table has these axes, and no row that is not of these runs."""
+    with open(path, newline="") as file:
+        reader = csv.DictReader(file)
+        heads = list(reader.fieldnames or ())
+        rows = list(reader)
+    before = heads[: heads.index("results")] if "results" in heads else []
+    return set(before) == axes and all(row["results"] in names for row in rows)
 
 
 def _done(path):

@@ -34,9 +34,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 MUTANTS = Path(__file__).with_suffix(".toml")
-PARTS = ("__init__.py", "__main__.py", "py.typed", "pyproject.toml", "README.md", "tests")
-PARTS += ("fmu_ehd", "fmu_mfbd", "master", "models", "docs")
-"""What a copy is made of."""
+LEFT_OUT = ("build", "dist", "results", "site")
+"""What a copy is made without, beside hidden files but `.ci`; nothing of it is under version
+control."""
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
 QUICK = {
@@ -108,14 +108,15 @@ def read_mutants(path):
 
 
 def copy_tree(source, target, copy=shutil.copy2):
-    """The parts of a tree that tests need, with what has been compiled."""
+    """A tree with what has been compiled."""
     target.mkdir(parents=True)
-    for name in PARTS:
-        part = source / name
+    for part in source.iterdir():
+        if part.name in LEFT_OUT or (part.name.startswith(".") and part.name != ".ci"):
+            continue
         if part.is_dir():
-            shutil.copytree(part, target / name, copy_function=copy)
-        elif part.exists():
-            copy(part, target / name)
+            shutil.copytree(part, target / part.name, copy_function=copy)
+        else:
+            copy(part, target / part.name)
 
 
 def pytest(tree, cache, tests, interpreted=False):

@@ -17,7 +17,9 @@ def problem(ring, seed=0, shape=(7, 9)):
     """A rough, partly starved film with entrainment in both directions."""
     rng = np.random.default_rng(seed)
     grid = Grid(shape, 7e-3, 9e-3, ring)
-    edges = Edges(np.array([1e4, 0.0, 2e4, 0.0]), np.array([0.9, 0.6, 1.0, 0.5]), in_plenty(shape))
+    edges = Edges(
+        np.array([1e4, 0.0, 2e4, 0.0, 0.0]), np.array([0.9, 0.6, 1.0, 0.5, 1.0]), in_plenty(shape)
+    )
     film = 2e-6 * (1.0 + 3.0 * rng.random(shape))
     across, along = rng.standard_normal((2, *shape))
     content = film * np.minimum(1.0, 0.7 + 0.5 * rng.random(shape))

@@ -33,6 +33,7 @@ CONSERVING = (
     "flow factors",
     "oblong roughness",
     "cut-out",
+    "fed cut-out",
     "coating",
     "coating and roelands",
     "everything",
@@ -104,20 +105,31 @@ def test_what_is_given_in_cut_outs_is_looked_at_nowhere(name):
         assert all(np.array_equal(a, b) for a, b in zip(answers[0], again))
 
 
-@pytest.mark.parametrize("lower, fraction", [(2e5, 1.0), (0.0, 0.3)])
-def test_a_cut_out_is_an_edge_of_the_film_beside_it(lower, fraction):
-    """All cells above row 6 cut out: the film is that of a skirt that ends there, to round-off."""
+@pytest.mark.parametrize("own", [False, True])
+@pytest.mark.parametrize("pressure, fraction", [(2e5, 1.0), (0.0, 0.3)])
+def test_a_cut_out_is_an_edge_of_the_film_beside_it(pressure, fraction, own):
+    """All cells above row 6 cut out: the film is that of a skirt that ends there, to round-off,
+    with the pressure and the oil of the lower edge, or with its own beside a lower edge at 1e5 Pa.
+    """
     rows = 6
     film, velocity = motored_film(SHAPE, 30 * DEGREE)
-    given = dict(pressure_lower_edge=lower, film_fraction_lower_edge=fraction)
+    given = dict(pressure_lower_edge=pressure, film_fraction_lower_edge=fraction)
+    supply = {}
+    if own:
+        given = dict(pressure_lower_edge=1e5)
+        supply = dict(
+            opening_supply="own", pressure_openings=pressure, film_fraction_openings=fraction
+        )
     above = np.broadcast_to(np.arange(SHAPE[1]) >= rows, SHAPE)
-    whole = LubricationModel(Parameters(SHAPE, open_cells=above, pressure_upper_edge=5e5, **given))
+    whole = LubricationModel(
+        Parameters(SHAPE, open_cells=above, pressure_upper_edge=5e5, **given, **supply)
+    )
     length = 27e-3 * rows / SHAPE[1]
     short = LubricationModel(
         Parameters(
             (SHAPE[0], rows),
             skirt_length=length,
-            pressure_upper_edge=lower,
+            pressure_upper_edge=pressure,
             film_fraction_upper_edge=fraction,
             **given,
         )
@@ -135,6 +147,10 @@ def test_a_cut_out_is_an_edge_of_the_film_beside_it(lower, fraction):
     assert cut["film_fraction"][:, :rows] == pytest.approx(plain["film_fraction"], rel=1e-9)
     assert cut["flow_lower_edge"] == pytest.approx(plain["flow_lower_edge"], rel=1e-9)
     assert cut["flow_upper_edge"] == 0.0
+    assert cut["flow_openings"] == pytest.approx(plain["flow_upper_edge"], rel=1e-9)
+    for force in ("nodal_pressure_force", "nodal_friction_force"):
+        assert cut[force][:, :rows] == pytest.approx(plain[force], rel=1e-9, abs=1e-12)
+        assert np.all(cut[force][:, rows:] == 0.0)
     assert cut["mass_imbalance"] <= 1e-12
 
 
@@ -344,12 +360,26 @@ def test_edge_below_cavitation_pressure_is_a_fault():
 def test_a_partly_filled_edge_above_cavitation_pressure_is_a_fault():
     sentences = faults(Parameters(film_fraction_upper_edge=0.3, cavitation_pressure=-1e5))
     assert sentences == [
-        "film_fraction_upper_edge = 0.3 (unit 1) at pressure_upper_edge = 0 Pa: an edge that is "
+        "film_fraction_upper_edge = 0.3 (unit 1) at pressure_upper_edge = 0 Pa: what is "
         "only partly filled must be at cavitation_pressure = -100000 Pa, or filled to 1"
     ]
     both = dict(film_fraction_lower_edge=0.0, film_fraction_upper_edge=0.9)
     assert len(faults(Parameters(**both, pressure_lower_edge=1.0, pressure_upper_edge=1.0))) == 2
     assert faults(Parameters(**both)) == []
+
+
+def test_openings_of_their_own_supply_obey_the_rules_of_edges():
+    own = dict(opening_supply="own")
+    assert faults(Parameters(**own, pressure_openings=3e5)) == []
+    assert faults(Parameters(**own, film_fraction_openings=0.4)) == []
+    (partly,) = faults(Parameters(**own, pressure_openings=1.0, film_fraction_openings=0.4))
+    assert partly.startswith("film_fraction_openings = 0.4 (unit 1) at pressure_openings = 1 Pa")
+    (below,) = faults(Parameters(**own, pressure_openings=-1e4))
+    assert below.startswith("pressure_openings = -10000 Pa: must not be below")
+    (unused,) = faults(Parameters(pressure_openings=3e5))
+    assert unused.endswith("choose opening_supply = own")
+    (bore,) = faults(Parameters(**own, oil_supply="bore"))
+    assert bore.startswith("opening_supply = own with oil_supply = bore")
     assert faults(Parameters(cavitation_pressure=-1e5)) == []  # flooded
 
 

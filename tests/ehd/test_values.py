@@ -94,6 +94,94 @@ def test_inclined_pad(velocity):
     assert o["solver_iterations"] >= 1
 
 
+def test_a_groove_around_the_skirt_with_a_supply_of_its_own():
+    """Pressure falls evenly from the groove to both edges, by hand: each land carries
+
+    q = -V h/2 - h^3/(12 mu) dp/dy
+
+    and the groove gives what both edges take. Lands of 9 and 5 um, the groove's own film is looked
+    at nowhere; it presses on nothing. Round-off: an even film is exact on every grid.
+    """
+    cells, groove, velocity = 30, 12, -4.0
+    lower, supply = 1.0e5, 4.0e5
+    film = np.where(np.arange(cells) < groove, 9e-6, 5e-6)
+    film[groove] = 2e-3
+    mask = np.broadcast_to(np.arange(cells) == groove, (4, cells))
+    o = stepped(
+        (4, cells),
+        film,
+        velocity,
+        open_cells=mask,
+        pressure_lower_edge=lower,
+        opening_supply="own",
+        pressure_openings=supply,
+    )
+    a = LENGTH * groove / cells
+    b = LENGTH * (cells - groove - 1) / cells
+    y = along(cells) * LENGTH
+    expected = np.where(y < a, lower + (supply - lower) * y / a, supply * (LENGTH - y) / b)
+    expected[groove] = supply
+    assert o["pressure"][1] == near(expected, rel=1e-11)
+    drag = -velocity / 2.0
+    into = WIDTH * (drag * 9e-6 - 9e-6**3 / (12.0 * VISCOSITY) * (supply - lower) / a)
+    out = WIDTH * (drag * 5e-6 + 5e-6**3 / (12.0 * VISCOSITY) * supply / b)
+    assert o["flow_lower_edge"] == near(into, rel=1e-10)
+    assert o["flow_upper_edge"] == near(-out, rel=1e-10)
+    assert o["flow_openings"] == near(out - into, rel=1e-10)
+    area = WIDTH / 4.0 * LENGTH / cells
+    force = area * expected
+    force[groove] = 0.0
+    assert o["nodal_pressure_force"][3] == near(force, rel=1e-11)
+    # shear of Eq. (F1), also in the cells beside the groove
+    shear = -VISCOSITY * velocity / 5e-6 - 5e-6 / 2.0 * supply / b
+    assert o["nodal_friction_force"][0, groove + 1 :] == near(
+        np.full(cells - groove - 1, area * shear), rel=1e-9
+    )
+
+
+def test_a_window_that_is_starved_starves_the_film_behind_it():
+    """Oil moves up past a window that covers the whole width with a share f = 0.4: the land above
+    carries f h U/2 over the upper edge, and the window takes the rest of what comes from below.
+
+    1e-6 as for `test_starved_edges`.
+    """
+    mask = np.broadcast_to(np.arange(9) == 4, (4, 9))
+    o = stepped(
+        (4, 9),
+        8e-6,
+        -3.0,
+        step=STEADY,
+        open_cells=mask,
+        opening_supply="own",
+        film_fraction_openings=0.4,
+    )
+    flow = 8e-6 * 3.0 / 2.0 * WIDTH
+    assert o["film_fraction"][2, 5:] == near(np.full(4, 0.4), rel=1e-6)
+    assert o["flow_lower_edge"] == near(flow, rel=1e-6)
+    assert o["flow_upper_edge"] == near(-0.4 * flow, rel=1e-6)
+    assert o["flow_openings"] == near(-0.6 * flow, rel=1e-6)
+
+
+def test_what_a_window_takes_closes_the_balance_of_a_steady_film():
+    """A window of 2 x 3 cells: what comes over both edges leaves through it. 1e-8: storage in a
+    step of 1e6 s.
+    """
+    mask = np.zeros((8, 12), dtype=bool)
+    mask[2:4, 5:8] = True
+    film = 8e-6 * (1.0 + 0.3 * np.sin(np.arange(8) * np.pi / 4.0))[:, None] * (1.5 - along(12))
+    o = stepped(
+        (8, 12),
+        film,
+        -3.0,
+        step=STEADY,
+        open_cells=mask,
+        opening_supply="own",
+        pressure_openings=2e5,
+    )
+    assert abs(o["flow_openings"]) > 0.1 * abs(o["flow_lower_edge"])
+    assert o["flow_openings"] == near(-(o["flow_lower_edge"] + o["flow_upper_edge"]), rel=1e-8)
+
+
 def test_step_bearing_between_two_edge_pressures():
     """Rayleigh's step with p_l and p_u at the edges, by hand: linear pressure on either side,
 

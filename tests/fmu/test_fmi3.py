@@ -3,13 +3,14 @@ aloud.
 """
 
 import zipfile
-from xml.etree import ElementTree
+from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
+from lxml import etree
 
 from piston_cosim.master.case.contract import swap
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
@@ -88,7 +89,11 @@ def test_description_is_valid_with_arrays_and_terminals(twin):
     assert [int(d.start) for d in variables["film_thickness"].dimensions] == list(CELLS)
     assert variables["film_thickness"].unit == "m"
     with zipfile.ZipFile(twin) as archive:
-        root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+        told = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
+        assert archive.read("terminalsAndIcons/icon.png").startswith(b"\x89PNG")
+    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    root = etree.fromstring(told)
+    etree.XMLSchema(file=str(schemas / "fmi3TerminalsAndIcons.xsd")).assertValid(root)
     members = {m.get("variableName") for m in root.iter("TerminalMemberVariable")}
     assert members == {
         "film_thickness",

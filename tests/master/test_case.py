@@ -95,12 +95,20 @@ def test_times_in_the_wrong_dimension_are_refused(case_file):
 
 
 def test_variants_are_changed_cases(case_file):
-    path = case_file(GOOD)
+    path = case_file(GOOD.replace("[time]", 'beside = ["slow"]\n[time]', 1))
     trees = variant_trees(path, [("time.step", "2 deg")], None)
     assert list(trees) == ["base", "slow"]
     assert trees["slow"]["participants"]["a"]["parameters"]["speed"] == "300 rpm"
     assert trees["base"]["participants"]["a"]["parameters"]["speed"] == "3000 rpm"
     assert trees["slow"]["time"]["step"] == "2 deg"
+
+
+def test_a_variant_runs_on_demand_alone(case_file):
+    path = case_file(GOOD)
+    assert list(variant_trees(path, [], None)) == ["base"]
+    assert list(variant_trees(path, [], "slow")) == ["slow"]
+    wrong = GOOD.replace("[time]", 'beside = ["fast"]\n[time]', 1)
+    assert "beside = 'fast': the variants are slow" in faults_of(case_file(wrong))[0]
 
 
 @pytest.mark.parametrize(

@@ -156,7 +156,7 @@ def test_tables_that_a_case_may_have_are_made(tmp_path):
         ("bore_radius", "2 km", "allowed is 0.001 to 1 m"),
         ("wires.0.from", "bodies.film_thicknes", "did you mean film_thickness"),
         ("pictures.0.x", "bodies.crank_angl", "motion.png: .*did you mean crank_angle"),
-        ("record.fields", ["ehd.pressure"], "bodies.film_thickness is not recorded"),
+        ("pictures.3.fields", ["ehd.presure"], "left_side.*: ehd.presure .*did you mean pressure"),
         ("time.stop", "7 bar", "time.stop"),
         ("coupling.metod", "newton", "metod: unknown key .did you mean method"),
     ],

@@ -119,7 +119,7 @@ def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     runs = {"one": written(folder / "one.h5"), "two": written(folder / "two.h5", 2.0)}
     case = check_case(TREE, "case.toml")
-    yield write_report(case, runs, folder / "report", "*notes*", (), special(case, runs)), runs
+    yield write_report(case, runs, folder / "report", "*notes*", special=special(case, runs)), runs
     for results in runs.values():
         results.close()
 

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
-from piston_cosim.master.case.schema import NEUTRAL, Axes
+from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
 from piston_cosim.master.results.file import RecordedField
-from piston_cosim.master.results.pictures import draw_maps, draw_sections, logarithmic
+from piston_cosim.master.results.pictures import (
+    draw_maps,
+    draw_sections,
+    figures,
+    left_out,
+    logarithmic,
+)
 
 
 @pytest.mark.parametrize(
@@ -19,6 +25,7 @@ def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
         field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction"),
         there=lambda port: None,
         case={"participants": {}},
+        time=np.array([0.0, 1.0]),
     )
     picture = SimpleNamespace(fields=["ehd.film_fraction"], time="0 s", units={})
     case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
@@ -43,6 +50,7 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
         field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
         there=lambda port: None,
         case={"participants": {}},
+        time=np.array([0.0, 1.0]),
     )
     picture = SimpleNamespace(
         fields=["heat.flux"], time="0 s", units={}, angles=("0 deg", "180 deg"), height=0.5
@@ -70,6 +78,7 @@ def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
     results = SimpleNamespace(
         field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
         there=lambda port: there,
+        time=np.array([0.0, 1.0]),
         case={"participants": {}},
     )
     picture = SimpleNamespace(fields=["ehd.pressure"], time="0 s", units={})
@@ -94,3 +103,28 @@ def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
 )
 def test_which_colours_are_logarithmic(unit, low, high, expected):
     assert logarithmic(unit, low, high) == expected
+
+
+@pytest.mark.parametrize(
+    "field, time, why",
+    [
+        ("ehd.pressure", "1 s", None),
+        ("ehd.heat", "1 s", "base has not recorded ehd.heat; name it in record.fields"),
+        ("ehd.pressure", "1.1 s", "base does not come by 1.1 s"),
+        ("ehd.pressure", "24 deg", "base does not come by 24 deg"),  # it says no crank angle
+    ],
+)
+def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why):
+    picture = Picture(file="map.png", title="Map", kind="map", fields=[field], time=time)
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
+        case={"participants": {}},
+        time=np.array([0.0, 0.5, 1.0]),
+        there=lambda port: None,
+        recorded=["ehd.pressure"],
+        ports=[],
+    )
+    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
+    runs = {"base": results}
+    assert left_out(case, runs) == ({"map.png": why} if why else {})
+    assert len(list(figures(case, runs))) == (why is None)

@@ -36,6 +36,14 @@ def run(angles, **ports):
     )
 
 
+def skin(name, skirt):
+    """Three corners of a body with two modes."""
+    modes = np.arange(18.0).reshape(3, 3, 2)
+    return SimpleNamespace(
+        name=name, points=np.eye(3), triangles=np.array([[0, 1, 2]]), modes=modes, skirt=skirt
+    )
+
+
 def test_strokes_begin_at_firing_top_dead_centre():
     shown = strokes({"a": run([-360.0, 10.0]), "b": run([0.0, 725.0])})
     assert [(one.begin, one.name) for one in shown] == [
@@ -52,9 +60,17 @@ def test_strokes_begin_at_firing_top_dead_centre():
 
 def test_edges_of_the_skirt_move_with_the_tilt():
     # turned about +z by 2 mrad, a point 10 mm above the pin goes 20 um towards -x
-    runs = {"r": run([0.0, 90.0], lateral_displacement=[5e-6, 5e-6], rocking_angle=[2e-3, 0.0])}
+    runs = {
+        "r": run(
+            [0.0, 90.0],
+            lateral_displacement=[5e-6, 5e-6],
+            rocking_angle=[2e-3, 0.0],
+            piston_position=[0.1, 0.1],
+        )
+    }
     case = Case.model_construct()
-    chart = special(case, runs, (-0.02, 0.01)).sections[0].drawn[0]
+    skins = {"r": [skin("piston", (-0.02, 0.01))]}
+    chart = special(case, runs, skins).sections[0].drawn[0]
     lower, upper = chart.curves
     assert lower.y == pytest.approx([45.0, 5.0]) and upper.y == pytest.approx([-15.0, 5.0])
     assert lower.x == pytest.approx([0.0, 90.0]) and chart.cursor

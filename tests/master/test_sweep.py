@@ -12,6 +12,7 @@ from piston_cosim.master.runs.sweep import (
     all_points,
     parse_axis,
     sweep,
+    table_for,
     unfinished,
 )
 
@@ -103,3 +104,34 @@ def test_a_second_sweep_in_the_same_folder_is_refused(tree, tmp_path):
 
     sweep(points, PATH.parent, tmp_path, Answering(), watch)
     sweep(points, PATH.parent, tmp_path, Answering())
+
+
+def test_the_table_of_another_sweep_stays(tree, tmp_path):
+    """A sweep that grows goes on in its table; fewer values, other keys or a change of the case
+    have one of their own.
+    """
+
+    def points(text, changes=()):
+        return all_points(PATH, changes, [parse_axis(text, tree)])
+
+    def run(chosen):
+        sweep(chosen, PATH.parent, tmp_path, Answering())
+
+    few, more = points("crank_speed=1000rpm;1500rpm"), points("crank_speed=1000rpm;1500rpm;1800rpm")
+    run(few)
+    first = (tmp_path / "sweep.csv").read_text()
+    assert table_for(tmp_path, few) == table_for(tmp_path, more) == tmp_path / "sweep.csv"
+    others = [
+        points("crank_speed=1000rpm;1800rpm"),
+        points("ovality=100um;200um"),
+        points("crank_speed=1000rpm;1500rpm", [("viscosity", "20 mPa s")]),
+    ]
+    for number, other in enumerate(others, 2):
+        assert table_for(tmp_path, other).name == f"sweep_{number}.csv"
+        run(other)
+        assert table_for(tmp_path, other).name == f"sweep_{number}.csv"  # and goes on there
+    assert (tmp_path / "sweep.csv").read_text() == first
+    run(more)
+    assert (tmp_path / "sweep.csv").read_text().startswith(first.rstrip())
+    (tmp_path / "sweep.csv").write_text("mine")
+    assert table_for(tmp_path, few).name == "sweep_5.csv"

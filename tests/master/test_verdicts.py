@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.engine.answer import answer
+from piston_cosim.master.engine.headlines import cycle_of, friction_pressure
+from piston_cosim.master.engine.places import thinnest_place
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.file import Results
 
@@ -14,9 +17,17 @@ PATH = find_case("data_sheet")
 ROUGHNESS = 0.54e-6
 
 
-def judged(folder, film=5e-6, pressure=3e6, cycles=2, drift=0.0, **summary):
-    """what -> verdict on a run of `cycles` cycles in steps of 10 deg, the last cycle of which is
-    displaced by `drift` times its range.
+def judged(folder, **given):
+    """what -> verdict on the run of `made`."""
+    with made(folder, **given) as results:
+        case = check_case(results.case, PATH)
+        return {one.what: one for one in verdicts(case, results)}
+
+
+def made(folder, film=5e-6, pressure=3e6, cycles=2, drift=0.0, knock=0.0, field=None, **summary):
+    """Results of `cycles` cycles in steps of 10 deg, the last cycle of which is displaced by
+    `drift` times its range. Side force 1 kN sin(phi/2), in phase with what gas and inertia ask for
+    and `knock` times that away from it. `field`: pressure over film fraction at two instants.
     """
     tree = read_tree(PATH)
     angle = np.radians(np.arange(-360, 720 * cycles - 359, 10.0))
@@ -25,26 +36,35 @@ def judged(folder, film=5e-6, pressure=3e6, cycles=2, drift=0.0, **summary):
     columns = {
         "bodies/crank_angle": (angle, "rad"),
         "bodies/lateral_displacement": (lateral, "m"),
-        "ehd/minimum_film_thickness": (np.full(angle.size, film), "m"),
+        "ehd/minimum_film_thickness": (film + 5e-6 * (angle != angle[1]), "m"),
         "ehd/maximum_pressure": (np.full(angle.size, pressure), "Pa"),
+        "bodies/side_force_demand": (1e3 * np.sin(angle / 2), "N"),
+        "bodies/side_force": (1e3 * (np.sin(angle / 2) + knock * np.cos(angle / 2)), "N"),
+        "bodies/piston_position": (0.2 + 0.072 * np.cos(angle), "m"),
+        "ehd/friction_power": (100.0 + 40.0 * np.cos(angle), "W"),
+        "ehd/boundary_friction_share": (np.full(angle.size, 0.04), "1"),
+        "ehd/contact_area_fraction": (np.full(angle.size, 1e-3), "1"),
+        "bodies/kinetic_energy": (2e-3 * np.cos(angle / 4) ** 2, "J"),
+        "bodies/lateral_velocity": (np.full(angle.size, -0.05), "m/s"),
+        "bodies/rocking_angle": (np.radians(0.1) * np.sin(angle / 2), "rad"),
+        "ehd/oil_in_film": (np.full(angle.size, 3e-7), "m3"),
+        "ehd/flow_upper_edge": (np.full(angle.size, -2e-9), "m3/s"),
     }
     gap = np.full((2, 40, 40), 1e-5)
     gap[1, 30, 9] = film  # cell 31 of 40 has its centre on 270 deg
     with h5py.File(folder / "run.h5", "w") as file:
-        made = {"steps": 10, "unconverged_steps": 0, "interface_work_imbalance": 0.0} | summary
-        made["cycles"] = made.pop("cycles_run", 0)
-        file.attrs.update({"case": json.dumps(tree), "summary": json.dumps(made)})
+        said = {"steps": 10, "unconverged_steps": 0, "interface_work_imbalance": 0.0} | summary
+        said["cycles"] = said.pop("cycles_run", 0)
+        file.attrs.update({"case": json.dumps(tree), "summary": json.dumps(said)})
         file["time"] = (angle - angle[0]) / 100.0
         file["fields/time"] = file["time"][:2]
         file["fields/bodies/film_thickness"] = gap
+        if field is not None:
+            file["fields/ehd/pressure"], file["fields/ehd/film_fraction"] = field
         for name, (values, unit) in columns.items():
             file[name] = values
             file[name].attrs.update({"unit": unit, "description": name})
-    case = check_case(tree, PATH)
-    results = Results(folder / "run.h5")
-    found = {one.what: one for one in verdicts(case, results)}
-    results.close()
-    return found
+    return Results(folder / "run.h5")
 
 
 @pytest.mark.parametrize("periodic, colour", [(True, "green"), (False, "amber")])
@@ -57,7 +77,7 @@ def test_a_repeated_cycle_is_judged_by_its_own_distance(tmp_path, periodic, colo
 def test_a_sound_run_is_green(tmp_path):
     found = judged(tmp_path)
     assert {one.colour for one in found.values()} == {"green"}
-    assert set(found) == {"convergence", "energy", "film", "pressure", "periodic"}
+    assert set(found) == {"convergence", "energy", "film", "pressure", "side force", "periodic"}
 
 
 @pytest.mark.parametrize(
@@ -73,6 +93,9 @@ def test_a_sound_run_is_green(tmp_path):
         ({"drift": 0.03}, "periodic", "amber"),
         ({"drift": 0.2}, "periodic", "red"),
         ({"cycles": 1}, "periodic", "amber"),
+        ({"knock": 0.24}, "side force", "green"),
+        ({"knock": 0.26}, "side force", "amber"),
+        ({"knock": 0.76}, "side force", "red"),
         ({"unconverged_steps": 1}, "convergence", "red"),
         ({"interface_work_imbalance": -2e-3}, "energy", "amber"),
         ({"interface_work_imbalance": 0.02}, "energy", "red"),
@@ -88,3 +111,84 @@ def test_the_worst_place_by_side_angle_and_height(tmp_path):
     # row 10 of 40 has its centre at 9.5/40 of the skirt
     assert "anti-thrust side, angle from the pin axis 270 deg, height 19.7 mm" in said
     assert "9.26 times the roughness" in said  # 5/0.54
+
+
+def hill(width_around, width_along, cells=40, closed=0, at=9):
+    """Pressure and film fraction at two instants: none, then a box with its corner at (`at`, 20);
+    `closed` cells around and 4 along about (0, 30) have no film.
+    """
+    pressure, fraction = np.zeros((2, cells, 40)), np.ones((2, cells, 40))
+    fraction[1] = 0.9
+    around = np.arange(at, at + width_around) % cells
+    pressure[1][np.ix_(around, np.arange(20, 20 + width_along))] = 1e6
+    fraction[1][np.ix_((np.arange(closed) - closed // 2) % cells, np.arange(28, 32))] = 1.0
+    return pressure, fraction
+
+
+@pytest.mark.parametrize(
+    "field, colour, sentence",
+    [
+        (hill(4, 5), "green", "4 cells around and 5 along"),
+        (hill(5, 3), "amber", "5 cells around and 3 along"),
+        (hill(1, 5), "red", "1 cells around"),
+        (hill(6, 6, at=37), "green", "6 cells around"),  # across the seam of the ring
+        (hill(4, 4, cells=41), "amber", "41 cells around: of an odd number none"),
+        (hill(4, 4, closed=3), "green", "4 cells around and 4 along"),
+        (hill(4, 4, closed=2), "amber", "an opening in the skirt is 2 cells wide"),
+    ],
+)
+def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence):
+    grid = judged(tmp_path, field=field)["grid"]
+    assert grid.colour == colour and sentence in grid.said
+
+
+def test_the_first_screen_by_hand(tmp_path):
+    """Mean power 100 W over a cycle of 4 pi/100 s and pi 55^2 144 mm^3: 9.182 kPa (Eq. (X12))."""
+    volume = np.pi * 0.055**2 * 0.144
+    with made(tmp_path, wall_time_s=3.0) as results:
+        case = check_case(results.case, PATH)
+        # whole periods of a cosine: trapezia are exact
+        expected = 100.0 * 4 * np.pi / 100.0 / volume
+        assert friction_pressure(case, results) == pytest.approx(expected, rel=1e-12)
+        shown = answer(case, results)
+    said = {line.name: line.said for line in shown.lines}
+    assert said["friction"] == "100 W on average, FMEP 9.18 kPa"
+    assert said["thinnest film"] == "5 µm at -350 deg, anti-thrust, 270 deg around, height 19.7 mm"
+    assert said["highest pressure"] == "3 MPa at -360 deg"
+    assert said["asperities"] == "4.00% of the friction work, touching 0.10% of the skirt at most"
+    assert said["side force"] == (
+        "1 kN anti-thrust at -180 deg; gas and inertia ask for 1 kN anti-thrust at -180 deg"
+    )
+    assert said["slap"] == "2 mJ across the bore, -50 mm/s at 0 deg"
+    assert said["across the bore"] == "-10 µm to 10 µm"
+    assert said["tilt"] == "-0.1 deg to 0.1 deg"
+    assert said["oil"] == "300 mm^3 in the film, 2 mm^3/s out over the upper edge"
+    assert said["computed"] == "1440 deg in 10 steps, 3 s"
+    assert said["verdicts"] == "6 green"
+    assert len(shown.lines) <= 12
+
+
+def test_a_run_shorter_than_a_cycle_says_no_fmep(tmp_path):
+    with made(tmp_path, cycles=0.5) as results:
+        assert friction_pressure(check_case(results.case, PATH), results) is None
+
+
+def test_a_cycle_is_as_long_as_its_strokes(tmp_path):
+    with made(tmp_path) as results:
+        assert cycle_of(results, "bodies") == 4 * np.pi
+        tree = results.case
+    tree["participants"]["bodies"]["build"]["gas"]["strokes"] = 2
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        file.attrs["case"] = json.dumps(tree)
+    with Results(tmp_path / "run.h5") as results:
+        assert cycle_of(results, "bodies") == 2 * np.pi
+
+
+def test_where_there_is_no_film_the_gap_is_not_looked_at(tmp_path):
+    """The bodies' gap is smaller in a window than the film is anywhere."""
+    made(tmp_path).close()
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        file["fields/bodies/film_thickness"][1, 5, 5] = 1e-6
+    with Results(tmp_path / "run.h5") as results:
+        place = thinnest_place(check_case(results.case, PATH), results, "ehd")
+    assert place.index == (30, 9)

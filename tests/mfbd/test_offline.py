@@ -158,6 +158,22 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     assert wrong.returncode == 2
 
 
+def test_rigid_bodies_are_named_and_left_alone(cache, tmp_path):
+    """A data sheet has neither mesh nor modes: a sentence each, and nothing is written."""
+    from piston_cosim.master.api.bodies import build_table
+    from piston_cosim.master.case.schema import find_case, read_tree
+
+    path = find_case("data_sheet")
+    said = []
+    table = build_table(read_tree(path))
+    assert reduce(table, path.parent, tmp_path / "bodies", said.append) == []
+    assert said == [
+        f"{name}: rigid, of a data sheet; there is nothing to reduce or to recover"
+        for name in ("piston", "block")
+    ]
+    assert not (tmp_path / "bodies").exists()
+
+
 def test_ties_by_option(coarse, cache):
     """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs
     hold less than a clamp.

@@ -8,8 +8,10 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
     LateralMotion,
     Mechanism,
+    PistonLoad,
     motion,
     rod_turn,
+    side_force_demand,
 )
 from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
 from piston_cosim.fmu_mfbd.finite_elements.element import lame_constants, nodal_stress, von_mises
@@ -105,6 +107,39 @@ def test_turning_rod_follows_where_its_end_goes():
     assert link.rod_force_by_acceleration == near(1.0 / 16.0)
     assert link.rod_force_by_velocity == near(3.0 / 64.0)
     assert link.rod_force_by_position == near(13.0 / 256.0)
+
+
+@pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
+def test_side_force_that_gas_rings_and_inertia_ask_for(phi):
+    """Newton and Euler on the rod, about the crank pin C, accelerations by second differences of
+    positions: P on the piston is P_y = p A - F_ry + m Y'', and (A - C) x (-P) is what the rod's
+    inertia takes; the bore holds P_x + F_rx. 1e-6: differences over 1e-3 rad are of second order.
+    """
+    radius, length, offset, mass, inertia, share = 0.04, 0.13, 8e-4, 0.6, 2e-3, 0.3
+    rod = Mechanism(radius, length, offset, mass, inertia, share, pin_mass=0.2)
+    speed, step = 300.0, 1e-3
+
+    def places(angle):
+        pin = radius * np.array([-np.sin(angle), np.cos(angle)])
+        across = offset - pin.item(0)
+        psi = -np.arcsin(across / length)
+        top = pin + [across, np.sqrt(length**2 - across**2)]
+        return np.array([*pin, *top, *(pin + share * (top - pin)), psi])
+
+    here = places(phi)
+    rates = (places(phi + step) - 2 * here + places(phi - step)) / step**2 * speed**2
+    pin, top, centre = here[:2], here[2:4], here[4:6]
+    push = 5e3 + 90.0 + 0.7 * rates.item(3)
+
+    def cross(a, b):
+        return a.item(0) * b.item(1) - a.item(1) * b.item(0)
+
+    taken = inertia * rates.item(6) + mass * cross(centre - pin, rates[4:6])
+    across, up = top - pin
+    expected = (taken + across * push) / up + 130.0
+    load = PistonLoad(mass=0.7, gas=5e3, rings_lateral=130.0, rings_axial=-90.0)
+    found = side_force_demand(rod, load, CrankMotion(phi, speed, 0.0))
+    assert found == near(expected, rel=1e-6)
 
 
 def test_turn_of_the_rod_and_its_slopes():

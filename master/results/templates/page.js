@@ -1,4 +1,3 @@
-"use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = name => document.getElementById(name), style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const slider = byId("instant"), tip = byId("tip");
@@ -503,6 +502,7 @@ async function begin() {
   byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; requestAnimationFrame(turn); };
   strip();
   if (data.motion) data.labels.forEach((label, k) => body(byId("motion"), data.motion, data.motion.tracks[k], label));
+  await showSolids();
   for (const field of data.fields) await showField(element("div", byId("fields")), field, true);
   show();
   document.body.dataset.fields = "drawn";

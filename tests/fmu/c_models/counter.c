@@ -3,12 +3,21 @@
    Lag:     dx/dt = -k x + u                      by backward Euler
    Counter: n <- n + 1, odd = n mod 2, phase = 1 + n mod 3, words = "step n", each step
    Sums:    sum of what the integer, truth and phase inputs were, a step each; heard: the text input
-   Trouble: at the step `trouble_at` what `trouble` says (1 hang, 2 discard); always: change of the working directory */
+   Trouble: at the step `trouble_at` what `trouble` says (1 hang, 2 discard); always: change of the working directory
+   Time:    a step waits WAIT microseconds and computes for BURN microseconds of processor time, 0 unless defined */
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
+
+#ifndef WAIT
+#define WAIT 0
+#endif
+#ifndef BURN
+#define BURN 0
+#endif
 
 typedef struct {
     double k, u, x, sums[3];
@@ -36,6 +45,13 @@ int fmi2DoStep(Model *m, double time, double step, int last)
         pause();
     if (m->trouble == 2 && m->n == m->trouble_at)
         return 2;
+    if (WAIT)
+        usleep(WAIT);
+    if (BURN) {
+        clock_t begun = clock();
+        while (clock() - begun < BURN * (CLOCKS_PER_SEC / 1000000))
+            ;
+    }
     m->x = (m->x + step * m->u) / (1 + step * m->k);
     m->n++;
     m->sums[0] += m->number, m->sums[1] += m->truth, m->sums[2] += m->phase;

@@ -1,0 +1,66 @@
+"""What a run answers, for the first screen and the report: its lines and its verdicts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fmi.quantities import short
+from ..results.instants import crank_angle
+from .headlines import Headline, headlines
+from .verdicts import RANK, Verdict, verdicts
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Lines that an engineer reads first, and every verdict."""
+
+    lines: list[Headline]
+    verdicts: list[Verdict]
+
+    def said(self, name: str) -> str:
+        """What the line of that name says, nothing without one."""
+        return next((line.said for line in self.lines if line.name == name), "")
+
+
+def answer(case, results) -> Answer:
+    """The answer of a finished run: of a piston on its film the lines of `headlines`, of any other
+    case the entries of its own summary; how far it went, and how many verdicts are good.
+
+    Parameters
+    ----------
+    case : Case
+    results : Results
+    """
+    lines = headlines(case, results) or _own_summary(case, results)
+    judged = verdicts(case, results)
+    lines.append(Headline("computed", _computed(results)))
+    if judged:
+        lines.append(Headline("verdicts", _counted(judged)))
+    return Answer(lines, judged)
+
+
+def _own_summary(case, results):
+    """The case's summary entries."""
+    summary = results.summary or {}
+    return [Headline(name, f"{summary[name]:.6g}") for name in case.summary if name in summary]
+
+
+def _computed(results):
+    """How far the run went, and how long it took."""
+    crank = crank_angle(results)
+    if crank is None:
+        begin, *_, end = results.time
+        reach = short(end - begin, "s")
+    else:
+        begin, *_, end = crank.angle
+        reach = f"{np.degrees(end - begin):.4g} deg"
+    summary = results.summary or {}
+    steps = summary.get("steps", len(results.time) - 1)
+    return f"{reach} in {steps} steps, {summary.get('wall_time_s', 0.0):.3g} s"
+
+
+def _counted(judged):
+    """How many of each colour."""
+    colours = [one.colour for one in judged]
+    counts = [f"{colours.count(colour)} {colour}" for colour in RANK if colour in colours]
+    return ", ".join(counts)

@@ -1,0 +1,212 @@
+"""A finished run in ten lines that an engineer reads first: film, pressure, friction, side force,
+slap, motion, oil.
+
+Every figure is of what was recorded, lengths and volumes of the model itself; a line whose outputs
+a run does not have is left out.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..case.contract import players
+from ..case.schema import Case
+from ..fmi.quantities import short, to_si
+from ..results.file import Results
+from ..results.instants import crank_angle
+from .places import Place, thinnest_place, worst_place
+
+FOUR_STROKE = 4 * np.pi
+"""Crank angle of a cycle where the case names no other [rad]."""
+
+
+class Headline(NamedTuple):
+    """A name and what is said under it."""
+
+    name: str
+    said: str
+
+
+class Run(NamedTuple):
+    """What every line is made of: case, results, the names of film and bodies ("" without one)."""
+
+    case: Case
+    results: Results
+    film: str
+    bodies: str
+
+    def values(self, port):
+        """A scalar output over the macro steps, None where the run has none."""
+        return self.results.series(port).values if port in self.results.ports else None
+
+
+def headlines(case, results) -> list[Headline]:
+    """The lines of a run; none of one without a piston and its film.
+
+    Parameters
+    ----------
+    case : Case
+    results : Results
+    """
+    film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
+    if not film or not bodies:
+        return []
+    run = Run(case, results, *film, *bodies)
+    lines = {
+        "thinnest film": _thinnest(run),
+        "highest pressure": _highest(run),
+        "friction": _friction(run),
+        "asperities": _asperities(run),
+        "side force": _side_force(run),
+        "slap": _slap(run),
+        "across the bore": _across(run),
+        "tilt": _tilt(run),
+        "oil": _oil(run),
+    }
+    return [Headline(name, said) for name, said in lines.items() if said]
+
+
+def _at(run, k):
+    """Row `k` as a crank angle, or as a time where the run says none."""
+    crank = crank_angle(run.results)
+    if crank is None:
+        return f"at {short(run.results.time[k], 's')}"
+    return f"at {np.degrees(crank.angle[k]):.4g} deg"
+
+
+def _where(place: Place | None):
+    return f", {place.brief}" if place else ""
+
+
+def _thinnest(run):
+    values = run.values(f"{run.film}.minimum_film_thickness")
+    if values is None:
+        return ""
+    k = int(values.argmin())
+    place = thinnest_place(run.case, run.results, run.film)
+    return f"{short(values[k], 'm')} {_at(run, k)}{_where(place)}"
+
+
+def _highest(run):
+    values = run.values(f"{run.film}.maximum_pressure")
+    if values is None:
+        return ""
+    k = int(values.argmax())
+    place = worst_place(run.case, run.results, f"{run.film}.pressure", lowest=False)
+    return f"{short(values[k], 'Pa')} {_at(run, k)}{_where(place)}"
+
+
+def cycle_of(results, name) -> float:
+    """Crank angle of a working cycle [rad]: two strokes or four, as the gas of participant `name`
+    says.
+    """
+    gas = results.case["participants"][name].get("build", {}).get("gas", {})
+    return FOUR_STROKE if gas.get("strokes", 4) == 4 else FOUR_STROKE / 2
+
+
+def last_cycle(results, name):
+    """Mask of the rows of the last whole cycle; None where the run is shorter than one."""
+    crank = crank_angle(results)
+    if crank is None:
+        return None
+    begin = crank.angle[-1] - cycle_of(results, name)
+    if begin < crank.angle[0] - 1e-6:
+        return None
+    return crank.angle >= begin - 1e-6
+
+
+def _mean(time, values):
+    """Mean over time, by trapezia between the rows."""
+    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+
+
+def friction_pressure(case, results) -> float | None:
+    """Friction mean effective pressure [Pa] of the last whole cycle; None where the run is shorter,
+    or does not say what it takes.
+
+    Eq. (X12):  FMEP = int P dt / V,   V = pi R^2 (max Y - min Y)
+                P the friction power, by trapezia; R the bore's radius, Y the pin's height
+    """
+    film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
+    if not film or not bodies:
+        return None
+    run = Run(case, results, *film, *bodies)
+    power = run.values(f"{run.film}.friction_power")
+    height = run.values(f"{run.bodies}.piston_position")
+    given = results.case["participants"][run.film].get("parameters", {})
+    within = last_cycle(results, run.bodies)
+    if power is None or height is None or within is None or "bore_radius" not in given:
+        return None
+    area = np.pi * to_si(given["bore_radius"], "m") ** 2
+    volume = area * np.ptp(height[within])
+    # Eq. (X12)
+    return float(np.trapezoid(power[within], results.time[within]) / volume)
+
+
+def _friction(run):
+    power = run.values(f"{run.film}.friction_power")
+    if power is None:
+        return ""
+    within = last_cycle(run.results, run.bodies)
+    rows = slice(None) if within is None else within
+    said = f"{short(_mean(run.results.time[rows], power[rows]), 'W')} on average"
+    pressure = friction_pressure(run.case, run.results)
+    return said if pressure is None else f"{said}, FMEP {short(pressure, 'Pa')}"
+
+
+def _asperities(run):
+    share = run.values(f"{run.film}.boundary_friction_share")
+    area = run.values(f"{run.film}.contact_area_fraction")
+    if share is None or area is None:
+        return ""
+    if not area.max() > 0.0:
+        return "never touch"
+    return f"{share[-1]:.2%} of the friction work, touching {area.max():.2%} of the skirt at most"
+
+
+def _side_force(run):
+    force = run.values(f"{run.bodies}.side_force")
+    demand = run.values(f"{run.bodies}.side_force_demand")
+    if force is None:
+        return ""
+    said = _sided(run, force)
+    return said if demand is None else f"{said}; gas and inertia ask for {_sided(run, demand)}"
+
+
+def _sided(run, force):
+    """Largest side force, on which side and when."""
+    k = int(np.abs(force).argmax())
+    side = "thrust" if force[k] >= 0.0 else "anti-thrust"
+    return f"{short(abs(force[k]), 'N')} {side} {_at(run, k)}"
+
+
+def _slap(run):
+    energy = run.values(f"{run.bodies}.kinetic_energy")
+    speed = run.values(f"{run.bodies}.lateral_velocity")
+    if energy is None or speed is None:
+        return ""
+    k = int(energy.argmax())
+    return f"{short(energy[k], 'J')} across the bore, {short(speed[k], 'm/s')} {_at(run, k)}"
+
+
+def _across(run):
+    return _range(run.values(f"{run.bodies}.lateral_displacement"), lambda x: short(x, "m"))
+
+
+def _tilt(run):
+    turn = run.values(f"{run.bodies}.rocking_angle")
+    return _range(turn, lambda x: f"{np.degrees(x):.3g} deg")
+
+
+def _range(values, told):
+    return "" if values is None else f"{told(values.min())} to {told(values.max())}"
+
+
+def _oil(run):
+    content = run.values(f"{run.film}.oil_in_film")
+    upper = run.values(f"{run.film}.flow_upper_edge")
+    if content is None or upper is None:
+        return ""
+    time = run.results.time
+    held, outwards = 1e9 * _mean(time, content), -1e9 * _mean(time, upper)
+    return f"{held:.3g} mm^3 in the film, {outwards:.3g} mm^3/s out over the upper edge"
