@@ -54,6 +54,9 @@ class Piston:
     box_wall : (float, float), optional
         Thickness, and distance from z = 0, of two flat walls that join both thrust sides of the
         skirt.
+    cut_beyond : float, optional
+        Distance from z = 0 beyond which there is nothing below the ring belt: a slipper, whose
+        skirt is two panels on the thrust sides.
     """
 
     skirt_radius: float
@@ -73,6 +76,7 @@ class Piston:
     reach: float
     root: float
     box_wall: tuple[float, float] | None = None
+    cut_beyond: float | None = None
 
     def quarter(self) -> Entities:
         """The solid of one quarter, in gmsh."""
@@ -105,7 +109,11 @@ class Piston:
         joined, _ = occ.fuse([(3, boss)], carriers)
         inner, _ = occ.intersect(joined, cylinder_y(self.reach, low, self.top - self.root))
         body, _ = occ.fuse(shell, inner)
-        body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -50, 0, 0, 100, self.pin))])
+        far = 4 * self.skirt_radius
+        if self.cut_beyond is not None:
+            beside = occ.addBox(-far, low - far, self.cut_beyond, 2 * far, high - low + far, far)
+            body, _ = occ.cut(body, [(3, beside)])
+        body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -far, 0, 0, 2 * far, self.pin))])
         return quarter_of(body)
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:

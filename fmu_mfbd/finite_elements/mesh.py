@@ -1,12 +1,13 @@
 """A body's mesh: reading it, its named surfaces, and everything that can be wrong with it."""
 
 import gzip
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -135,7 +136,7 @@ def read_mesh(
         Names every missing surface, wrong element types, the first inverted element, loose pieces,
         an absurd size.
     """
-    raw = _read(Path(path))
+    raw = read_raw(Path(path))
     kinds = {cells.type for cells in raw.cells}
     if not kinds & {"tetra10", "tetra"}:
         present = ", ".join(sorted(kinds))
@@ -205,8 +206,8 @@ def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.n
     return np.vstack([points, middles]), np.hstack([tets, number.reshape(-1, 6) + len(points)])
 
 
-def _read(path):
-    """Mesh of a file as meshio has it; what meshio cannot read becomes a fault."""
+def read_raw(path: Path) -> Any:
+    """Mesh of a file as meshio has it, `.gz` unpacked; what cannot be read is a MeshFault."""
     import meshio
 
     with tempfile.TemporaryDirectory() as folder:
@@ -216,12 +217,49 @@ def _read(path):
             with gzip.open(path) as packed, open(plain, "wb") as file:
                 shutil.copyfileobj(packed, file)
         try:
+            if repair := REPAIRS.get(plain.suffix.lower()):
+                text = repair(plain.read_text())
+                plain = Path(folder) / f"repaired{plain.suffix}"
+                plain.write_text(text)
             return meshio.read(plain)
         # its readers raise whatever comes, and it ends the process itself
         except (Exception, SystemExit) as error:
             raise MeshFault(
                 [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
             ) from None
+
+
+def abaqus_for_meshio(text: str) -> str:
+    """An Abaqus deck with names of shells that meshio knows: gmsh writes surfaces as plane stress
+    elements.
+    """
+    for theirs, known in (("CPS6", "STRI65"), ("CPS3", "S3")):
+        text = re.sub(rf"(?i)(type\s*=\s*){theirs}\b", rf"\g<1>{known}", text)
+    return text
+
+
+def nastran_for_meshio(text: str) -> str:
+    """A Nastran deck with BEGIN BULK, which gmsh leaves out, and with continuations marked by "+":
+    of one that begins with a blank field meshio would lose the nodes.
+    """
+    lines = text.splitlines()
+    if not any(line.upper().startswith("BEGIN") for line in lines):
+        lines.insert(0, "BEGIN BULK")
+    marked = [
+        f"+{line}" if line.startswith(",") else f"+{line[1:]}" if not line[:8].strip() else line
+        for line in lines
+        if line.strip()
+    ]
+    return "\n".join(marked) + "\n"
+
+
+REPAIRS = {
+    ".inp": abaqus_for_meshio,
+    ".bdf": nastran_for_meshio,
+    ".nas": nastran_for_meshio,
+    ".fem": nastran_for_meshio,
+}
+"""What is mended in a file before meshio reads it, by its ending."""
 
 
 def _marked(raw, number, points, outer, name, region):

@@ -3,11 +3,12 @@
 import tempfile
 from dataclasses import make_dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from ..engine.new import SIZES, engine, write_case
+from ..engine.piston_mesh import mesh_of_sizes
 from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
 from .check import print_checked
@@ -35,13 +36,15 @@ def command(
     sizes: Annotated[Sizes, Parameter(name="*")] = Sizes(),  # noqa: B008  # pyright: ignore
     peak_pressure: str | None = None,
     motored: Annotated[bool, Parameter(negative=())] = False,
+    piston: Literal["data-sheet", "slipper", "full"] | None = None,
     mesh: Path | None = None,
     step: Path | None = None,
 ):
     """Write a commented case of an own engine that runs at once, from a few lengths; the piston of
-    a data sheet, of a mesh or of a STEP file. What is estimated is marked, with its rule.
+    a data sheet, of our own proportions, of a mesh or of a STEP file. What is estimated is marked,
+    with its rule.
 
-    Example: piston-cosim new my_engine --bore 86 --stroke 86 --rod 143 --speed "6000 rpm"
+    Example: piston-cosim new my_engine --bore 86 --stroke 86 --rod 143 --piston slipper
 
     Parameters
     ----------
@@ -52,6 +55,9 @@ def command(
         by burning, our estimate.
     motored
         Compression and expansion without combustion.
+    piston
+        data-sheet: rigid, without a mesh (the default); slipper, full: flexible, a mesh of our own
+        proportions made by gmsh (extra mesh), its skirt two panels or all around.
     mesh
         Mesh of the piston: 10-node tetrahedra (.msh, .inp, .bdf), surfaces skirt, crown and
         pin_bore, x thrust, y towards the head, z pin, origin on the pin's axis.
@@ -59,12 +65,17 @@ def command(
         STEP file of the piston, meshed by gmsh (extra mesh); axes likewise.
     """
     made = engine(vars(sizes), peak_pressure, motored)
-    if mesh and step:
-        raise BadInput("--mesh and --step: give one of them")
+    given = {"--piston": piston, "--mesh": mesh, "--step": step}
+    if len(named := [option for option, value in given.items() if value]) > 1:
+        raise BadInput(f"{' and '.join(named)}: give one of them")
     with tempfile.TemporaryDirectory() as place:
         if step:
             mesh = Path(place) / "piston.msh"
             mesh_of_step(step, mesh, made["bore"])
+        elif piston in ("slipper", "full"):
+            mesh = Path(place) / "piston.msh.gz"
+            with console.status("meshing"):
+                mesh_of_sizes(made, piston, mesh)
         found = write_case(made, name, mesh)
     console.print(f"case     {found.path}", highlight=False, soft_wrap=True)
     print_checked(found, name / "check.png")

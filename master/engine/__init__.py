@@ -1,7 +1,10 @@
 """What only engines have, in words of engines; the rooms around it know none.
 
 new        a case of an own engine from a few lengths
-step_mesh  its piston from a STEP file
+step_mesh  its piston from a STEP file; piston_mesh: one of our own, slipper or full
+answer     what a run answers: its headlines and its verdicts
+headlines  film, pressure, friction, side force, slap, oil: ten lines
+verdicts   what is amber or red
+places     where a film has its worst place, by side, angle and height
 sections   what a report of a piston shows beyond the case's pictures
-verdicts   a finished run judged: film, pressure, cycle
 """

@@ -8,6 +8,7 @@ a run does not have is left out.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from ..case.contract import players
 from ..case.schema import Case
@@ -117,7 +118,7 @@ def last_cycle(results, name):
 
 def _mean(time, values):
     """Mean over time, by trapezia between the rows."""
-    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+    return float(trapezoid(values, time) / (time[-1] - time[0]))
 
 
 def friction_pressure(case, results) -> float | None:
@@ -140,7 +141,7 @@ def friction_pressure(case, results) -> float | None:
     area = np.pi * to_si(given["bore_radius"], "m") ** 2
     volume = area * np.ptp(height[within])
     # Eq. (X12)
-    return float(np.trapezoid(power[within], results.time[within]) / volume)
+    return float(trapezoid(power[within], results.time[within]) / volume)
 
 
 def _friction(run):

@@ -1,5 +1,6 @@
 """A case from a few lengths: values by hand, marks of what is estimated, and what is refused."""
 
+import sys
 from math import asin, cos, pi, radians, sin, sqrt, tan
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
 from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
+from piston_cosim.master.engine.piston_mesh import mesh_of_sizes
 from piston_cosim.master.fmi.errors import BadInput
 
 SQUARE = {"bore": "86", "stroke": "86 mm", "rod": 143}
@@ -125,6 +127,36 @@ def test_the_command(tmp_path, capsys):
             sizes=Sizes(bore="86", stroke="86", rod="143"),
             step=tmp_path / "no.step",
         )
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"compression_height": "20"}, "pin boss and crown need 23.9.* mm; give more"),
+        ({"pin_diameter": "30"}, "--pin-diameter 30 mm: allowed is 27.52 mm, 0.32 of the bore"),
+        ({"skirt_above": "0"}, "--skirt-above 0 mm: the skirt must reach above the pin"),
+        (
+            {"skirt_above": "25"},
+            "leaves no ring belt below the crown; allowed is less than 23.65 mm",
+        ),
+    ],
+)
+def test_sizes_that_make_no_piston(tmp_path, given, message):
+    with pytest.raises(BadInput, match=message):
+        mesh_of_sizes(engine(SQUARE | given), "slipper", tmp_path / "piston.msh.gz")
+
+
+def test_without_gmsh_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    monkeypatch.delitem(sys.modules, "piston_cosim.models.meshes", raising=False)
+    sizes = Sizes(bore="86", stroke="86", rod="143")
+    with pytest.raises(BadInput, match="--piston slipper: needs gmsh.*piston-cosim.mesh.*--mesh"):
+        command(tmp_path / "own", sizes=sizes, piston="slipper")
+    with pytest.raises(BadInput, match="--piston and --mesh: give one of them"):
+        command(tmp_path / "own", sizes=sizes, piston="full", mesh=tmp_path / "a.msh")
+    command(tmp_path / "own", sizes=sizes, piston="data-sheet")
+    build = read_tree(tmp_path / "own" / "case.toml")["participants"]["bodies"]["build"]
+    assert "rigid" in build["piston"]
 
 
 def test_every_size_says_what_it_is():

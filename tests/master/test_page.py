@@ -16,7 +16,9 @@ import pytest
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.report import write_report
+from piston_cosim.master.results.solids import Solid, solids_data
 
 AROUND, ALONG, INSTANTS, STEPS = 8, 5, 19, 72
 TREE = {
@@ -313,3 +315,27 @@ def test_dark_and_narrow(browser, page, tmp_path, flag):
     found, console = probed(browser, page[0], script, tmp_path, flag)
     assert console == [] and found["wide"] <= 0
     assert (found["paper"] == "rgb(255, 255, 255)") != found["dark"]
+
+
+def test_displacements_are_modes_times_coordinates(browser, page, tmp_path):
+    """What the page's bodies are drawn with, against the product in double precision."""
+    random = np.random.default_rng(5)
+    points, modes = random.normal(size=(7, 3)), random.normal(size=(7, 3, 4))
+    coordinates = random.normal(size=(3, 4))
+    motion = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.1, 0.2, np.pi / 2]])
+    solid = Solid("piston", points, np.array([[0, 1, 2]]), modes, coordinates, motion)
+    columns = Columns()
+    given = solids_data([[solid], [solid]], columns)
+    ((one,), (same,)) = given["runs"]
+    assert len(given["meshes"]) == 1 and one == same  # equal bodies are kept once
+    script = f"""const mesh = await unpackMesh({json.dumps(given["meshes"].pop())});
+      numbers = new Float64Array(await inflate({json.dumps(columns.text())}));
+      const solid = {json.dumps(one)}, moved = displaced(solid, mesh, 2);
+      return {{ moved: [...moved], places: [...placed(solid, mesh, moved, 2, 1)] }};"""
+    found, _ = probed(browser, page[0], script, tmp_path)
+    whole = modes @ coordinates[2]
+    shown = np.reshape(found["moved"], (7, 3))
+    assert shown == pytest.approx(whole, abs=1e-6 * np.abs(whole).max())  # single precision modes
+    x, y, z = (points + whole).T  # a quarter turn about z, then moved
+    turned = np.column_stack([0.1 - y, 0.2 + x, z])
+    assert np.reshape(found["places"], (7, 3)) == pytest.approx(turned, abs=1e-6 * 5)

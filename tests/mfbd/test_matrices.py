@@ -214,8 +214,10 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
     strength = [np.linalg.norm(body["radial"]) for body in (imported, exact)]
     assert strength[0] == pytest.approx(strength[1], rel=(4 * np.pi / 16) ** 2 / 8)
     by_geometry = table | {"surfaces": BY_GEOMETRY, "basis": "craig_bampton"}
-    np.testing.assert_array_equal(
-        reduced(by_geometry, tmp_path, monkeypatch)["radial"], imported["radial"]
+    # round-off: the same faces in another order, so that sums over them round otherwise
+    found = reduced(by_geometry, tmp_path, monkeypatch)["radial"]
+    np.testing.assert_allclose(
+        found, imported["radial"], rtol=0.0, atol=1e-13 * np.abs(found).max()
     )
 
 

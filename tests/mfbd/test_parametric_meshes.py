@@ -60,3 +60,27 @@ def test_fins_of_a_block(tmp_path):
     ring, holes = np.pi * (47.0**2 - 35.25**2) * 4.0, 4 * np.pi * 4.5**2 * 4.0
     # the stud holes lie partly beyond the fins' edge
     assert 2 * (ring - holes) * 1e-9 < finned - plain < 2 * ring * 1e-9
+
+
+@pytest.mark.parametrize("kind", ["slipper", "full"])
+def test_own_piston_has_its_sizes_and_its_skirt(tmp_path, kind):
+    """A slipper's skirt is two panels of half width 0.36 bores; symmetric to the last bit. 1e-7 m:
+    how near a node must be to belong to a surface.
+    """
+    from piston_cosim.master.engine.new import engine
+    from piston_cosim.master.engine.piston_mesh import mesh_of_sizes
+
+    made = engine({"bore": 86, "stroke": 86, "rod": 143})
+    mesh_of_sizes(made, kind, tmp_path / "piston.msh.gz")
+    mesh = read_mesh(tmp_path / "piston.msh.gz", dict.fromkeys(("skirt", "crown", "pin_bore")))
+    assert all(mirror_image(mesh.points, axis) is not None for axis in (0, 2))
+    x, y, z = mesh.points[mesh.nodes("skirt")].T
+    assert np.hypot(x, z) == pytest.approx(made.skirt_radius, abs=1e-7)
+    assert (y.min(), y.max()) == pytest.approx((-0.32 * 0.086, 0.16 * 0.086), abs=1e-7)
+    widest = 0.36 * 0.086 if kind == "slipper" else made.skirt_radius
+    assert np.abs(z).max() == pytest.approx(widest, abs=1e-7)
+    x, y, _ = mesh.points[mesh.nodes("pin_bore")].T
+    assert np.hypot(x, y) == pytest.approx(0.125 * 0.086, abs=1e-7)
+    assert mesh.points[mesh.nodes("crown")][:, 1] == pytest.approx(0.36 * 0.086, abs=1e-7)
+    mass = consistent_mass(mesh.points, mesh.tets, 2700.0).sum() / 3
+    assert 0.25 < mass < 0.5  # kg; passenger car pistons of that bore: 0.25 to 0.5

@@ -1,0 +1,118 @@
+"""A piston of our own proportions as a mesh of parabolic tetrahedra, by gmsh (extra `mesh`): crown,
+ring belt, skirt, pin bosses on pillars; of a slipper the skirt is cut away at the pin's sides.
+
+Every proportion is our own choice, of the size that passenger car pistons have; none imitates a
+made piston. Ring grooves, profile and ovality are not in the mesh: the latter two are the case's.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from ..fmi.errors import BadInput
+from .new import Engine
+
+if TYPE_CHECKING:
+    from ...models.meshes import Piston
+
+Kind = Literal["slipper", "full"]
+SIZE = 0.065
+"""Largest edge of an element, of the bore."""
+TURN = 12
+"""Elements around a full circle, at least."""
+MM = 1e3
+
+
+def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
+    """Write the mesh of a piston.
+
+    Parameters
+    ----------
+    made : new.Engine
+        Bore, clearance, skirt, compression height and pin are taken from it.
+    kind : "slipper" or "full"
+        Two panels on the thrust sides, or a skirt all around.
+    target : Path
+        Ending in .msh.gz.
+
+    Raises
+    ------
+    BadInput
+        Without gmsh; where the sizes make no piston.
+    """
+    faults = contradictions(made)
+    if faults:
+        raise BadInput(faults)
+    try:
+        from ...models.meshes import make
+    except ImportError:
+        raise BadInput(
+            f"--piston {kind}: needs gmsh, which is not installed: pip install "
+            "'piston-cosim[mesh]'; or give --mesh with a mesh of your own, or --piston data-sheet"
+        ) from None
+    target.parent.mkdir(parents=True, exist_ok=True)
+    make(target, shape(made, kind), SIZE * MM * made["bore"], TURN)
+
+
+def contradictions(made: Engine) -> list[str]:
+    """Why the sizes make no such piston."""
+    faults = []
+    crown, pin = made["compression_height"], made["pin_diameter"] / 2
+    lowest = BOSS * pin + CROWN * made["bore"]
+    if crown < lowest:
+        faults.append(
+            f"--compression-height {MM * crown:.4g} mm: pin boss and crown need {MM * lowest:.4g} "
+            "mm; give more, or a smaller --pin-diameter"
+        )
+    if pin > LARGEST_PIN * made["bore"]:
+        faults.append(
+            f"--pin-diameter {2 * MM * pin:.4g} mm: allowed is "
+            f"{2 * MM * LARGEST_PIN * made['bore']:.4g} mm, {2 * LARGEST_PIN:g} of the bore"
+        )
+    if made["skirt_above"] <= 0.0:
+        faults.append("--skirt-above 0 mm: the skirt must reach above the pin's axis")
+    belt = MM * (crown - CROWN * made["bore"] - made["skirt_above"])
+    if belt <= 0.0:
+        faults.append(
+            f"--skirt-above {MM * made['skirt_above']:.4g} mm: leaves no ring belt below the "
+            f"crown; allowed is less than {MM * made['skirt_above'] + belt:.4g} mm"
+        )
+    return faults
+
+
+BOSS = 1.55
+"""Outer radius of a pin boss, of the pin's."""
+CROWN = 0.085
+"""Thickness of the crown, of the bore."""
+LARGEST_PIN = 0.16
+"""Radius of the pin, of the bore, that leaves room for boss and walls."""
+
+
+def shape(made: Engine, kind: Kind) -> "Piston":
+    """The piston, in mm."""
+    from ...models.meshes import Piston
+
+    bore = MM * made["bore"]
+    radius = MM * made.skirt_radius
+    pin = MM * made["pin_diameter"] / 2
+    boss = BOSS * pin
+    slipper = kind == "slipper"
+    return Piston(
+        skirt_radius=radius,
+        land_radius=radius - 0.003 * bore,
+        skirt=(-MM * made["skirt_below"], MM * made["skirt_above"]),
+        top=MM * made["compression_height"],
+        crown=CROWN * bore,
+        skirt_inside=(radius - 0.032 * bore, radius - 0.042 * bore),
+        belt_inside=radius - 0.09 * bore,
+        pin=pin,
+        boss=boss,
+        boss_from=0.17 * bore,
+        boss_length=0.5 * bore,
+        pillar_width=1.3 * boss,
+        pillar_from=0.19 * bore,
+        pillar_length=0.5 * bore,
+        reach=radius - 0.02 * bore,
+        root=0.6 * CROWN * bore,
+        box_wall=(0.045 * bore, 0.3 * bore) if slipper else None,
+        cut_beyond=0.36 * bore if slipper else None,
+    )
