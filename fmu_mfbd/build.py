@@ -26,8 +26,10 @@ from .dynamics.tables import (
     read_numbers,
 )
 from .finite_elements.mesh import MeshFault
+from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
+from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, load, save
 from .reduction.rigid import rigid_block, rigid_piston
@@ -154,7 +156,8 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
     for name, body in (("piston", build.piston), ("block", build.block)):
         try:
             if body:
-                files[name] = _body(name, body, build.grid, progress)
+                training = _training(body, build, files)
+                files[name] = _body(name, body, build.grid, progress, training)
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
@@ -164,7 +167,28 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
     return files
 
 
-def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: Say) -> Path:
+def _training(
+    body: Piston | Block, build: Build | Bodies, files: dict[str, Path]
+) -> Training | None:
+    """Film forces that a body is trained on, if it is; `files` holds its piston, reduced."""
+    if not (body.train_on and body.modes):
+        return None
+    loads = recorded_loads(body.train_on, build.grid)
+    if isinstance(body, Piston):
+        return Training(loads, np.empty(0))
+    if "piston" not in files:
+        raise ValueError("train_on: the heights of the film are those of its piston, give it too")
+    skirt = load(ReducedPiston, files["piston"])
+    return Training(loads, film_rows(skirt.skirt_lower, skirt.skirt_upper, build.grid))
+
+
+def _body(
+    name: str,
+    options: Piston | Block,
+    grid: tuple[int, int],
+    progress: Say,
+    training: Training | None,
+) -> Path:
     """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
     checked.
     """
@@ -181,7 +205,7 @@ def _body(name: str, options: Piston | Block, grid: tuple[int, int], progress: S
         return path
     reduce = reduce_piston if isinstance(options, Piston) else reduce_block
     folder = cache_folder("bodies")
-    return cached(reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"))
+    return cached(reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"), training)
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:

@@ -14,12 +14,22 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import von_mises
+from .geometry.grid import film_rows
 from .options import Bodies, read_options
+from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
 from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
 from .reduction.reduce import Reduced
-from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import (
+    Anatomy,
+    Probes,
+    ReducedBlock,
+    ReducedBody,
+    ReducedPiston,
+    load,
+)
+from .reduction.truncation import Truncation, static_modes, truncation
 
 Say = Callable[[str], None]
 
@@ -203,6 +213,51 @@ def recover(
     return out
 
 
+def truncations(
+    options: dict[str, Any], folder: Path, results: Path, progress: Say = print
+) -> dict[str, Truncation]:
+    """Truncation error of the flexible bodies of a build table at the film forces of a run, Eq.
+    (J17).
+
+    Parameters
+    ----------
+    options, folder, progress
+        As for `reduce`; both bodies.
+    results : Path
+        Results file that has recorded the nodal forces.
+
+    Returns
+    -------
+    dict of str to Truncation
+        Of piston and block; a rigid body has none.
+
+    Raises
+    ------
+    BadInput
+        As `reduce`.
+    ValueError
+        Why nothing can be said: forces not recorded or on another grid, or a body that was reduced
+        without its probes (Eq. (J16)).
+    """
+    build = read_options(options, folder)
+    if not any(body.modes and not body.rigid for body in (build.piston, build.block)):
+        return {}
+    files = reduced_bodies(options, folder, progress)
+    piston = load(ReducedPiston, files["piston"])
+    block = load(ReducedBlock, files["block"])
+    loads = recorded_loads(results, build.grid)
+    rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
+    bodies: dict[str, tuple[ReducedBody, FilmLoads]] = {
+        "piston": (piston, loads.film),
+        "block": (block, on_stations(loads, rows, block.heights)),
+    }
+    return {
+        name: truncation(load(Probes, files[name]), static_modes(body), film)
+        for name, (body, film) in bodies.items()
+        if len(body.omega)
+    }
+
+
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
     """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
     files = reduced_bodies(options, folder, progress)
@@ -215,7 +270,7 @@ def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str,
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:
     """Files of one body, and what is to be said about it."""
-    body, anatomy = _whole(name, path)
+    body, anatomy, _ = _whole(name, path)
     reduced = output / f"{name}.npz"
     table_file = output / f"{name}-modes.csv"
     shapes_file = output / f"{name}-modes.vtu"

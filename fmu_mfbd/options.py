@@ -130,10 +130,14 @@ class Body(BaseModel):
     """What 1 in the stiffness matrix means."""
     mass_unit: Annotated[Mass, Field(gt=0)] | None = None
     """What 1 in the mass matrix means."""
-    basis: Literal["pressure_modes", "craig_bampton", "characteristic_constraint_modes"] = (
-        "pressure_modes"
-    )
-    """Shapes the body is reduced to."""
+    basis: Literal[
+        "pressure_modes", "trained", "craig_bampton", "characteristic_constraint_modes"
+    ] = "pressure_modes"
+    """Shapes the body is reduced to; trained: those it takes under the film of an earlier run
+    first.
+    """
+    train_on: str | None = None
+    """Results file of that run, which has recorded both nodal forces on the same grid."""
     modes: Annotated[int, Field(ge=0, le=200)] = 60
     """How many; 0: rigid."""
     modes_off: list[Annotated[int, Field(ge=1)]] = []
@@ -146,6 +150,8 @@ class Body(BaseModel):
             raise ValueError("give one of mesh, reduced and rigid")
         if self.rigid:
             self._complete_sheet()
+        if (self.basis == "trained") != (self.train_on is not None):
+            raise ValueError("basis = 'trained' and train_on, results of a run, belong together")
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
@@ -401,7 +407,7 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     return build
 
 
-SOURCES = ("mesh", "stiffness", "mass", "reduced")
+SOURCES = ("mesh", "stiffness", "mass", "reduced", "train_on")
 """Keys of a body that name a file."""
 
 

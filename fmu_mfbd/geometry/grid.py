@@ -18,3 +18,8 @@ def cell_centres(
     angle = np.pi / 2 + (np.arange(n_circumferential) - n_circumferential // 4) * cell  # Eq. (I10)
     height = low + (np.arange(n_axial) + 0.5) * (high - low) / n_axial
     return angle, height
+
+
+def film_rows(skirt_lower: float, skirt_upper: float, grid: tuple[int, int]) -> np.ndarray:
+    """Heights of the film grid's rows above A [m], for a skirt between these heights above A."""
+    return cell_centres(*grid, skirt_lower, skirt_upper)[1]

@@ -7,6 +7,8 @@ bases          which shapes a body keeps (J)
 geometry       whether a mesh lies as it should (M)
 symmetry       modes even or odd about two planes (J)
 interpolation  from nodes to the film's grid (I)
+film_loads     what a film did to the bodies in a finished run (J)
+truncation     what a basis leaves out at such loads (J)
 mode_tables    modes, shapes, recovered fields (J)
 mode_pictures  modes as pictures
 """

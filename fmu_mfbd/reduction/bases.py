@@ -192,12 +192,13 @@ def pressure_modes(
     radial: Sparse,
     weight: np.ndarray,
     modes: int,
-    extra_loads: np.ndarray,
+    first: np.ndarray,
+    psi: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Static shapes under the pressure patterns to which a surface yields most, and under given
-    loads.
+    """Static shapes under the pressure patterns to which a surface yields most, beside given ones.
 
-    Eq. (J2):  D W K^-1 W^T D p = mu p,   phi = K^-1 W^T D p,   largest mu first
+    Eq. (J2):  D W G W^T D p = mu p,   phi = G W^T D p,   largest mu first
+               G = K^-1, or K^-1 - Psi Psi^T: what the given shapes do not answer
 
     W reads the normal displacement at the points of a regular grid, W^T spreads forces at these
     points, D says where force is expected. The spectrum mu falls fast, so that few shapes catch
@@ -212,10 +213,11 @@ def pressure_modes(
     weight : ndarray, shape (grid points,)
         Diagonal of D [-].
     modes : int
-        Number of shapes in all, those of `extra_loads` included.
-    extra_loads : ndarray, shape (free, k)
-        Loads whose exact static deflection must be in the basis (gas pressure, inertia), most
-        important first; at most half of `modes` is spent on them.
+        Number of shapes in all, the first ones included.
+    first : ndarray, shape (free, k)
+        Shapes that must be in the basis, k < modes (`static_answers`).
+    psi : ndarray, shape (free, k), optional
+        Psi, where the first ones fulfil Psi^T K Psi = 1.
 
     Returns
     -------
@@ -228,20 +230,36 @@ def pressure_modes(
     """
     radial = _diagonal(weight) @ radial
     spread = radial.T.tocsr()
-    if extra_loads.shape[1] and modes > 1:
-        extra = body.solve(extra_loads[:, : modes // 2])
-    else:
-        extra = np.empty((body.K.shape[0], 0))
-    count = modes - extra.shape[1]
+    count = modes - first.shape[1]
     points = radial.shape[0]
 
+    def answer(load):
+        whole = body.solve(load)
+        return whole if psi is None else whole - psi @ (psi.T @ load)
+
     def compliance(p):
-        return radial @ body.solve(spread @ p.ravel())
+        return radial @ answer(spread @ p.ravel())
 
     operator = LinearOperator((points, points), matvec=compliance, dtype=float)  # pyright: ignore
     _, patterns = eigsh(operator, count, v0=_start(points), tol=1e-8)  # pyright: ignore
-    shapes = body.solve(spread @ patterns)  # Eq. (J2)
-    return np.hstack([shapes, extra])
+    shapes = answer(spread @ patterns)  # Eq. (J2)
+    return np.hstack([shapes, first])
+
+
+def static_answers(body: Elastic, loads: np.ndarray, modes: int) -> np.ndarray:
+    """Static deflection under loads that a basis must hold exactly (gas pressure, inertia).
+
+    Parameters
+    ----------
+    body : Elastic
+    loads : ndarray, shape (free, k)
+        Most important first.
+    modes : int
+        Of the whole basis; at most half of it is spent on them.
+    """
+    if loads.shape[1] and modes > 1:
+        return body.solve(loads[:, : modes // 2])
+    return np.empty((body.K.shape[0], 0))
 
 
 def expected_pressure(angle: np.ndarray, n_axial: int) -> np.ndarray:
@@ -287,6 +305,21 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
     ValueError
         If the shapes depend on each other.
     """
+    shapes = of_unit_energy(body, shapes)
+    mass = shapes.T @ (body.M @ shapes)
+    square, turn = la.eigh((mass + mass.T) / 2)
+    # Eq. (J3)
+    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]
+    modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
+    return Modes(modes, 1.0 / np.sqrt(square[::-1]))
+
+
+def of_unit_energy(body: Elastic, shapes: np.ndarray) -> np.ndarray:
+    """Combine shapes, (free, k), so that Psi^T K Psi = 1; arguments and errors as of
+    `orthonormal_modes`.
+    """
+    if not shapes.shape[1]:
+        return shapes
     shapes = shapes / np.sqrt(np.einsum("ik,ik->k", shapes, body.K @ shapes))
     gram = shapes.T @ (body.K @ shapes)
     strength, turn = la.eigh((gram + gram.T) / 2)
@@ -296,13 +329,7 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
             f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer "
             "modes"
         )
-    shapes = shapes @ (turn / np.sqrt(strength))
-    mass = shapes.T @ (body.M @ shapes)
-    square, turn = la.eigh((mass + mass.T) / 2)
-    # Eq. (J3)
-    modes = (shapes @ turn / np.sqrt(square))[:, ::-1]
-    modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
-    return Modes(modes, 1.0 / np.sqrt(square[::-1]))
+    return shapes @ (turn / np.sqrt(strength))
 
 
 def characteristic_constraint_modes(body: Elastic, interface: np.ndarray, modes: int) -> np.ndarray:

@@ -34,15 +34,20 @@ from .bases import (
     craig_bampton,
     expected_pressure,
     mean_conditions,
+    of_unit_energy,
     orthonormal_modes,
     pressure_modes,
+    static_answers,
 )
+from .film_loads import FilmLoads, Training, on_stations
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
-from .reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, save
+from .reduced_body import Anatomy, Probes, ReducedBlock, ReducedBody, ReducedPiston, save
 from .symmetry import ClassedModes, symmetric_modes
+from .training import trained_shapes
+from .truncation import probes, random_patterns
 
-VERSION = 11  # part of the cache key: raise it when the numbers in the .npz change their meaning
+VERSION = 12  # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
 FILES = ("mesh", "stiffness", "mass")
@@ -76,21 +81,31 @@ class FullModel(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced body and what reports need of it besides."""
+    """A reduced body and what reports need of it besides; no probes of a body without modes."""
 
     body: ReducedBody
     anatomy: Anatomy
+    probes: Probes | None = None
 
 
 class FilmSide(NamedTuple):
-    """What a basis must know of the side that the film touches: name of the surface, matrix that
-    reads its outward displacement on a grid, and where pressure is expected there
-    (`expected_pressure`).
+    """What a basis must know of the side that the film touches: name of the surface, matrices that
+    read its displacement on a grid, where pressure is expected there (`expected_pressure`), which
+    points have the surface under them, and film forces at the points that it is trained on.
     """
 
     surface: str
-    radial: Sparse
+    reading: SurfaceReading
     weight: np.ndarray
+    there: np.ndarray
+    training: FilmLoads | None
+
+
+class Basis(NamedTuple):
+    """Modes of a body, and what its reduction keeps of the whole answer; None of a rigid one."""
+
+    modes: ClassedModes
+    probes: Probes | None
 
 
 class FilmSurface(NamedTuple):
@@ -144,7 +159,11 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
 
 
 def reduce_piston(
-    options: Piston, grid: Grid, progress: Say = print, factors: Factorise = factorise
+    options: Piston,
+    grid: Grid,
+    progress: Say = print,
+    factors: Factorise = factorise,
+    training: Training | None = None,
 ) -> Reduced:
     """Reduced piston: mass properties, modes and their values on the skirt grid.
 
@@ -157,6 +176,8 @@ def reduce_piston(
         Takes a sentence now and then.
     factors : callable
         Factorises a matrix (`solver`).
+    training : Training, optional
+        For the basis `trained`.
 
     Raises
     ------
@@ -190,8 +211,10 @@ def reduce_piston(
     faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
-    film = FilmSide("skirt", surface.reading.radial, expected_pressure(angle, along))
-    modes = _modes(mesh, elastic, options, film, loads, progress)
+    weight = expected_pressure(angle, along)
+    film_forces = training.loads.film if training else None
+    film = FilmSide("skirt", surface.reading, weight, there.ravel(), film_forces)
+    modes, kept = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
     body = ReducedPiston(
         **floating_frame_integrals(M, position, shapes)._asdict(),
@@ -204,11 +227,15 @@ def reduce_piston(
         skirt_lower=lower,
         skirt_upper=upper,
     )
-    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there))
+    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there), kept)
 
 
 def reduce_block(
-    options: Block, grid: Grid, progress: Say = print, factors: Factorise = factorise
+    options: Block,
+    grid: Grid,
+    progress: Say = print,
+    factors: Factorise = factorise,
+    training: Training | None = None,
 ) -> Reduced:
     """Reduced cylinder block: modes and their values on a table of the bore (angles of the film
     grid x `stations` heights).
@@ -218,7 +245,7 @@ def reduce_block(
     options : Block
     grid : (int, int)
         Film grid; its angles are the table's.
-    progress, factors : callable
+    progress, factors, training
         As for `reduce_piston`.
 
     Raises
@@ -236,9 +263,12 @@ def reduce_block(
     faults_of_modes(mesh, options, "bolts", "bore", len(angle) * len(heights))
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
-    film = FilmSide("bore", surface.reading.radial, expected_pressure(angle, len(heights)))
+    everywhere = np.ones(len(angle) * len(heights), dtype=bool)
+    weight = expected_pressure(angle, len(heights))
+    film_forces = on_stations(training.loads, training.rows, heights) if training else None
+    film = FilmSide("bore", surface.reading, weight, everywhere, film_forces)
     no_loads = np.empty((3 * len(mesh.points), 0))
-    modes = _modes(mesh, elastic, options, film, no_loads, progress)
+    modes, kept = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
     table = (around, len(heights), len(modes.omega))
     body = ReducedBlock(
@@ -250,7 +280,7 @@ def reduce_block(
         radius=surface.radius,
     )
     nowhere = np.zeros((around, 0), dtype=bool)
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere))
+    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere), kept)
 
 
 def _refuse(faults: list[str], options: Piston | Block) -> None:
@@ -347,26 +377,43 @@ def _modes(
     film: FilmSide,
     loads: np.ndarray,
     progress: Say,
-) -> ClassedModes:
+) -> Basis:
     """Modes of a body by the chosen basis; none of a rigid one."""
     count = options.modes
     if elastic is None:
         no_shapes = np.empty((3 * len(mesh.points), 0))
-        return ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int))
+        return Basis(ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int)), None)
     progress(f"{count} modes, basis {options.basis}")
     if options.basis == "craig_bampton":
         shapes = craig_bampton(elastic, count)
     elif options.basis == "characteristic_constraint_modes":
         shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), count)
     else:
-        radial = film.radial[:, elastic.free]
-        shapes = pressure_modes(elastic, radial, film.weight, count, loads[elastic.free])
+        shapes = _film_shapes(elastic, film, count, loads[elastic.free])
+    kept = probes(elastic, film.reading, random_patterns(film.there))
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
     classed = symmetric_modes(elastic, modes, mesh.points)
-    kept = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
-    return ClassedModes(classed.shapes[:, kept], classed.omega[kept], classed.kind[kept])
+    on = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
+    return Basis(ClassedModes(classed.shapes[:, on], classed.omega[on], classed.kind[on]), kept)
+
+
+def _film_shapes(elastic, film, count, loads):
+    """Shapes that answer to a film: those it was trained on first, then those to which the surface
+    yields most; `loads` are answered exactly.
+    """
+    reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
+    first = static_answers(elastic, loads, count)
+    if film.training is None:
+        return pressure_modes(elastic, reading.radial, film.weight, count, first)
+    psi = of_unit_energy(elastic, first)
+    spread = sp.hstack([reading.radial.T, -reading.axial.T], format="csr")
+    trained = trained_shapes(elastic, spread, film.training, psi, count - psi.shape[1])
+    psi = np.hstack([trained, psi])
+    if psi.shape[1] == count:
+        return psi
+    return pressure_modes(elastic, reading.radial, film.weight, count, psi, psi)
 
 
 def faults_of_modes(
@@ -404,6 +451,7 @@ def faults_of_modes(
         "craig_bampton": 3 * free_nodes - 2,
         "characteristic_constraint_modes": 3 * free_on_surface - 2,
         "pressure_modes": grid_points - 2,
+        "trained": grid_points - 2,
     }[options.basis]
     if count > most:
         faults.append(
@@ -445,9 +493,10 @@ def cached(
     grid: Grid,
     folder: Path | str,
     progress: Say = print,
+    training: Training | None = None,
 ) -> Path:
-    """Path of the reduced body's .npz, made unless one of the same file contents, options and code
-    version lies in `folder`.
+    """Path of the reduced body's .npz, made unless one of the same file contents, options, training
+    and code version lies in `folder`.
 
     The file is written under another name and moved into place, so that an interrupted run leaves
     nothing half-written; its solutions wait in `folder` for the next try.
@@ -460,20 +509,25 @@ def cached(
     grid : (int, int)
     folder : Path
     progress : callable
+    training : Training, optional
+        For the basis `trained`: its forces count, not the file they come from.
     """
-    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced"})
+    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced", "train_on"})
     for key in FILES:
         if decided[key]:
             decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
     decided |= {"grid": list(grid), "version": VERSION, "of": reduce.__name__}
+    if training:
+        decided["training"] = training.digest()
     digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
     path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{digest}.npz"
     if not path.exists():
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy = reduce(options, grid, progress, factors)
+        body, anatomy, kept = reduce(options, grid, progress, factors, training)
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        save(path, body, replace(anatomy, seconds=seconds, peak_memory=peak_memory))
+        anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
+        save(path, *(part for part in (body, anatomy, kept) if part))
         factors.forget()
     return path

@@ -119,8 +119,26 @@ class Anatomy:
     peak_memory: int = 0
 
 
+@dataclass(frozen=True)
+class Probes:
+    """Answers of the whole body to m random patterns, Eq. (J16), for the truncation error of a run
+    (`truncation`); no FMU carries them.
+
+    Parameters
+    ----------
+    probe : ndarray, shape (m, points)
+        Random patterns z on the points of the film surface, 0 where it has none [-].
+    answer_radial, answer_axial : ndarray, shape (m, points)
+        Outward radial and axial displacement under radial forces z [m/N].
+    """
+
+    probe: np.ndarray
+    answer_radial: np.ndarray
+    answer_axial: np.ndarray
+
+
 ReducedBody = ReducedPiston | ReducedBlock
-Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | Anatomy)
+Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | Anatomy | Probes)
 
 
 def mode_classes(body: ReducedBody) -> np.ndarray | None:
@@ -135,7 +153,7 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock or Anatomy.
+        ReducedPiston, ReducedBlock, Anatomy or Probes.
     path : Path
         .npz
 
@@ -155,7 +173,7 @@ def load(part: type[Part], path: Path) -> Part:
     return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
 
 
-def save(path: Path, *parts: ReducedBody | Anatomy) -> None:
+def save(path: Path, *parts: ReducedBody | Anatomy | Probes) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".partial.npz")

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from ..case import changes as changes_of
 from ..case import schema
 from ..case.system import open_system
+from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..participants.participant import Participant
 from ..results.file import Results
@@ -154,6 +155,7 @@ class Case:
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
         run_system(system, checked, self.tree, output, watch, say=log.info)
+        state_truncation(self.tree, self.path.parent, output, log.info)
         return Results(output)
 
     def __repr__(self) -> str:

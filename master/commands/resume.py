@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from ..case.schema import check_case
 from ..case.system import open_system
 from ..engine.answer import answer
+from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.checkpoint import Checkpoint
@@ -39,6 +40,7 @@ def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())
     system = open_system(case, Path(kept.folder), say)
     with watching(console, output.stem) as watch:
         summary = run_system(system, case, kept.tree, output, watch, kept, say)
+    summary |= state_truncation(kept.tree, Path(kept.folder), output, say)
     if verbose:
         print_summary(console, {output.stem: summary})
     with Results(output) as results:

@@ -12,6 +12,7 @@ from ..case.contract import swap_all
 from ..case.schema import check_case, find_case
 from ..case.system import open_system
 from ..engine.answer import answer
+from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.console import print_summary, watching
@@ -96,6 +97,7 @@ def command(
             _shown(live, cases[label], system, watch) as (shown, told),
         ):
             summaries[label] = run_system(system, shown, trees[label], files[label], told, say=say)
+        summaries[label] |= state_truncation(trees[label], path.parent, files[label], say)
         summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
     if verbose:
         print_summary(console, summaries)

@@ -19,6 +19,8 @@ APART_AMBER, APART_RED = 0.02, 0.1
 """Distance of the last cycle from the one before, root mean square over its range."""
 CYCLE = 4 * np.pi
 """Of a four-stroke engine [rad]."""
+TRUNCATION_AMBER, TRUNCATION_RED = 0.01, 0.05
+"""Missing over whole deflection under the film at the worst instant: our own choice."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Of the interface work: by how much both sides' accounts of it may differ."""
 
@@ -55,7 +57,7 @@ def verdicts(case, results) -> list[Verdict]:
     results : Results
     """
     summary = results.summary or {}
-    found = [*_of_summary(summary)]
+    found = [*_of_summary(summary), *_of_truncation(summary)]
     for name in players(results.case, "lubrication"):
         found += _of_film(case, results, name)
         found += _of_grid(case, results, name)
@@ -89,6 +91,20 @@ def _of_summary(summary):
             "energy",
             f"both sides' interface work differs by {share:.2g} of it, allowed {WORK_AMBER:g}",
         )
+
+
+def _of_truncation(summary):
+    """What the flexible bodies' modes leave out at the film forces of the run."""
+    for body in ("piston", "block"):
+        worst = summary.get(f"truncation_error_{body}_largest")
+        if worst is not None:
+            yield Verdict(
+                _colour(worst, TRUNCATION_AMBER, TRUNCATION_RED),
+                "truncation",
+                f"the modes of the {body} miss {worst:.2g} of its deflection under the film at the "
+                f"worst recorded instant, allowed {TRUNCATION_AMBER:g}; "
+                f"{summary[f'truncation_error_{body}']:.2g} over the run",
+            )
 
 
 def _of_repetition(summary):

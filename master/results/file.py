@@ -239,3 +239,10 @@ def open_results(path: str | Path) -> Results:
     except (OSError, KeyError, ValueError) as error:
         raise BadInput(f"{path}: no results of a run: {error}") from None
     return results
+
+
+def add_to_summary(path: Path, entries: dict[str, Any]) -> None:
+    """Add entries to the summary of a finished run."""
+    with h5py.File(path, "a", libver="latest") as file:
+        summary = json.loads(str(file.attrs["summary"])) | entries
+        file.attrs["summary"] = json.dumps(summary)

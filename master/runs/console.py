@@ -47,7 +47,7 @@ def watching(console, label):
 def print_summary(console, summaries):
     """Table of the runs' summaries, a column each."""
     table = Table("", *summaries, box=None)
-    for key in next(iter(summaries.values())):
-        values = [summary[key] for summary in summaries.values()]
+    for key in dict.fromkeys(key for summary in summaries.values() for key in summary):
+        values = [summary.get(key, "") for summary in summaries.values()]
         table.add_row(key, *(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values))
     console.print(table)

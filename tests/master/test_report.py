@@ -1,6 +1,7 @@
 """Report: numbers of the verdict against closed forms, the page whole and alive in a browser."""
 
 import base64
+import io
 import json
 import re
 import shutil
@@ -9,11 +10,13 @@ import zlib
 import h5py
 import numpy as np
 import pytest
+from rich.console import Console
 
 from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.file import Results, add_to_summary
 from piston_cosim.master.results.judgement import Quantity, extremes, loop_work, windows
 from piston_cosim.master.results.report import cursor_of, nearest, write_report
+from piston_cosim.master.runs.console import print_summary
 
 TREE = {
     "title": "Two </script> signals",
@@ -174,3 +177,33 @@ def test_cycles_are_judged(case, results, tmp_path, periodic, verdict):
 
 def test_a_plain_run_has_no_cycles_to_judge(case, results, tmp_path):
     assert "eriodic" not in write_report(case, {"run": results}, tmp_path / "r").read_text()
+
+
+@pytest.mark.parametrize(
+    "entries, said",
+    [
+        (
+            {"truncation_error_block": 0.0175, "truncation_error_block_largest": 0.031},
+            "block miss 1.8 % of its deflection under the film, 3.1 % at the worst recorded",
+        ),
+        ({"truncation_error": "not known: no forces"}, "deflection is not known: no forces."),
+        ({}, None),
+    ],
+)
+def test_what_the_modes_miss_is_stated(case, results, tmp_path, entries, said):
+    results.close()
+    add_to_summary(results.path, entries)
+    again = Results(results.path)
+    page = write_report(case, {"run": again}, tmp_path / "page").read_text()
+    again.close()
+    assert ("deflection" in page) == (said is not None)
+    assert said is None or said in " ".join(page.split())
+
+
+def test_runs_with_entries_of_their_own_stand_in_one_table():
+    console = Console(record=True, width=80, file=io.StringIO())
+    flexible = {"steps": 3, "truncation_error_piston": 0.0175}
+    print_summary(console, {"flexible": flexible, "rigid": {"steps": 4, "other": 2.0}})
+    lines = [line.split() for line in console.export_text().splitlines()]
+    rows = [["steps", "3", "4"], ["truncation_error_piston", "0.0175"], ["other", "2"]]
+    assert lines[-3:] == rows

@@ -1,0 +1,133 @@
+"""What a film has done to the bodies in a finished run, read from its results file."""
+
+import hashlib
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+FORCES = ("nodal_pressure_force", "nodal_friction_force")
+"""Fields that have to be recorded: outputs of the interface contract's film."""
+HEIGHT = "piston_position"
+"""Scalar output of the bodies: height of A above the crank axis [m]."""
+
+
+class NotRecorded(ValueError):
+    """A results file that does not say what the film did to the bodies."""
+
+
+class FilmLoads(NamedTuple):
+    """Forces on a grid at m instants.
+
+    Parameters
+    ----------
+    pressure, friction : ndarray, shape (m, c, a)
+        Pushing the surfaces apart; along y on the skirt [N].
+    """
+
+    pressure: np.ndarray
+    friction: np.ndarray
+
+
+class RecordedLoads(NamedTuple):
+    """Forces of the film on its grid at the instants of a results file.
+
+    Parameters
+    ----------
+    film : FilmLoads
+        On c x a cells.
+    height_of_A : ndarray, shape (m,)
+        Above the crank axis [m].
+    """
+
+    film: FilmLoads
+    height_of_A: np.ndarray
+
+
+class Training(NamedTuple):
+    """Forces that a body is trained on.
+
+    Parameters
+    ----------
+    loads : RecordedLoads
+    rows : ndarray, shape (a,)
+        Heights of the grid rows above A [m]; a piston knows them itself.
+    """
+
+    loads: RecordedLoads
+    rows: np.ndarray
+
+    def digest(self) -> str:
+        """Of all its numbers."""
+        digest = hashlib.sha256()
+        for array in (*self.loads.film, self.loads.height_of_A, self.rows):
+            digest.update(str(array.shape).encode() + np.ascontiguousarray(array).data)
+        return digest.hexdigest()
+
+
+def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
+    """Nodal forces that a run has recorded.
+
+    Parameters
+    ----------
+    path : Path
+        Results file (`master.runs.recorder` says how it is laid out) whose case names the nodal
+        forces in record.fields.
+    grid : (int, int)
+        Film grid that is wanted.
+
+    Raises
+    ------
+    NotRecorded
+        If the file lacks them, or has them on another grid.
+    """
+    path = Path(path)
+    try:
+        with h5py.File(path, "r") as opened:
+            file: Any = opened
+            pressure, friction = (_named(file["fields"], name) for name in FORCES)
+            height = _named(file, HEIGHT)
+            if pressure is None or friction is None or height is None:
+                raise NotRecorded(
+                    f"{path.name} has not recorded {FORCES[0]} and {FORCES[1]}: the case must name "
+                    "both in record.fields"
+                )
+            if pressure.shape[1:] != tuple(grid):
+                raise NotRecorded(
+                    f"{path.name} has recorded nodal forces of shape {pressure.shape[1:]}, the "
+                    f"film grid is {tuple(grid)}"
+                )
+            at = np.interp(file["fields/time"][:], file["time"][:], height[:])
+            return RecordedLoads(FilmLoads(pressure[:], friction[:]), at)
+    except (OSError, KeyError) as error:
+        raise NotRecorded(f"{path.name} is no results file of a run: {error}") from None
+
+
+def _named(group: Any, name: str) -> Any:
+    """The dataset of a participant's variable; None if there is none or more than one."""
+    owners = [member for key, member in group.items() if key != "fields"]
+    found = [one[name] for one in owners if isinstance(one, h5py.Group) and name in one]
+    return found[0] if len(found) == 1 else None
+
+
+def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) -> FilmLoads:
+    """The same forces at the stations of the bore's table, (m, c, s), by virtual work.
+
+    Eq. (J15):  t = S(Y_A + y')^T f      S: natural cubic spline through the stations
+
+    Parameters
+    ----------
+    loads : RecordedLoads
+    rows : ndarray, shape (a,)
+        Heights of the grid rows above A [m].
+    stations : ndarray, shape (s,)
+        Above the crank axis [m].
+    """
+    spline = CubicSpline(stations, np.eye(len(stations)), bc_type="natural")
+    reading = spline(loads.height_of_A[:, None] + rows)
+    # Eq. (J15)
+    return FilmLoads(
+        *(np.einsum("mca,mas->mcs", force, reading, optimize=True) for force in loads.film)
+    )

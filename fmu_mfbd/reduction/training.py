@@ -1,0 +1,120 @@
+"""Shapes that a body takes under the film forces of a finished run, most important first."""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as la
+
+from ..finite_elements.element import Sparse
+from .bases import Elastic
+from .film_loads import FilmLoads
+
+NEGLIGIBLE = 1e-4
+"""Load patterns of less than this share of the strongest are not solved for."""
+ENOUGH = 1e-3
+"""Share of the deflection, in the energy's norm, that trained shapes may leave."""
+AT_ONCE = 20
+"""Loads solved together: bounds the memory."""
+
+
+class LoadPatterns(NamedTuple):
+    """Orthonormal patterns of pressure and friction at the points, (r, 2 points), and how strong
+    each is over all instants, falling, (r,) [N].
+    """
+
+    pattern: np.ndarray
+    strength: np.ndarray
+
+
+def load_patterns(film: FilmLoads) -> LoadPatterns:
+    """Dominant patterns of film forces that may also come mirrored, each even or odd about both
+    planes of symmetry.
+
+    Eq. (J18):  [p, f] = sum_j s_j u_j v_j^T      for each class of Eq. (J9), largest s_j first
+
+    A slap on one side may be one on the other side in the next run, and modes that are even or odd
+    cost a quarter. Around with an odd number of points there are no mirror images, and one class.
+
+    Parameters
+    ----------
+    film : FilmLoads
+        m instants on c x s points of `grid.cell_centres`' angles.
+    """
+    whole = np.stack(film, axis=-1)
+    patterns = []
+    strengths = []
+    for part in _mirrored_classes(whole):
+        flat = part.transpose(0, 3, 1, 2).reshape(len(part), -1)
+        _, strength, pattern = la.svd(flat, full_matrices=False)  # Eq. (J18)
+        patterns.append(pattern)
+        strengths.append(strength)
+    strength = np.concatenate(strengths)
+    order = np.argsort(-strength, kind="stable")
+    kept = order[strength[order] > NEGLIGIBLE * strength.max()]
+    return LoadPatterns(np.concatenate(patterns)[kept], strength[kept])
+
+
+def _mirrored_classes(fields: np.ndarray) -> list[np.ndarray]:
+    """Parts of fields (m, c, s, 2) that are even and odd in x and z, or the fields themselves."""
+    around = fields.shape[1]
+    if around % 2:
+        return [fields]
+    # theta_i = pi/2 + (i - floor(c/4)) 2 pi/c, so that pi - theta is number 2 floor(c/4) - i
+    image = (2 * (around // 4) - np.arange(around)) % around
+    across_z = fields[:, image]
+    across_x = np.roll(across_z, around // 2, axis=1)
+    both = np.roll(fields, around // 2, axis=1)
+    return [
+        (fields + x * across_x + z * across_z + x * z * both) / 4 for x in (1, -1) for z in (1, -1)
+    ]
+
+
+def trained_shapes(
+    body: Elastic, spread: Sparse, film: FilmLoads, given: np.ndarray, most: int
+) -> np.ndarray:
+    """Static shapes that leave the least of what film forces do to a body, by its elastic energy.
+
+    Eq. (J19):  X = (K^-1 - Psi Psi^T) B V S,   X^T K X w_k = e_k w_k,   phi_k = X w_k e_k^-1/2
+                largest e_k first, until what is left is less than `ENOUGH` of all
+
+    B spreads pressure and friction from the points, V S are the patterns of Eq. (J18).
+
+    Parameters
+    ----------
+    body : Elastic
+    spread : scipy.sparse matrix, shape (free, 2 points)
+        B [-].
+    film : FilmLoads
+        At the points.
+    given : ndarray, shape (free, j)
+        Psi: shapes that the basis has already, Psi^T K Psi = 1.
+    most : int
+        At most so many shapes.
+
+    Returns
+    -------
+    ndarray, shape (free, k)
+        k <= most, with phi^T K phi = 1 and Psi^T K phi = 0.
+
+    Raises
+    ------
+    ValueError
+        Without any force.
+
+    References
+    ----------
+    Proper orthogonal decomposition of the deflections; measured in docs/decisions/0015.
+    """
+    if not any(force.any() for force in film):
+        raise ValueError("train_on: the film of that run does no force to the body")
+    pattern, strength = load_patterns(film)
+    loads = spread @ (pattern * strength[:, None]).T
+    parts = range(0, len(strength), AT_ONCE)
+    answers = np.hstack([body.solve(loads[:, first : first + AT_ONCE]) for first in parts])
+    answers -= given @ (given.T @ loads)
+    gram = answers.T @ loads
+    energy, turn = la.eigh((gram + gram.T) / 2)  # Eq. (J19), rising
+    energy = np.maximum(energy, 0.0)
+    enough = np.count_nonzero(np.cumsum(energy) > ENOUGH**2 * energy.sum())
+    best = np.arange(len(energy))[::-1][: min(enough, most)]
+    return answers @ (turn[:, best] / np.sqrt(energy[best]))

@@ -1,0 +1,221 @@
+"""Bases trained on the film forces of a run: closed values, order, reproducibility."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from piston_cosim.fmu_mfbd.build import reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.offline import truncations
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy, pressure_modes
+from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
+from piston_cosim.fmu_mfbd.reduction.training import (
+    ENOUGH,
+    _mirrored_classes,
+    load_patterns,
+    trained_shapes,
+)
+from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.master.fmi.errors import BadInput
+
+from .test_truncation import GRID, film_forces, results
+
+AROUND, ALONG = 8, 3
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """A clamped plate and forces at 24 of its degrees of freedom, pressure and friction."""
+    points, tets = box_mesh((3, 4, 2), (0.03, 0.05, 0.02))
+    body = Elastic(
+        stiffness(points, tets, 7e10, 0.3),
+        consistent_mass(points, tets, 2700.0),
+        np.flatnonzero(points[:, 1] == 0.0),
+    )
+    points = AROUND * ALONG
+    chosen = np.random.default_rng(3).permutation(len(body.free))[: 2 * points]
+    spread = sp.csr_matrix(
+        (np.ones(2 * points), (chosen, np.arange(2 * points))), (len(body.free), 2 * points)
+    )
+    return body, spread
+
+
+def random_film(patterns, instants=30, seed=0):
+    """Forces at many instants, all in the span of a few patterns of falling strength."""
+    random = np.random.default_rng(seed)
+    weight = random.normal(size=(2, instants, patterns)) * 10.0 ** -np.arange(patterns)
+    shape = random.normal(size=(2, patterns, AROUND * ALONG))
+    return FilmLoads(*(weight @ shape).reshape(2, instants, AROUND, ALONG))
+
+
+def answers(body, spread, film):
+    """Loads and deflections at all instants, (free, m) each."""
+    both = np.hstack([force.reshape(len(force), -1) for force in film])
+    loads = spread @ both.T
+    return loads, body.solve(loads)
+
+
+def none(body):
+    return np.empty((body.K.shape[0], 0))
+
+
+def test_all_loads_of_the_training_are_answered_to_round_off(plate, monkeypatch):
+    """Four mirror images of two patterns of each of two fields span 16 shapes; with all of them no
+    load of the training leaves anything, but the 1e-12 of solving.
+    """
+    body, spread = plate
+    film = random_film(2)
+    monkeypatch.setattr("piston_cosim.fmu_mfbd.reduction.training.ENOUGH", 1e-9)
+    phi = trained_shapes(body, spread, film, none(body), 40)
+    assert phi.shape[1] <= 16
+    loads, whole = answers(body, spread, film)
+    assert np.abs(phi @ (phi.T @ loads) - whole).max() <= 1e-8 * np.abs(whole).max()
+    np.testing.assert_allclose(phi.T @ (body.K @ phi), np.eye(phi.shape[1]), atol=1e-9)
+
+
+def test_shapes_come_in_the_order_of_what_they_take(plate):
+    """Each shape leaves less energy than any other direction would: what remains falls, each step
+    takes at most what the one before took, and it stops where `ENOUGH` of it is left.
+    """
+    body, spread = plate
+    film = random_film(6)
+    phi = trained_shapes(body, spread, film, none(body), 40)
+    images = [answers(body, spread, FilmLoads(*one)) for one in mirrored(film)]
+    loads = np.hstack([load for load, _ in images])
+    whole = sum(np.sum(load * answer) for load, answer in images)
+    taken = np.sum((phi.T @ loads) ** 2, axis=1) / whole
+    assert np.all(np.diff(taken) <= 1e-12)
+    left = 1 - np.cumsum(taken)
+    # patterns below 1e-4 of the strongest are not solved for: 1e-8 of the energy
+    assert left[-1] <= ENOUGH**2 + 1e-7
+    assert left[-2] > ENOUGH**2
+    fewer = trained_shapes(body, spread, film, none(body), 3)
+    np.testing.assert_array_equal(fewer, phi[:, :3])
+
+
+def mirrored(film):
+    """The four mirror images of film forces, by their angles pi/2 + (i - 2) pi/4."""
+    index = np.arange(AROUND)
+    across_z = (4 - index) % AROUND
+    across_x = (-index) % AROUND
+    both = (index + 4) % AROUND
+    for image in (index, across_z, across_x, both):
+        yield [force[:, image] for force in film]
+
+
+def test_mirror_classes_are_parts_of_the_whole():
+    film = random_film(3)
+    whole = np.stack(film, axis=-1)
+    parts = _mirrored_classes(whole)
+    np.testing.assert_allclose(sum(parts), whole, atol=1e-13)
+    images = [np.stack(one, axis=-1) for one in mirrored(film)]
+    own, across_z, across_x, both = images
+    for part, (x, z) in zip(parts, [(1, 1), (1, -1), (-1, 1), (-1, -1)]):
+        expected = (own + z * across_z + x * across_x + x * z * both) / 4
+        np.testing.assert_allclose(part, expected, atol=1e-13)
+    odd = np.zeros((2, 7, 3, 2))
+    (alone,) = _mirrored_classes(odd)
+    assert alone is odd
+
+
+def test_load_patterns_are_orthonormal_and_weighed():
+    found = load_patterns(random_film(4))
+    np.testing.assert_allclose(
+        found.pattern @ found.pattern.T, np.eye(len(found.strength)), atol=1e-12
+    )
+    assert np.all(np.diff(found.strength) <= 0)
+    assert found.strength[-1] > 1e-4 * found.strength[0]
+    one = FilmLoads(np.ones((5, AROUND, ALONG)), np.zeros((5, AROUND, ALONG)))
+    (strength,) = load_patterns(one).strength
+    assert strength == pytest.approx(np.sqrt(5 * AROUND * ALONG), rel=1e-12)
+
+
+def test_given_shapes_are_left_to_themselves(plate):
+    """Trained shapes, then compliance patterns, are free of what is there already."""
+    body, spread = plate
+    psi = of_unit_energy(
+        body, body.solve(np.random.default_rng(5).normal(size=(len(body.free), 2)))
+    )
+    phi = trained_shapes(body, spread, random_film(3), psi, 4)
+    both = np.hstack([phi, psi])
+    np.testing.assert_allclose(both.T @ (body.K @ both), np.eye(6), atol=1e-9)
+    points = AROUND * ALONG
+    radial = spread.T.tocsr()[:points]
+    shapes = pressure_modes(body, radial, np.ones(points), 9, both, both)
+    added = shapes[:, :3]
+    stiff = np.sqrt(np.einsum("ik,ik->k", added, body.K @ added))
+    assert np.abs(both.T @ (body.K @ added) / stiff).max() <= 1e-8
+    np.testing.assert_array_equal(shapes[:, 3:], both)
+
+
+def trained(options, path):
+    table = {"basis": "trained", "train_on": str(path)}
+    return options | {name: options[name] | table for name in ("piston", "block")}
+
+
+@pytest.fixture
+def run(coarse, kept_bodies, monkeypatch, tmp_path):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+    return results(tmp_path / "run.h5", {}, film_forces(GRID))
+
+
+def test_bodies_trained_on_a_run_miss_little_of_it(coarse, run):
+    """Four instants and their mirror images are 16 patterns; with one mode for gas and three for
+    inertia, 24 modes hold them to what training leaves on purpose, `ENOUGH` by energy, which may be
+    three times as much by deflection.
+    """
+    folder, options = coarse
+    options = options | {name: options[name] | {"modes": 24} for name in ("piston", "block")}
+    before = truncations(options, folder, run)
+    after = truncations(trained(options, run), folder, run)
+    for body in ("piston", "block"):
+        assert before[body].error > 0.01
+        assert after[body].error < 3 * ENOUGH
+
+
+def test_a_cache_knows_the_forces_and_not_the_file(coarse, run, tmp_path):
+    """The same forces in another file: the same body. Others: another one."""
+    folder, options = coarse
+    quiet = lambda text: None  # noqa: E731
+    first = reduced_bodies(trained(options, run), folder, quiet)
+    again = results(tmp_path / "again.h5", {"title": "other"}, film_forces(GRID))
+    assert reduced_bodies(trained(options, again), folder, quiet) == first
+    other = results(tmp_path / "other.h5", {}, film_forces(GRID, seed=1))
+    others = reduced_bodies(trained(options, other), folder, quiet)
+    assert others["piston"] != first["piston"] and others["block"] != first["block"]
+    assert reduced_bodies(options, folder, quiet)["piston"] != first["piston"]
+    # the same bytes when it is made again
+    first["piston"].rename(tmp_path / "kept.npz")
+    (anew,) = reduced_bodies(
+        {"grid": list(GRID), "piston": trained(options, run)["piston"]}, folder, quiet
+    ).values()
+    one, two = load(ReducedPiston, anew), load(ReducedPiston, tmp_path / "kept.npz")
+    np.testing.assert_array_equal(one.radial, two.radial)
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({"basis": "trained"}, "basis = 'trained' and train_on, results of a run, belong together"),
+        ({"train_on": "run.h5"}, "basis = 'trained' and train_on, results of a run, belong"),
+        ({"basis": "trained", "train_on": "none.h5"}, "piston.train_on = 'none.h5': no such file"),
+    ],
+)
+def test_what_does_not_belong_together_is_refused(coarse, change, said):
+    folder, options = coarse
+    with pytest.raises(BadInput, match=said):
+        reduced_bodies(options | {"piston": options["piston"] | change}, folder, print)
+
+
+def test_what_a_run_cannot_train_is_refused(coarse, run, tmp_path):
+    folder, options = coarse
+    table = trained(options, run)
+    with pytest.raises(BadInput, match="block: train_on: .* its piston, give it too"):
+        reduced_bodies({"grid": list(GRID), "block": table["block"]}, folder, lambda text: None)
+    with pytest.raises(BadInput, match=r"the film grid is \(20, 12\)"):
+        reduced_bodies(table | {"grid": [20, 12]}, folder, lambda text: None)
+    still = FilmLoads(np.zeros((3, *GRID)), np.zeros((3, *GRID)))
+    nothing = trained(options, results(tmp_path / "still.h5", {}, still))
+    with pytest.raises(BadInput, match="film of that run does no force to the body"):
+        reduced_bodies(nothing, folder, lambda text: None)
