@@ -93,6 +93,52 @@ class Recovery:
     largest_stress: float | None
 
 
+@dataclass(frozen=True)
+class Skin:
+    """Outer surface of a reduced body, by the corners of its faces.
+
+    Parameters
+    ----------
+    name : str
+        piston or block.
+    points : ndarray, shape (n, 3)
+        From the body's origin: pin point A, or the crank's axis [m].
+    triangles : ndarray of int, shape (t, 3)
+    modes : ndarray, shape (n, 3, k)
+        Mode shapes there [kg^-1/2].
+    skirt : (float, float) or None
+        Heights of the skirt's edges above A [m]; None of a block.
+    """
+
+    name: str
+    points: np.ndarray
+    triangles: np.ndarray
+    modes: np.ndarray
+    skirt: tuple[float, float] | None
+
+
+def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[Skin]:
+    """Surfaces of the bodies of a build table with their modes, to be drawn.
+
+    Parameters, errors: as of `reduce`.
+    """
+    files = reduced_bodies(options, folder, progress)
+    return [_skin(name, _whole(name, file)) for name, file in files.items()]
+
+
+def _skin(name, whole):
+    body, anatomy = whole.body, whole.anatomy
+    corners, triangles = np.unique(anatomy.skin[:, :3], return_inverse=True)
+    skirt = (body.skirt_lower, body.skirt_upper) if isinstance(body, ReducedPiston) else None
+    return Skin(
+        name,
+        anatomy.points[corners],
+        triangles.reshape(-1, 3),
+        anatomy.shapes[corners],
+        skirt,
+    )
+
+
 def reduce(
     options: dict[str, Any], folder: Path, output: Path, progress: Say = print
 ) -> list[BodyReport]:

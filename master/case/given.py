@@ -5,6 +5,8 @@ mesh has no skirt.
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from .contract import contract
@@ -43,3 +45,27 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
             if given.get(option) is not None:
                 builds[name][key] = given[option]
     return builds
+
+
+def masks(case, builds, folder) -> dict[str, list[list[int]]]:
+    """Rows of the cells that fields have (1) and have not (0), of participants that are built with
+    such a `mask` by the contract; a file of them is read.
+
+    Parameters
+    ----------
+    case : schema.Case
+    builds : dict of str to dict
+        Checked build options of each participant.
+    folder : Path
+        Of the case.
+    """
+    roles = contract()
+    found = {}
+    for name, build in builds.items():
+        role = case.participants[name].role
+        mask = build.get("mask") if role in roles and "mask" in roles[role].build else None
+        if isinstance(mask, str) and mask != "none":
+            mask = np.loadtxt(Path(folder) / mask, delimiter=",", ndmin=2).astype(int).tolist()
+        if isinstance(mask, list):
+            found[name] = mask
+    return found

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from pint import PintError
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -306,6 +307,8 @@ class Axis(Table):
     """Positions where the first cell begins and the last one ends."""
     centred: float | None = None
     """A position at which a cell has its centre, on an axis that closes on itself."""
+    length: Port | None = None
+    """Parameter that holds a length; `range` is then in shares of it, and shown in `unit`."""
     marks: dict[str, float] = {}
     """Words written beside the axis, with their positions."""
 
@@ -516,6 +519,27 @@ class Case(Table):
                 f"coupling.order must name each participant once: {', '.join(self.participants)}"
             )
         return self
+
+    @model_validator(mode="after")
+    def axes_have_their_lengths(self):
+        """Ranges in shares of a parameter become ranges in units, once."""
+        for axis in (axis for pair in self.axes for axis in (pair.first, pair.second)):
+            if axis.length is not None:
+                self._give_length(axis, *axis.length.split(".", 1))
+        return self
+
+    def _give_length(self, axis: Axis, owner: str, name: str) -> None:
+        """A length that the case does not give, or gives wrongly, leaves shares."""
+        table = self.participants.get(owner)
+        text = table.parameters.get(name) if table else None
+        axis.length = None
+        try:
+            scale = registry().Quantity(to_si(str(text), "m"), "m").to(axis.unit).magnitude
+        except (ValueError, PintError):
+            axis.label, axis.unit = f"{axis.label} / {name.replace('_', ' ')}", ""
+            return
+        low, high = axis.range
+        axis.range = (low * scale, high * scale)
 
     def _ports(self) -> list[str]:
         """Every "participant.variable" that the file names."""

@@ -23,7 +23,7 @@ from ..participants.open import open_fmu
 from ..participants.plugins import made, plugin
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
-from .given import build_options
+from .given import build_options, masks
 from .keys import SETTABLE, declared_variables
 from .schema import reduced, start_time, times
 
@@ -188,6 +188,7 @@ def open_system(case, folder, progress, own=None):
         tuple(held),
         begin,
         case.time.cycles,
+        masks(case, builds, folder),
     )
 
 

@@ -1,14 +1,18 @@
 """`piston-cosim report`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from ..api.bodies import OFFLINE, build_table
+from ..case.schema import find_case
 from ..engine.answer import answer
+from ..engine.sections import special
 from ..fmi.errors import BadInput
+from ..fmi.tree import import_part
 from ..results.report import write_report
-from .common import console, open_runs
+from .common import console, open_runs, say
 
 
 def command(
@@ -16,6 +20,7 @@ def command(
     output: Path = Path("report"),
     notes: Path | None = None,
     study: Annotated[list[Path], Parameter(negative=())] = [],
+    case: str | None = None,
 ):
     """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
 
@@ -33,12 +38,29 @@ def command(
         numbers.
     study
         Tables of studies to show, results/study_CASE_NAME/study.csv; several allowed.
+    case
+        Case whose folder the paths of meshes start from, for the bodies in motion; default the case
+        named as the folder of the results. Without it, or them, the page has no bodies.
     """
-    case, runs = open_runs(files)
+    described, runs = open_runs(files)
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
-    answers = {label: answer(case, results) for label, results in runs.items()}
+    answers = {label: answer(described, results) for label, results in runs.items()}
+    extra = special(described, runs, _skins(runs, case))
     text = notes.read_text() if notes else ""
-    page = write_report(case, runs, output, text, study, answers)
+    page = write_report(described, runs, output, text, study, answers, extra)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
+
+
+def _skins(runs, case) -> dict[str, list[Any]]:
+    """Label -> surfaces of the run's bodies; those that cannot be had are left out with a word."""
+    found = {}
+    for label, results in runs.items():
+        try:
+            table = build_table(results.case)
+            folder = find_case(case or results.path.resolve().parent.name).parent
+            found[label] = import_part(OFFLINE).skins(table, folder, say)
+        except BadInput as error:
+            say(f"{label}: no bodies on the page: {error}")
+    return found

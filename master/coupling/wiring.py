@@ -1,7 +1,7 @@
 """A system ready to run: participants and wires in SI."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -94,7 +94,8 @@ class System:
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
     divides macro steps [s]; parallel : Jacobi's order, every participant reads what the others said
     in the evaluation before; held : wires that carry no real numbers; cycles : how often begin to
-    stop may be run, one behind the other.
+    stop may be run, one behind the other; masks : participant -> rows of the cells of its fields,
+    1 where there is one, 0 where not.
     """
 
     participants: Mapping[str, Any]
@@ -109,6 +110,7 @@ class System:
     held: tuple[HeldWire, ...] = ()
     begin: float = 0.0
     cycles: int = 1
+    masks: Mapping[str, list[list[int]]] = field(default_factory=dict)
 
     @property
     def end(self) -> float:

@@ -7,4 +7,5 @@ headlines  film, pressure, friction, side force, slap, oil: ten lines
 verdicts   what is amber or red
 truncation what the modes of its flexible bodies leave out of a run
 places     where a film has its worst place, by side, angle and height
+sections   what a report of a piston shows beyond the case's pictures
 """

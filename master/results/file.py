@@ -158,6 +158,17 @@ class Results:
         }
         return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
 
+    def there(self, port: str) -> np.ndarray | None:
+        """Which cells the field has, bool of its shape: False in a cut-out, where what the file
+        holds means nothing; None where it has all, or the file does not say.
+        """
+        masks = json.loads(self.file.attrs.get("masks", "{}"))
+        owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
+        mask = next((masks[name] for name in owners if name in masks), None)
+        if mask is None or np.shape(mask) != self.dataset(port).shape[1:]:
+            return None
+        return np.array(mask, dtype=bool)
+
     def dataset(self, port: str) -> Any:
         """Recorded field at all instants, h5py.Dataset of shape (instants, *shape)."""
         return self.file["fields/" + dataset_path(port)]

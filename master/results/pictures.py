@@ -8,6 +8,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..case.schema import reduced
 from ..fmi.errors import BadInput
@@ -133,7 +135,7 @@ def draw_lines(case, picture, runs):
                 name = label if len(ports) == 1 else f"{label}, {name_of(port)}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
         first = next(iter(runs.values()))
-        _shade(panel, _windows_of(ports, case.window, picture.units, first))
+        _shade(panel, windows_of(ports, case.window, picture.units, first))
         panel.set_ylabel(labelled(_common(ports), y_unit))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
@@ -142,7 +144,7 @@ def draw_lines(case, picture, runs):
     return figure
 
 
-def _windows_of(ports, window, units, results):
+def windows_of(ports, window, units, results):
     """Limits of a panel's curves in the units shown, by the kind of value they are for."""
     limits = {}
     for text, pair in window.items():
@@ -186,36 +188,66 @@ def draw_maps(case, picture, runs):
     for row, port in zip(panels, picture.fields):
         shown = [results.field(port, instant(results, picture.time)) for results in runs.values()]
         wanted = picture.units.get(port)
-        images = [scaled(field.values, field.unit, wanted)[0] for field in shown]
+        images = [
+            _where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
+            for field, results in zip(shown, runs.values())
+        ]
         unit = unit_shown(shown[0].unit, wanted)
-        limits = min(image.min() for image in images), max(image.max() for image in images)
+        norm = colour_norm(images, unit)
         axes = case.axes_of(port)
         for panel, (label, results), image, field in zip(row, runs.items(), images, shown):
-            _draw_map(panel, image, limits, axes)
+            _draw_map(panel, image, norm, axes)
             panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
         figure.colorbar(row[0].images[0], ax=list(row), label=labelled(name_of(port), unit))
     return figure
 
 
-def _draw_map(panel, image, limits, axes):
+def _where_there(image, there):
+    """The cells that the field has; the others are masked, and stay blank."""
+    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
+
+
+PRESSURES = ("Pa", "kPa", "MPa", "bar")
+FLOOR = 1e-4
+"""Logarithmic colours reach down to this share of the largest value."""
+SPAN = 30.0
+"""A field whose largest value is more than so many times its smallest has logarithmic colours."""
+
+
+def logarithmic(unit, low, high):
+    """Whether the colours of a field are logarithmic: of pressures, and of a wide range."""
+    return high > 0 and ((unit in PRESSURES and low >= 0) or 0 < low < high / SPAN)
+
+
+def colour_norm(images, unit):
+    """One colour scale for all images."""
+    low = min(float(image.min()) for image in images)
+    high = max(float(image.max()) for image in images)
+    if not logarithmic(unit, low, high):
+        return Normalize(low, high)
+    above = min(float(image[image > 0].min()) for image in images if (image > 0).any())
+    return LogNorm(max(high * FLOOR, min(above, high / 2)), high, clip=True)
+
+
+def _draw_map(panel, image, norm, axes):
     """One field over its axes; contours where there is something to contour."""
-    low, high = limits
     panel.imshow(
         image.T,
         origin="lower",
         aspect="auto",
         extent=(*axes.first.ends(len(image)), *axes.second.ends(len(image.T))),
-        vmin=low,
-        vmax=high,
+        norm=norm,
         cmap="viridis",
         interpolation="nearest",
     )
-    if low < high:
-        levels = np.linspace(low, high, 10)[1:-1]
-        across, along = image.shape
-        first = axes.first.positions(across)
-        second = axes.second.positions(along)
-        panel.contour(first, second, image.T, levels, colors="white", linewidths=0.4)
+    if image.min() < image.max():
+        logs = isinstance(norm, LogNorm)
+        locator = LogLocator(subs=(1, 3)) if logs else MaxNLocator(8)
+        levels = [x for x in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < x < norm.vmax]
+        positions = axes.first.positions(len(image)), axes.second.positions(len(image.T))
+        if levels:
+            drawn = panel.contour(*positions, image.T, levels, colors="white", linewidths=0.5)
+            panel.clabel(drawn, fontsize=6, fmt="%.3g")
     panel.set_xlabel(axes.first.title)
     panel.set_ylabel(axes.second.title)
     _mark(panel.xaxis, axes.first)

@@ -2,30 +2,61 @@
 and SVG.
 """
 
-import base64
 import csv
 import hashlib
-import io
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 from markdown_it import MarkdownIt
+from plotly.offline import get_plotlyjs
 
+from ..case.schema import reduced
 from ..fmi.quantities import short, to_si
-from .judgement import Extreme, Window, extremes, loop_curve, loop_work, monitored, windows
+from .charts import Phase, Section, as_data, field_data, health_section, picture_section
+from .instants import crank_angle
+from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
+from .packing import Columns, packed
 from .pictures import PALETTE, figures, name_of, scaled
+from .solids import Solid, solids_data
 
-FRAMES = 120  # at most so many instants of the fields: about 3 kB a field, instant and run
-LEVELS = 65535
+COLOURS = "viridis"
+"""Of fields: even steps in lightness, told apart by colour-blind readers."""
 
 
-def write_report(case, runs, folder, notes="", studies=(), answers=None):
+@dataclass(frozen=True)
+class Special:
+    """What only the kind of machine knows, for a report of it.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        Shown before the case's own curves.
+    phases : sequence of Phase
+        Named parts of the cursor's abscissa.
+    strip : sequence of str
+        Ports drawn beneath the cursor.
+    solids : dict of str to list of Solid
+        Label -> bodies on their meshes.
+    """
+
+    sections: Sequence[Section] = ()
+    phases: Sequence[Phase] = ()
+    strip: Sequence[str] = ()
+    solids: Mapping[str, list[Solid]] = field(default_factory=dict)
+
+
+PLAIN = Special()
+
+
+def write_report(case, runs, folder, notes="", studies=(), answers=None, special=PLAIN):
     """Write `<folder>/report.html` and the figures.
 
     Parameters
@@ -42,6 +73,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None):
     answers : dict, optional
         Label -> what is said of the run first: `lines` (name, said) and `verdicts` (colour, what,
         said).
+    special : Special
+        What only the kind of machine knows.
 
     Returns
     -------
@@ -50,20 +83,7 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None):
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    pictures = [
-        _save(figure, folder / Path(picture.file).stem, picture.title)
-        for picture, figure in figures(case, runs)
-        if picture.kind != "map"
-    ]
-    pictures += [
-        _save(draw_loop(case, runs, name), folder / f"loop_{name}", f"Loop: {name}")
-        for name in case.report.loops
-    ]
-    health = _save(
-        draw_health(runs),
-        folder / "coupling",
-        "Iterations, derivative products and residual of every macro step",
-    )
+    _save_figures(case, runs, folder)
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
     )
@@ -75,9 +95,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None):
         names=list(
             dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
         ),
-        pictures=pictures,
-        health=health,
-        data=json.dumps(moving_data(case, runs)).replace("<", "\\u003c"),
+        data=json.dumps(page_data(case, runs, special)).replace("<", "\\u003c"),
+        plotter=packed(get_plotlyjs().encode()),
         notes=MarkdownIt("commonmark", {"html": False}).enable("table").render(notes),
         studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
@@ -86,6 +105,16 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None):
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _save_figures(case, runs, folder):
+    """The case's pictures but maps, its loops and the coupling's health, as PNG and SVG."""
+    for picture, figure in figures(case, runs):
+        if picture.kind != "map":
+            _save(figure, folder / Path(picture.file).stem)
+    for name in case.report.loops:
+        _save(draw_loop(case, runs, name), folder / f"loop_{name}")
+    _save(draw_health(runs), folder / "coupling")
 
 
 def study_table(path):
@@ -123,14 +152,6 @@ class Judged:
     versions: dict[str, str]
     file: str
     digest: str
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """A figure in the page: its title and the SVG as a data address."""
-
-    title: str
-    address: str
 
 
 @dataclass(frozen=True)
@@ -174,15 +195,11 @@ def digest(path):
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def _save(figure, stem, title):
-    """Save a figure as PNG and SVG; the SVG also as a data address for the page."""
+def _save(figure, stem):
+    """Save a figure as PNG and SVG, and close it."""
     figure.savefig(stem.with_suffix(".png"), dpi=130)
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
-    stem.with_suffix(".svg").write_text(text.getvalue())
+    figure.savefig(stem.with_suffix(".svg"))
     plt.close(figure)
-    packed = base64.b64encode(text.getvalue().encode()).decode()
-    return Drawing(title, f"data:image/svg+xml;base64,{packed}")
 
 
 def draw_loop(case, runs, name):
@@ -236,85 +253,171 @@ def draw_health(runs):
     return figure
 
 
-def moving_data(case, runs):
-    """What the page's script draws: instants with their monitor words, field frames, the moving
-    body, a colour table.
+@dataclass(frozen=True)
+class Cursor:
+    """Where the page's cursor can stand: every instant at which any run recorded fields.
+
+    positions : rising, in `unit` (crank angle where every run says one, else time);
+    frames, rows : of each run the nearest recorded instant and the nearest macro step.
     """
-    first = next(iter(runs.values()))
-    stored = first.instants
-    instants = stored[
-        np.unique(np.linspace(0, len(stored) - 1, min(FRAMES, len(stored))).round().astype(int))
+
+    label: str
+    unit: str
+    positions: np.ndarray
+    frames: list[np.ndarray] = field(default_factory=list)
+    rows: list[np.ndarray] = field(default_factory=list)
+
+
+def cursor_of(runs) -> Cursor:
+    """The cursor of several runs."""
+    cranks = [crank_angle(results) for results in runs.values()]
+    if all(crank is not None for crank in cranks):
+        label, unit = "crank angle", "deg"
+        scales = [(crank.time, np.degrees(crank.angle)) for crank in cranks if crank is not None]
+    else:
+        label, unit = "time", "ms"
+        scales = [(results.time, results.time * 1e3) for results in runs.values()]
+    recorded = [
+        np.interp(results.instants, *scale) for results, scale in zip(runs.values(), scales)
     ]
-    rows = np.searchsorted(first.time, instants - 1e-12)
-    words = [
+    positions = np.unique(np.concatenate(recorded).round(6))
+    return Cursor(
+        label,
+        unit,
+        positions,
+        [nearest(own, positions) for own in recorded],
+        [nearest(steps, positions) for _, steps in scales],
+    )
+
+
+def nearest(sorted_values, wanted):
+    """Index of the value nearest to each wanted one; of two equally near the first."""
+    after = np.searchsorted(sorted_values, wanted).clip(1, len(sorted_values) - 1)
+    if len(sorted_values) == 1:
+        return np.zeros(len(wanted), int)
+    back = wanted - sorted_values[after - 1] <= sorted_values[after] - wanted
+    return after - back
+
+
+def page_data(case, runs, special) -> dict[str, Any]:
+    """What the page's script draws: the cursor with its words, field frames, the moving outline,
+    charts, a colour table.
+    """
+    cursor = cursor_of(runs)
+    columns = Columns()
+    colours = (plt.get_cmap(COLOURS)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
+    sections = [*special.sections, picture_section(case, runs), health_section(runs)]
+    return {
+        "labels": list(runs),
+        "palette": PALETTE,
+        "colours": colours,
+        "cursor": {
+            "label": cursor.label,
+            "unit": cursor.unit,
+            "positions": columns.add(cursor.positions),
+            "frames": [frames.tolist() for frames in cursor.frames],
+        },
+        "words": [
+            monitor_words(case, results, rows) for results, rows in zip(runs.values(), cursor.rows)
+        ],
+        "phases": [vars(phase) for phase in special.phases],
+        "strip": [_strip(case, port, runs, cursor, columns) for port in special.strip],
+        "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
+        "motion": motion_frames(case.report.motion, runs, cursor) if case.report.motion else None,
+        "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
+        "sections": [as_data(section, columns) for section in sections],
+        "columns": columns.text(),
+    }
+
+
+def monitor_words(case, results, rows):
+    """What the monitor shows of a run at each of the cursor's positions."""
+    ports = {name: reduced(text).port for name, text in case.monitor.items()}
+    shown = {name: results.series(port) for name, port in ports.items() if port in results.ports}
+    return [
         "  ".join(
-            [f"t = {short(float(first.time[k]), 's')}"]
-            + [f"{name} {short(q.value, q.unit)}" for name, q in monitored(case, first, k).items()]
+            [f"t = {short(float(results.time[k]), 's')}"]
+            + [f"{name} {words(own.values[k], own.unit)}" for name, own in shown.items()]
         )
         for k in rows
     ]
-    units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    ports = [port for port in case.record.fields if len(first.dataset(port).shape) == 3]
-    colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 256))[:, :3] * 255).astype(int).tolist()
-    return {
-        "words": words,
-        "labels": list(runs),
-        "colours": colours,
-        "fields": [
-            field_frames(port, runs, instants, units.get(port)) | {"axes": axes_words(case, port)}
-            for port in ports
-        ],
-        "motion": motion_frames(case.report.motion, runs, instants) if case.report.motion else None,
-    }
 
 
-def axes_words(case, port):
-    """What a field's axes run along, as a line below its map."""
-    axes = case.axes_of(port)
-    low, high = axes.first.range
-    return f"{low:g} to {high:g} {axes.first.marked} (to the right), {axes.second.marked} (upwards)"
+def _strip(case, port, runs, cursor, columns):
+    """A port of every run at the cursor's positions, [] where a run has it not."""
+    shown = [results for results in runs.values() if port in results.ports]
+    wanted = shown_units(case).get(port)
+    values = [
+        scaled(results.series(port).values[rows], results.series(port).unit, wanted)[0]
+        if port in results.ports
+        else []
+        for results, rows in zip(runs.values(), cursor.rows)
+    ]
+    unit = scaled(0.0, shown[0].series(port).unit, wanted)[1] if shown else ""
+    return {"name": name_of(port), "unit": unit, "runs": [columns.add(own) for own in values]}
 
 
-def field_frames(port, runs, instants, wanted):
-    """Frames of a field at the instants for every run: 16-bit whole numbers over one common range,
-    packed as base64.
-    """
-    stacks = []
+def shown_units(case):
+    """Units in which the case's pictures show ports."""
+    return {port: unit for picture in case.pictures for port, unit in picture.units.items()}
+
+
+def drawn_fields(case, runs):
+    """Recorded fields over two indices, in the case's order; those that some run has."""
+    return [
+        port
+        for port in case.record.fields
+        if any(
+            port in results.recorded and results.dataset(port).ndim == 3
+            for results in runs.values()
+        )
+    ]
+
+
+def field_frames(case, port, runs):
+    """Frames of a field of every run at all its recorded instants, over one common range."""
+    stacks, there = [], []
     unit = ""
     for results in runs.values():
+        if port not in results.recorded:
+            stacks.append(None)
+            there.append(None)
+            continue
         dataset = results.dataset(port)
-        stored = results.instants
-        nearest = np.abs(stored[None, :] - instants[:, None]).argmin(axis=1)
-        values, unit = scaled(dataset[:][nearest], dataset.attrs["unit"], wanted)
+        wanted = field_unit(case, results, port)
+        values, unit = scaled(dataset[:], dataset.attrs["unit"], wanted)
         stacks.append(values)
-    low = min(float(stack.min()) for stack in stacks)
-    high = max(float(stack.max()) for stack in stacks)
-    levels = [((s - low) / ((high - low) or 1.0) * LEVELS).round().astype("<u2") for s in stacks]
-    return {
-        "name": name_of(port),
-        "unit": unit,
-        "low": low,
-        "high": high,
-        "shape": list(stacks[0].shape[1:]),
-        "frames": [base64.b64encode(level.tobytes()).decode() for level in levels],
-    }
+        there.append(results.there(port))
+    return field_data(name_of(port), unit, case.axes_of(port), stacks, there)
 
 
-def motion_frames(motion, runs, instants):
-    """Outline, lines and the three motions at the instants, in SI."""
+def field_unit(case, results, port):
+    """Unit a field is shown in: that of the case's pictures, or of a field of the same SI unit."""
+    known = shown_units(case)
+    si = results.dataset(port).attrs["unit"]
+    alike = [
+        other
+        for other in (port, *case.record.fields)
+        if other in known
+        and other in results.recorded
+        and results.dataset(other).attrs["unit"] == si
+    ]
+    return known[alike[0]] if alike else None
+
+
+def motion_frames(motion, runs, cursor):
+    """Outline, lines and the three motions at the cursor's positions, in SI."""
 
     def point(pair):
         return [to_si(text, "m") for text in pair]
 
-    tracks = []
-    for results in runs.values():
-        rows = np.searchsorted(results.time, instants - 1e-12)
-        tracks.append(
-            {
-                key: results.series(getattr(motion, key))[0][rows].tolist()
-                for key in ("across", "along", "rotation")
-            }
-        )
+    tracks = [
+        {
+            key: results.series(getattr(motion, key)).values[rows].tolist()
+            for key in ("across", "along", "rotation")
+        }
+        for results, rows in zip(runs.values(), cursor.rows)
+    ]
     return {
         "outline": [point(p) for p in motion.outline],
         "lines": [[point(p) for p in line] for line in motion.lines],

@@ -4,7 +4,8 @@ happens to the run.
 Layout
     /                       attributes: title, case (resolved TOML tree as JSON), versions,
                             derivatives (of the participants that offer any: their own, or why
-                            differences are taken), summary (JSON, when finished)
+                            differences are taken), masks (participant -> rows of cells, 0 where
+                            its fields have none), summary (JSON, when finished)
     /time                   end of every macro step [s]
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)

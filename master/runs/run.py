@@ -220,6 +220,7 @@ class March:
             "case": json.dumps(self.tree),
             "versions": json.dumps(versions()),
             "derivatives": json.dumps(derivatives),
+            "masks": json.dumps(self.system.masks),
         }
         participants = self.system.participants
         rows = self.account.rows

@@ -1,7 +1,10 @@
 """Case files: every fault at once, units at the edge, variants and changes by dotted key."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from piston_cosim.master.case.given import masks
 from piston_cosim.master.case.schema import check_case, read_tree, times
 from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
 from piston_cosim.master.fmi.errors import BadInput
@@ -152,3 +155,35 @@ def test_a_picture_lacks_what_its_kind_needs(case_file):
     )
     with pytest.raises(BadInput, match="kind 'section' needs time"):
         check_case(read_tree(path), path)
+
+
+@pytest.mark.parametrize(
+    "given, ends, title",
+    [
+        ('length_of_it = "40 mm"', (0.0, 20.0), "height [mm]"),
+        ("", (0.0, 0.5), "height / length of it"),
+        ('length_of_it = "40 s"', (0.0, 0.5), "height / length of it"),
+    ],
+)
+def test_an_axis_in_shares_of_a_length(case_file, given, ends, title):
+    """A length that is missing or none leaves shares: its fault is told where it is checked."""
+    axes = (
+        '[participants.b.parameters]\n{}\n[[axes]]\nparticipants = ["b"]\n'
+        'second = {{ label = "height", unit = "mm", range = [0, 0.5], length = "b.length_of_it" }}'
+    )
+    path = case_file(GOOD.replace("[variants.slow]", axes.format(given) + "\n[variants.slow]"))
+    second = check_case(read_tree(path), path).axes_of("b.y").second
+    assert second.range == pytest.approx(ends) and second.title == title
+
+
+def test_masks_of_what_the_contract_gives_one(tmp_path):
+    """Rows as they are or from a file; none of a participant without the role or without any."""
+    (tmp_path / "skirt.csv").write_text("1,0\n1,1\n")
+    roles = {"a": "lubrication", "b": "lubrication", "c": "lubrication", "d": None, "e": "bodies"}
+    given = {"a": [[1, 0]], "b": "skirt.csv", "c": "none", "d": [[0, 0]], "e": [[0, 0]]}
+    case = SimpleNamespace(
+        participants={name: SimpleNamespace(role=role) for name, role in roles.items()}
+    )
+    found = masks(case, {name: {"mask": mask} for name, mask in given.items()}, tmp_path)
+    assert found == {"a": [[1, 0]], "b": [[1, 0], [1, 1]]}
+    assert masks(case, {"a": {}}, tmp_path) == {}

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.colors import LogNorm
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
 from piston_cosim.master.results.file import RecordedField
@@ -12,6 +13,7 @@ from piston_cosim.master.results.pictures import (
     draw_sections,
     figures,
     left_out,
+    logarithmic,
     unit_shown,
 )
 
@@ -22,6 +24,7 @@ from piston_cosim.master.results.pictures import (
 def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
     results = SimpleNamespace(
         field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction"),
+        there=lambda port: None,
         case={"participants": {}},
         time=np.array([0.0, 1.0]),
     )
@@ -46,6 +49,7 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
     field = np.arange(20.0).reshape(5, 4)
     results = SimpleNamespace(
         field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
+        there=lambda port: None,
         case={"participants": {}},
         time=np.array([0.0, 1.0]),
     )
@@ -68,6 +72,40 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
         assert along == pytest.approx([0.1, 0.3, 0.5])
 
 
+def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
+    field = 10.0 ** np.arange(20.0).reshape(5, 4)[::-1]
+    there = np.ones((5, 4), bool)
+    there[0, 3] = False  # the largest: it must not set the scale either
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
+        there=lambda port: there,
+        time=np.array([0.0, 1.0]),
+        case={"participants": {}},
+    )
+    picture = SimpleNamespace(fields=["ehd.pressure"], time="0 s", units={})
+    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
+    image = draw_maps(case, picture, {"base": results}).axes[0].images[0]
+    shown = image.get_array()
+    assert shown.mask.T.tolist() == (~there).tolist()
+    assert isinstance(image.norm, LogNorm)
+    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((1e14, 1e18))  # four decades
+
+
+@pytest.mark.parametrize(
+    "unit, low, high, expected",
+    [
+        ("MPa", 0.0, 1.0, True),
+        ("MPa", -1.0, 1.0, False),
+        ("MPa", 0.0, 0.0, False),
+        ("um", 1.0, 29.0, False),
+        ("um", 1.0, 31.0, True),
+        ("um", 0.0, 31.0, False),
+    ],
+)
+def test_which_colours_are_logarithmic(unit, low, high, expected):
+    assert logarithmic(unit, low, high) == expected
+
+
 @pytest.mark.parametrize(
     "field, time, why",
     [
@@ -83,6 +121,7 @@ def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why
         field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
         case={"participants": {}},
         time=np.array([0.0, 0.5, 1.0]),
+        there=lambda port: None,
         recorded=["ehd.pressure"],
         ports=[],
     )

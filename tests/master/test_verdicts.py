@@ -125,7 +125,7 @@ def test_what_the_modes_of_each_body_miss(tmp_path):
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
     said = judged(tmp_path)["film"].said
     # row 10 of 40 has its centre at 9.5/40 of the skirt
-    assert "anti-thrust side, angle from the pin axis 270 deg, height / skirt length 0.237" in said
+    assert "anti-thrust side, angle from the pin axis 270 deg, height 19.7 mm" in said
     assert "9.26 times the roughness" in said  # 5/0.54
 
 
@@ -169,7 +169,7 @@ def test_the_first_screen_by_hand(tmp_path):
         shown = answer(case, results)
     said = {line.name: line.said for line in shown.lines}
     assert said["friction"] == "100 W on average, FMEP 9.18 kPa"
-    assert said["thinnest film"] == "5 µm at -350 deg, anti-thrust, 270 deg around, height 0.237"
+    assert said["thinnest film"] == "5 µm at -350 deg, anti-thrust, 270 deg around, height 19.7 mm"
     assert said["highest pressure"] == "3 MPa at -360 deg"
     assert said["asperities"] == "4.00% of the friction work, touching 0.10% of the skirt at most"
     assert said["side force"] == (

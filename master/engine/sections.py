@@ -1,0 +1,463 @@
+"""What a report of a piston shows beyond the case's own pictures: strokes under the cursor, motion
+of the skirt's edges, forces and friction by side, films and where they are thinnest, carpets of the
+thrust line, envelopes and wear.
+
+Only what was recorded is drawn.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import trapezoid
+
+from ..case.contract import players
+from ..case.schema import Case
+from ..fmi.quantities import to_si
+from ..results.charts import (
+    DASHES,
+    Carpet,
+    Chart,
+    Curve,
+    Drawn,
+    Phase,
+    Section,
+    StillMap,
+    Titles,
+    limits_of,
+)
+from ..results.file import Results
+from ..results.instants import crank_angle
+from ..results.report import Special
+from ..results.solids import Solid
+
+STROKES = ("expansion", "exhaust", "intake", "compression")
+"""From firing top dead centre on, 180 deg each."""
+WEAR_COEFFICIENT = 1e-17
+"""Archard's [1/Pa], of Eq. (X15): our own choice for a run-in, lubricated skirt; the depth is
+proportional to it.
+"""
+CRANK = "crank angle [deg]"
+
+Runs = dict[str, Results]
+
+
+class Line(NamedTuple):
+    """A port drawn in a chart: its name there, the port, and what its SI value is multiplied by."""
+
+    name: str
+    port: str
+    factor: float = 1.0
+
+
+def special(
+    case: Case, runs: Runs, skins: Mapping[str, Sequence[Any]] = MappingProxyType({})
+) -> Special:
+    """Sections, strokes, cursor strip and bodies of a piston's runs; nothing special of others.
+
+    Parameters
+    ----------
+    case : Case
+    runs : dict of str to Results
+    skins : dict of str to sequence of fmu_mfbd.offline.Skin, optional
+        Label -> surfaces of the run's piston and block.
+    """
+    bodies = players(next(iter(runs.values())).case, "bodies")
+    films = players(next(iter(runs.values())).case, "lubrication")
+    if not bodies or not films or any(crank_angle(results) is None for results in runs.values()):
+        return Special()
+    body, film = bodies[0], films[0]
+    skirt = next((skin.skirt for own in skins.values() for skin in own if skin.skirt), None)
+    sections = [
+        _motion(runs, body, skirt),
+        _forces(runs, body, film),
+        _friction(runs, film),
+        _films(case, runs, body, film),
+        _oil(runs, film),
+        _carpets(case, runs, body, film),
+        _envelopes(case, runs, body, film),
+    ]
+    return Special(
+        sections=[section for section in sections if section.drawn],
+        phases=strokes(runs),
+        strip=[f"{body}.cylinder_pressure", f"{body}.side_force"],
+        solids={label: _solids(own, runs[label], body) for label, own in skins.items()},
+    )
+
+
+def _solids(skins, results, body) -> list[Solid]:
+    """Piston and block as they are at the recorded instants; without modal coordinates in the file
+    they stay undeformed.
+    """
+    port = f"{body}.modal_coordinate"
+    count = len(results.instants)
+    held = results.dataset(port)[:] if port in results.recorded else np.zeros((count, 0))
+    modes = [skin.modes.shape[2] for skin in skins]
+    if held.shape[1] != sum(modes):
+        modes, held = [0] * len(skins), np.zeros((count, 0))
+    parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
+    ports = ("lateral_displacement", "piston_position", "rocking_angle")
+    motion = np.column_stack(
+        [
+            np.interp(results.instants, results.time, results.series(f"{body}.{name}").values)
+            for name in ports
+        ]
+    )
+    return [
+        Solid(
+            skin.name,
+            skin.points,
+            skin.triangles,
+            skin.modes[:, :, : part.shape[1]],
+            part,
+            motion if skin.skirt else None,
+            skin.skirt,
+        )
+        for skin, part in zip(skins, parts)
+    ]
+
+
+def strokes(runs: Runs) -> list[Phase]:
+    """Strokes that the runs come by; 0 deg is firing top dead centre, a cycle is 720 deg."""
+    spans = [_degrees(results)[[0, -1]] for results in runs.values()]
+    first = int(np.floor(min(low for low, _ in spans) / 180.0 + 1e-9))
+    last = int(np.ceil(max(high for _, high in spans) / 180.0 - 1e-9))
+    return [Phase(180.0 * k, 180.0 * (k + 1), STROKES[k % 4]) for k in range(first, last)]
+
+
+def _degrees(results):
+    crank = crank_angle(results)
+    assert crank is not None  # asked in `special`
+    return np.degrees(crank.angle)
+
+
+def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Drawn]:
+    """Ports over the crank angle, runs by colour and ports by dash; none if no run has any."""
+    curves = [
+        Curve(
+            label if len(lines) == 1 else f"{label}, {line.name}",
+            k,
+            _degrees(results),
+            results.series(line.port).values * line.factor,
+            dash,
+            points,
+        )
+        for k, (label, results) in enumerate(runs.items())
+        for dash, line in zip(DASHES, lines)
+        if line.port in results.ports
+    ]
+    return [Chart(title, CRANK, y, curves, cursor=True)] if curves else []
+
+
+def _motion(runs, body, skirt):
+    drawn: list[Drawn] = []
+    if skirt is not None:
+        drawn += _eccentricity(runs, body, skirt)
+    else:
+        drawn += _chart(
+            runs,
+            "Eccentricity of the pin's axis, positive towards thrust",
+            "[um]",
+            Line("pin", f"{body}.lateral_displacement", 1e6),
+        )
+    drawn += _chart(runs, "Rocking angle", "[mrad]", Line("tilt", f"{body}.rocking_angle", 1e3))
+    drawn += _chart(
+        runs,
+        "Lateral velocity of the pin's axis",
+        "[mm/s]",
+        Line("velocity", f"{body}.lateral_velocity", 1e3),
+    )
+    drawn += _chart(
+        runs, "Tilting velocity", "[rad/s]", Line("tilting", f"{body}.rocking_velocity")
+    )
+    drawn += _chart(
+        runs,
+        "Kinetic energy across the bore: a slap is where it falls",
+        "[mJ]",
+        Line("kinetic", f"{body}.kinetic_energy", 1e3),
+        Line("elastic", f"{body}.elastic_energy", 1e3),
+    )
+    return Section("Motion of the piston", drawn)
+
+
+def _eccentricity(runs, body, skirt) -> list[Drawn]:
+    """Displacement of the skirt's edges.
+
+    Eq. (X14):  e(y) = x_A - beta y      y above the pin's axis, beta the rocking angle about +z
+    """
+    ports = f"{body}.lateral_displacement", f"{body}.rocking_angle"
+    curves = []
+    for k, (label, results) in enumerate(runs.items()):
+        if not {*ports} <= {*results.ports}:
+            continue
+        displacement, tilt = (results.series(port).values for port in ports)
+        for dash, name, height in zip(DASHES, ("lower edge", "upper edge"), skirt):
+            shown = 1e6 * (displacement - tilt * height)  # Eq. (X14)
+            curves.append(Curve(f"{label}, {name}", k, _degrees(results), shown, dash))
+    title = "Eccentricity of the skirt's edges, positive towards thrust"
+    return [Chart(title, CRANK, "[um]", curves, cursor=True)] if curves else []
+
+
+def _forces(runs, body, film):
+    sides = [
+        Line(side, f"{film}.radial_force_{side.replace('-', '_')}_side")
+        for side in ("thrust", "anti-thrust")
+    ]
+    drawn = [
+        *_chart(runs, "Radial force of the film by side", "[N]", *sides),
+        *_chart(runs, "Side force on the bore", "[N]", Line("side", f"{body}.side_force")),
+        *_chart(
+            runs,
+            "Force of the pin on the piston",
+            "[kN]",
+            Line("across", f"{body}.pin_force_x", 1e-3),
+            Line("along the bore", f"{body}.pin_force_y", 1e-3),
+        ),
+        *_chart(
+            runs, "Gas pressure, gauge", "[MPa]", Line("gas", f"{body}.cylinder_pressure", 1e-6)
+        ),
+        *_over_position(runs, body),
+    ]
+    return Section("Forces", drawn)
+
+
+def _over_position(runs, body) -> list[Drawn]:
+    """Gas pressure over the height of the pin."""
+    ports = f"{body}.piston_position", f"{body}.cylinder_pressure"
+    curves = [
+        Curve(
+            label,
+            k,
+            results.series(ports[0]).values * 1e3,
+            results.series(ports[1]).values * 1e-6,
+        )
+        for k, (label, results) in enumerate(runs.items())
+        if {*ports} <= {*results.ports} and results.series(ports[1]).values.any()
+    ]
+    title = "Gas pressure over the pin's height above the crank (p-V by the bore's area)"
+    return [Chart(title, "height [mm]", "[MPa]", curves)] if curves else []
+
+
+def _friction(runs, film):
+    drawn = [
+        *_chart(
+            runs,
+            "Friction on the skirt by mechanism",
+            "[N]",
+            Line("film", f"{film}.friction_force_hydrodynamic"),
+            Line("contact", f"{film}.friction_force_asperity"),
+        ),
+        *_chart(
+            runs,
+            "Friction on the skirt by side",
+            "[N]",
+            Line("thrust", f"{film}.friction_force_thrust_side"),
+            Line("anti-thrust", f"{film}.friction_force_anti_thrust_side"),
+        ),
+        *_chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power")),
+        *_chart(
+            runs,
+            "Share of the skirt in contact",
+            "[-]",
+            Line("area", f"{film}.contact_area_fraction"),
+        ),
+    ]
+    return Section("Friction", drawn)
+
+
+def _films(case, runs, body, film):
+    drawn = [
+        *_chart(
+            runs,
+            "Thinnest film by side",
+            "[um]",
+            Line("thrust", f"{film}.minimum_film_thickness_thrust_side", 1e6),
+            Line("anti-thrust", f"{film}.minimum_film_thickness_anti_thrust_side", 1e6),
+        ),
+        *_chart(
+            runs, "Highest film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
+        ),
+        *_place_of_thinnest(case, runs, f"{body}.film_thickness"),
+    ]
+    return Section("Film", drawn)
+
+
+def _place_of_thinnest(case, runs, port) -> list[Drawn]:
+    """Angle and height of the thinnest film at every recorded instant."""
+    axes = case.axes_of(port)
+    around, along = [], []
+    for k, (label, results) in enumerate(runs.items()):
+        if port not in results.recorded:
+            continue
+        values = _whole(results, port, np.inf)
+        flat = values.reshape(len(values), -1).argmin(axis=1)
+        i, j = np.unravel_index(flat, values.shape[1:])
+        at = _instants(results)
+        around.append(Curve(label, k, at, axes.first.positions(values.shape[1])[i], points=True))
+        along.append(Curve(label, k, at, axes.second.positions(values.shape[2])[j], points=True))
+    if not around:
+        return []
+    title = "Where the film is thinnest: "
+    return [
+        Chart(title + axes.first.label, CRANK, f"[{axes.first.unit}]", around, cursor=True),
+        Chart(title + axes.second.label, CRANK, f"[{axes.second.unit or '-'}]", along, cursor=True),
+    ]
+
+
+def _oil(runs, film):
+    drawn = [
+        *_chart(
+            runs,
+            "Oil over the skirt's edges, positive upwards",
+            "[mm3/s]",
+            Line("lower", f"{film}.flow_lower_edge", 1e9),
+            Line("upper", f"{film}.flow_upper_edge", 1e9),
+        ),
+        *_chart(
+            runs,
+            "Oil",
+            "[mm3]",
+            Line("in the film", f"{film}.oil_in_film", 1e9),
+            Line("on the bore", f"{film}.oil_on_bore", 1e9),
+            Line("supplied", f"{film}.oil_supplied", 1e9),
+        ),
+    ]
+    return Section("Oil", drawn)
+
+
+def _instants(results):
+    """Crank angle at the recorded instants [deg]."""
+    return np.interp(results.instants, results.time, _degrees(results))
+
+
+def _whole(results, port, blank):
+    """A field at all instants; `blank` in cells that it has not."""
+    values = results.dataset(port)[:]
+    there = results.there(port)
+    return values if there is None else np.where(there, values, blank)
+
+
+class _Carpeted(NamedTuple):
+    """A field drawn along the marked lines: port, name, unit and what SI is multiplied by."""
+
+    port: str
+    name: str
+    unit: str
+    factor: float
+
+
+def _carpets(case, runs, body, film):
+    """Height over crank angle along the lines that the case marks, one scale a field."""
+    shown = (
+        _Carpeted(f"{film}.pressure", "Pressure", "MPa", 1e-6),
+        _Carpeted(f"{body}.film_thickness", "Film thickness", "um", 1e6),
+    )
+    drawn = [carpet for one in shown for carpet in _along_lines(case, runs, one)]
+    return Section("Along the thrust lines", drawn)
+
+
+def _along_lines(case, runs, shown) -> list[Carpet]:
+    axes = case.axes_of(shown.port)
+    lines = {}
+    for mark, angle in axes.first.marks.items():
+        for label, results in runs.items():
+            if shown.port in results.recorded:
+                values = _whole(results, shown.port, np.nan) * shown.factor
+                around = axes.first.positions(values.shape[1])
+                lines[mark, label] = values[:, int(np.abs(around - angle).argmin())].T
+    limits = limits_of(list(lines.values()))
+    return [
+        Carpet(
+            f"{shown.name} on the {mark} line: {label}",
+            Titles(CRANK, axes.second.title, shown.unit),
+            _instants(runs[label]),
+            axes.second.positions(len(line)),
+            line,
+            limits,
+            logarithmic=True,
+        )
+        for (mark, label), line in lines.items()
+    ]
+
+
+class _Envelope(NamedTuple):
+    """A map of all instants: its title, unit, field, and how it is got from (values, results)."""
+
+    title: str
+    unit: str
+    port: str
+    of: Callable[[np.ndarray, Results], np.ndarray]
+
+
+def _envelopes(case, runs, body, film):
+    envelopes = (
+        _Envelope("Highest pressure of all instants", "MPa", f"{film}.pressure", _highest(1e-6)),
+        _Envelope("Thinnest film of all instants", "um", f"{body}.film_thickness", _lowest(1e6)),
+        _Envelope(
+            "Highest contact pressure of all instants",
+            "MPa",
+            f"{film}.asperity_pressure",
+            _highest(1e-6),
+        ),
+        _Envelope(
+            f"Archard's wear depth in an hour, {WEAR_COEFFICIENT:g} 1/Pa",
+            "um",
+            f"{film}.asperity_pressure",
+            lambda values, results: 1e6 * wear_depth(values, results, body) * _hourly(results),
+        ),
+    )
+    drawn: list[Drawn] = []
+    for envelope in envelopes:
+        fields = [
+            envelope.of(results.dataset(envelope.port)[:], results)
+            if envelope.port in results.recorded
+            else None
+            for results in runs.values()
+        ]
+        if any(values is not None for values in fields):
+            there = [
+                None if values is None else results.there(envelope.port)
+                for values, results in zip(fields, runs.values())
+            ]
+            axes = case.axes_of(envelope.port)
+            drawn.append(StillMap(envelope.title, envelope.unit, axes, fields, there))
+    said = (
+        "Over the whole run. Wear: contact pressure times the piston's speed, summed over the "
+        f"recorded instants, times a coefficient of {WEAR_COEFFICIENT:g} 1/Pa (our own choice)."
+    )
+    return Section("Envelopes and wear", drawn, said)
+
+
+def _highest(factor):
+    return lambda values, results: values.max(axis=0) * factor
+
+
+def _lowest(factor):
+    return lambda values, results: values.min(axis=0) * factor
+
+
+def _hourly(results):
+    return to_si("1 hour", "s") / float(np.ptp(results.instants) or 1.0)
+
+
+def wear_depth(pressure, results, body) -> np.ndarray:
+    """Depth worn off every cell over the recorded instants [m].
+
+    Eq. (X15):  depth = k integral p_c |v| dt      trapezia between recorded instants
+
+    Parameters
+    ----------
+    pressure : ndarray, shape (instants, n, m)
+        Of the contact, p_c [Pa].
+    results : Results
+    body : str
+        Participant whose `piston_velocity` is the sliding speed v.
+
+    References
+    ----------
+    [Archard1953]
+    """
+    speed = np.abs(results.series(f"{body}.piston_velocity").values)
+    power = pressure * np.interp(results.instants, results.time, speed)[:, None, None]
+    return WEAR_COEFFICIENT * trapezoid(power, results.instants, axis=0)  # Eq. (X15)

@@ -1,0 +1,71 @@
+"""Bodies on their meshes, for the page: surfaces, mode shapes, and where they are at each
+instant.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .packing import Columns, packed_counts, packed_singles
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The surface of a body of one run.
+
+    A point is at R(beta) (p + Phi q) + (across, along, 0), which the page computes
+    (templates/solids.js); its slider multiplies Phi q, across and beta.
+
+    Parameters
+    ----------
+    name : str
+    points : ndarray, shape (n, 3)
+        p, from the body's origin [m].
+    triangles : ndarray of int, shape (t, 3)
+    modes : ndarray, shape (n, 3, k)
+        Phi, displacement by coordinate; k may be 0.
+    coordinates : ndarray, shape (instants, k)
+        q at the run's recorded instants.
+    motion : ndarray, shape (instants, 3), or None
+        across, along [m] and beta about z [rad] at them; None: the body rests, and is cut open.
+    film : (float, float) or None
+        Heights of the points between which fields lie around the body [m].
+    """
+
+    name: str
+    points: np.ndarray
+    triangles: np.ndarray
+    modes: np.ndarray
+    coordinates: np.ndarray
+    motion: np.ndarray | None = None
+    film: tuple[float, float] | None = None
+
+
+def solids_data(runs: list[list[Solid]], columns: Columns) -> dict[str, Any]:
+    """Solids of every run for the page's script; meshes and modes of equal bodies are kept once."""
+    meshes: dict[tuple[str, str, str], int] = {}
+    return {
+        "runs": [[_solid(solid, meshes, columns) for solid in solids] for solids in runs],
+        "meshes": [
+            {"points": points, "triangles": triangles, "modes": modes}
+            for points, triangles, modes in meshes
+        ],
+    }
+
+
+def _solid(solid, meshes, columns):
+    count = solid.modes.shape[2]
+    texts = (
+        packed_singles(solid.points),
+        packed_counts(solid.triangles),
+        packed_singles(np.moveaxis(solid.modes, 2, 0)),  # one mode after the other
+    )
+    return {
+        "name": solid.name,
+        "mesh": meshes.setdefault(texts, len(meshes)),
+        "count": count,
+        "coordinates": columns.add(solid.coordinates),
+        "motion": None if solid.motion is None else columns.add(solid.motion),
+        "film": solid.film,
+    }

@@ -1,0 +1,523 @@
+const data = JSON.parse(document.getElementById("data").textContent);
+const byId = name => document.getElementById(name), style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const slider = byId("instant"), tip = byId("tip");
+const painters = [];      // called with the cursor's position whenever it moves
+const repainters = [];    // called when colours of the page, its width or what is chosen changes
+
+function element(kind, parent, text, name) {
+  const made = document.createElement(kind);
+  if (text) made.textContent = text;
+  if (name) made.className = name;
+  return parent.appendChild(made);
+}
+
+async function inflate(text) {
+  const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+}
+
+// half-precision numbers by their bits
+const halves = new Float32Array(65536);
+for (let bits = 0; bits < 65536; bits++) {
+  const sign = bits & 32768 ? -1 : 1, power = (bits >> 10) & 31, part = bits & 1023;
+  halves[bits] = sign * (power === 31 ? (part ? NaN : Infinity) : power ? 2 ** (power - 15) * (1 + part / 1024) : 2 ** -14 * part / 1024);
+}
+
+async function unpackFrames(run) {
+  const bits = new Uint16Array(await inflate(run.text)), size = run.shape[0] * run.shape[1];
+  for (let k = size; k < bits.length; k++) bits[k] += bits[k - size];   // frames are steps from the one before
+  return (frame, cell) => halves[bits[frame * size + cell]] * run.scale;
+}
+
+const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
+const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
+
+// round numbers between two ends: of a linear or of a logarithmic scale
+function ticks(low, high, logarithmic, wanted = 6) {
+  const found = [];
+  if (logarithmic) {
+    const decades = Math.log10(high / low), factors = decades > 3 ? [1] : decades > 1.5 ? [1, 3] : [1, 2, 3, 5];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
+      for (const factor of factors) { const value = factor * 10 ** power; if (value >= low * .999 && value <= high * 1.001) found.push(value); }
+    if (found.length > 1) return found;
+  }
+  if (!(high > low)) return [low];
+  const raw = (high - low) / wanted, unit = 10 ** Math.floor(Math.log10(raw)), step = unit * [1, 2, 2.5, 5, 10].find(f => f * unit >= raw * .999);
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k++) found.push(+(k * step).toPrecision(12));
+  return logarithmic ? found.filter(value => value > 0) : found;
+}
+
+// red, green, blue at a share of the colour table, between its entries
+function colourAt(share) {
+  const place = Math.min(1, Math.max(0, share)) * 255, k = Math.min(254, Math.floor(place)), rest = place - k;
+  return [0, 1, 2].map(c => Math.round(data.colours[k][c] * (1 - rest) + data.colours[k + 1][c] * rest));
+}
+
+const shareOf = (value, scale) => scale.logarithmic
+  ? value <= scale.low ? 0 : Math.log(value / scale.low) / Math.log(scale.high / scale.low)
+  : (value - scale.low) / ((scale.high - scale.low) || 1);
+const lowestDecades = 1e-4;   // a logarithmic scale reaches down to this share of its upper end
+
+function scaleOver(low, high, positive, logarithmic) {
+  if (!logarithmic || !(high > 0)) return { low, high, logarithmic: false };
+  const floor = Math.max(low > 0 ? low : 0, high * lowestDecades, low > 0 ? 0 : positive || 0);
+  return { low: floor < high ? floor : high / 2, high, logarithmic: true };
+}
+
+// a canvas as sharp as the screen; what is drawn is in CSS pixels
+function sharp(canvas, height) {
+  const width = Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth), ratio = window.devicePixelRatio || 1;
+  canvas.style.height = height + "px";
+  canvas.width = Math.round(width * ratio); canvas.height = Math.round(height * ratio);
+  const pen = canvas.getContext("2d");
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  pen.font = "11px system-ui, sans-serif";
+  return { pen, width, height };
+}
+
+function drawLegend(canvas, scale, unit) {
+  const { pen, width } = sharp(canvas, 32), left = 24, right = width - 40;
+  for (let x = 0; x < right - left; x++) {
+    pen.fillStyle = `rgb(${colourAt((x + .5) / (right - left))})`;
+    pen.fillRect(left + x, 0, 1, 13);
+  }
+  pen.fillStyle = style("--ink"); pen.textAlign = "center";
+  let after = -Infinity;
+  for (const value of ticks(scale.low, scale.high, scale.logarithmic)) {
+    const x = left + shareOf(value, scale) * (right - left), below = scale.logarithmic && value <= scale.low * 1.001;
+    const text = (below ? "\u2264 " : "") + digits(value), half = pen.measureText(text).width / 2;
+    pen.fillRect(x, 13, 1, 4);
+    if (x - half < after) continue;
+    pen.fillText(text, x, 28);
+    after = x + half + 6;
+  }
+  pen.textAlign = "right"; pen.fillText(unit || "", width, 11);
+  canvas.scale = { ...scale, left, right };
+}
+
+// lines of one value through the centres of cells, by marching squares; [x, y] pairs in cells
+function contour(at, n, m, closed, level) {
+  const lines = [];
+  for (let i = 0; i < (closed ? n : n - 1); i++) for (let j = 0; j < m - 1; j++) {
+    const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]], values = corners.map(([a, b]) => at(a % n, b));
+    if (values.some(v => Number.isNaN(v))) continue;
+    const cuts = [];
+    for (let k = 0; k < 4; k++) {
+      const a = values[k], b = values[(k + 1) % 4];
+      if ((a < level) === (b < level)) continue;
+      const share = (level - a) / (b - a), p = corners[k], q = corners[(k + 1) % 4];
+      cuts.push([p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])]);
+    }
+    for (let k = 0; k + 1 < cuts.length; k += 2) lines.push([cuts[k], cuts[k + 1]]);
+  }
+  return lines;
+}
+
+// one map: first index to the right, second upwards
+class FieldMap {
+  constructor(parent, field, run, label, at, frames, controls) {
+    Object.assign(this, { field, run, label, at, frames, controls });
+    const figure = element("figure", parent);
+    this.caption = element("figcaption", figure);
+    this.canvas = element("canvas", figure);
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.map = this;
+    const [n, m] = run.shape;
+    this.cell = { i: n >> 2, j: m >> 1 };
+    this.canvas.onmousemove = event => this.point(event);
+    this.canvas.onmouseleave = this.canvas.onblur = () => { tip.style.display = "none"; this.held = false; };
+    this.canvas.onkeydown = event => this.step(event);
+  }
+  frame() { return this.frames ? this.frames[+slider.value] : 0; }
+  value(i, j) {
+    const cell = i * this.run.shape[1] + j;
+    return this.run.there && !this.run.there[cell] ? NaN : this.at(this.frame(), cell);
+  }
+  range() {
+    let low = Infinity, high = -Infinity, positive = Infinity;
+    const [n, m] = this.run.shape;
+    for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
+      const v = this.value(i, j);
+      if (v < low) low = v;
+      if (v > high) high = v;
+      if (v > 0 && v < positive) positive = v;
+    }
+    return { low, high, positive };
+  }
+  paint(scale) {
+    const { pen, width, height } = sharp(this.canvas, 218), [n, m] = this.run.shape, [first, second] = this.run.ends, axes = this.field.axes;
+    const box = this.box = { left: 44, top: 6, width: width - 54, height: height - 62 };
+    const image = new ImageData(n, m);
+    for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
+      const v = this.value(i, j), place = 4 * ((m - 1 - j) * n + i);
+      if (Number.isNaN(v)) continue;
+      image.data.set(colourAt(shareOf(v, scale)), place);
+      image.data[place + 3] = 255;
+    }
+    const small = document.createElement("canvas");
+    small.width = n; small.height = m;
+    small.getContext("2d").putImageData(image, 0, 0);
+    pen.imageSmoothingEnabled = false;
+    pen.drawImage(small, box.left, box.top, box.width, box.height);
+    if (this.controls.contours.checked) this.drawContours(pen, scale);
+    pen.strokeStyle = pen.fillStyle = style("--ink"); pen.lineWidth = 1;
+    pen.strokeRect(box.left, box.top, box.width, box.height);
+    const quarters = axes[0].unit === "deg" && first[1] - first[0] > 350;
+    const marks = quarters ? [0, 90, 180, 270, 360] : ticks(first[0], first[1]);
+    pen.textAlign = "center";
+    for (const value of marks) {
+      const share = (value - first[0]) / (first[1] - first[0]), x = box.left + Math.min(1, Math.max(0, share)) * box.width;
+      if (share < -.02 || share > 1.02) continue;
+      pen.fillRect(x, box.top + box.height, 1, 4);
+      pen.fillText(digits(value), x, box.top + box.height + 15);
+    }
+    for (const [word, value] of Object.entries(axes[0].marks))
+      pen.fillText(word, box.left + (value - first[0]) / (first[1] - first[0]) * box.width, box.top + box.height + 28);
+    const titled = axis => axis.label + (axis.unit ? ` [${axis.unit}]` : "");
+    pen.fillText(titled(axes[0]), box.left + box.width / 2, box.top + box.height + 42);
+    pen.textAlign = "right";
+    for (const value of ticks(second[0], second[1], false, 4)) {
+      const y = box.top + box.height * (1 - (value - second[0]) / (second[1] - second[0]));
+      pen.fillRect(box.left - 4, y, 4, 1);
+      pen.fillText(digits(value), box.left - 6, y + 4);
+    }
+    pen.save();
+    pen.translate(11, box.top + box.height / 2); pen.rotate(-Math.PI / 2); pen.textAlign = "center";
+    pen.fillText(titled(axes[1]), 0, 0);
+    pen.restore();
+    const { low, high } = this.range(), away = this.run.there ? "; blank: no film there" : "";
+    this.caption.textContent = `${this.label}: ${digits(low)} to ${withUnit(high, this.field.unit)}${away}`;
+    this.canvas.setAttribute("aria-label", `${this.field.name}, ${this.caption.textContent}`);
+    if (this.held) this.tell();
+  }
+  drawContours(pen, scale) {
+    const [n, m] = this.run.shape, box = this.box, at = (i, j) => this.value(i, j);
+    pen.save();
+    pen.beginPath(); pen.rect(box.left, box.top, box.width, box.height); pen.clip();
+    for (const level of ticks(scale.low, scale.high, scale.logarithmic)) {
+      if (shareOf(level, scale) < .001 || shareOf(level, scale) > .999) continue;
+      const lines = contour(at, n, m, this.field.axes[0].closed, level);
+      if (!lines.length) continue;
+      const bright = shareOf(level, scale) > .55, X = p => box.left + (p[0] + .5) / n * box.width, Y = p => box.top + box.height * (1 - (p[1] + .5) / m);
+      pen.strokeStyle = bright ? "rgba(0,0,0,.55)" : "rgba(255,255,255,.7)"; pen.lineWidth = .8;
+      pen.beginPath();
+      for (const [p, q] of lines) { pen.moveTo(X(p), Y(p)); pen.lineTo(X(q), Y(q)); }
+      pen.stroke();
+      const [spot] = lines[Math.floor(lines.length / 3)];
+      pen.fillStyle = bright ? "#000" : "#fff"; pen.textAlign = "center"; pen.font = "10px system-ui, sans-serif";
+      pen.fillText(digits(level), Math.min(box.left + box.width - 14, Math.max(box.left + 14, X(spot))), Math.min(box.top + box.height - 3, Math.max(box.top + 10, Y(spot) + 3)));
+    }
+    pen.restore();
+    pen.font = "11px system-ui, sans-serif";
+  }
+  point(event) {
+    const [n, m] = this.run.shape, box = this.box, i = Math.floor((event.offsetX - box.left) / box.width * n), j = m - 1 - Math.floor((event.offsetY - box.top) / box.height * m);
+    if (i < 0 || j < 0 || i >= n || j >= m) { tip.style.display = "none"; this.held = false; return; }
+    this.cell = { i, j };
+    this.tell();
+  }
+  step(event) {
+    const move = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key], [n, m] = this.run.shape;
+    if (!move) return;
+    event.preventDefault();
+    this.cell = { i: (this.cell.i + move[0] + n) % n, j: Math.min(m - 1, Math.max(0, this.cell.j + move[1])) };
+    this.tell();
+  }
+  tell() {
+    const { i, j } = this.cell, [n, m] = this.run.shape, axes = this.field.axes, value = this.value(i, j);
+    const along = (axis, ends, k, cells) => `${axis.label} ${withUnit(ends[0] + (k + .5) / cells * (ends[1] - ends[0]), axis.unit)}`;
+    const place = [along(axes[0], this.run.ends[0], i, n), along(axes[1], this.run.ends[1], j, m)];
+    if (this.frames) place.push(`${data.cursor.label} ${withUnit(positions[+slider.value], data.cursor.unit)}`);
+    tip.textContent = `${this.field.name} ${Number.isNaN(value) ? "\u2013 (no film there)" : withUnit(value, this.field.unit)}: ${place.join(", ")}`;
+    const rect = this.canvas.getBoundingClientRect(), box = this.box;
+    tip.style.display = "block"; this.held = true;
+    tip.style.left = Math.min(window.innerWidth - tip.offsetWidth - 8, rect.left + box.left + (i + .5) / n * box.width + 14) + "px";
+    tip.style.top = rect.top + box.top + (1 - (j + .5) / m) * box.height + 14 + "px";
+  }
+}
+
+// a field of every run, with its legend and what is chosen for it
+async function showField(parent, field, moving) {
+  element("h3", parent, field.name);
+  if (field.low === field.high) {
+    element("p", parent, `${withUnit(field.low, field.unit)} ${moving ? "at every instant and " : ""}in every cell of all runs that have it.`);
+    return;
+  }
+  const row = element("div", parent, "", "scale"), legend = element("canvas", row);
+  legend.style.cssText = "flex: 1 1 280px; max-width: 420px; min-width: 200px";
+  legend.dataset.legend = field.name;
+  const choice = (text, options) => {
+    const label = element("label", row, text + " "), made = element("select", label);
+    options.forEach(([value, said]) => { element("option", made, said).value = value; });
+    made.onchange = () => repaint();
+    return made;
+  };
+  const over = choice("scale", moving ? [["all", "common: all instants and runs"], ["now", "own: this instant, all runs"]] : [["all", "common: all runs"]]);
+  const kind = choice("colours", [["linear", "linear"], ["log", "logarithmic"]]);
+  kind.value = field.logarithmic ? "log" : "linear";
+  if (!(field.high > 0)) kind.disabled = true;
+  const label = element("label", row), contours = element("input", label);
+  label.append(" contours");
+  contours.type = "checkbox"; contours.checked = true; contours.onchange = () => repaint();
+  const area = element("div", parent, "", "maps"), maps = [];
+  for (const [k, run] of field.runs.entries()) {
+    if (!run) { element("figcaption", element("figure", area), `${data.labels[k]}: not recorded`); continue; }
+    maps.push(new FieldMap(area, field, run, data.labels[k], await unpackFrames(run), moving ? data.cursor.frames[k] : null, { contours }));
+  }
+  const repaint = () => {
+    let { low, high, positive } = field;
+    if (over.value === "now") {
+      const ranges = maps.map(map => map.range());
+      low = Math.min(...ranges.map(r => r.low)); high = Math.max(...ranges.map(r => r.high)); positive = Math.min(...ranges.map(r => r.positive));
+    }
+    const scale = scaleOver(low, high, Number.isFinite(positive) ? positive : 0, kind.value === "log");
+    drawLegend(legend, scale, field.unit);
+    maps.forEach(map => map.paint(scale));
+  };
+  if (moving) painters.push(whenSeen(parent, repaint));
+  repainters.push(repaint);
+  repaint();
+}
+
+// painting only what is on the screen; what comes into sight is painted then
+function whenSeen(node, paint) {
+  let seen = true;
+  new IntersectionObserver(entries => { seen = entries[entries.length - 1].isIntersecting; if (seen) paint(); }, { rootMargin: "200px" }).observe(node);
+  return () => { if (seen) paint(); };
+}
+
+// the moving outline between its lines; sideways motion and rotation exaggerated
+function body(parent, motion, track, label) {
+  const figure = element("figure", parent), canvas = element("canvas", figure), caption = element("figcaption", figure);
+  figure.style.maxWidth = "340px";
+  const tall = Math.max(...motion.outline.map(p => p[1])), deep = Math.min(...motion.outline.map(p => p[1]));
+  const ends = motion.lines.flat().map(p => p[1]);
+  const top = Math.max(...ends, Math.max(...track.along) + tall), low = Math.min(...ends, Math.min(...track.along) + deep);
+  const paint = () => {
+    const k = +slider.value, { pen, width, height } = sharp(canvas, 400);
+    const scale = (height - 40) / (top - low), X = x => width / 2 + scale * x, Y = y => height - 20 - scale * (y - low);
+    pen.lineWidth = 3; pen.strokeStyle = style("--ink");
+    const room = 0.04 * (top - low);   // drawn clearance at rest, so that the exaggerated motion has room
+    motion.lines.forEach(([a, b]) => {
+      const push = Math.sign(a[0]) * room;
+      pen.beginPath(); pen.moveTo(X(a[0] + push), Y(a[1])); pen.lineTo(X(b[0] + push), Y(b[1])); pen.stroke();
+    });
+    const s = motion.exaggeration, turn = s * track.rotation[k], c = Math.cos(turn), d = Math.sin(turn);
+    pen.beginPath();
+    motion.outline.forEach(([x, y]) => pen.lineTo(X(c * x - d * y + s * track.across[k]), Y(d * x + c * y + track.along[k])));
+    pen.closePath(); pen.fillStyle = "#b9c9dc"; pen.fill(); pen.lineWidth = 1.5; pen.strokeStyle = "#1b4f8a"; pen.stroke();
+    caption.textContent = `${label}: sideways motion and tilt drawn ${s} times (${digits(track.across[k] * 1e6)} um, ${digits(track.rotation[k] * 1e3)} mrad); `
+      + `the gap at rest stands for ${digits(room / s * 1e6)} um`;
+  };
+  painters.push(paint); repainters.push(paint);
+}
+
+// scalar outputs under the cursor, a lane each; pointing sets the cursor
+function strip() {
+  const canvas = byId("strip"), lanes = data.strip.filter(lane => lane.runs.some(([, count]) => count));
+  if (!lanes.length && !data.phases.length) { canvas.remove(); return; }
+  const tall = 34, left = 0, X = (value, width) => left + (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * (width - left);
+  const paint = () => {
+    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
+    drawPhases(pen, width, height, X);
+    lanes.forEach((lane, row) => {
+      const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
+      const Y = value => 16 + tall * row + (tall - 4) * (1 - (value - low) / ((high - low) || 1));
+      runs.forEach((own, k) => {
+        pen.strokeStyle = data.palette[k % data.palette.length]; pen.lineWidth = 1.2; pen.beginPath();
+        own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
+        pen.stroke();
+      });
+      pen.fillStyle = style("--ink"); pen.textAlign = "left";
+      pen.fillText(`${lane.name}: ${runs.map(own => own.length ? withUnit(own[+slider.value], lane.unit) : "\u2013").join(" | ")}`, left + 4, 16 + tall * row + 11);
+    });
+    pen.fillStyle = style("--bad"); pen.fillRect(X(positions[+slider.value], width) - .5, 0, 1.5, height);
+  };
+  const set = event => { if (event.buttons) { const width = canvas.clientWidth; go(nearest(positions[0] + (event.offsetX - left) / (width - left) * (positions[positions.length - 1] - positions[0]))); } };
+  canvas.onpointerdown = canvas.onpointermove = set;
+  painters.push(paint); repainters.push(paint);
+}
+
+function drawPhases(pen, width, height, X) {
+  data.phases.forEach((phase, k) => {
+    const a = Math.max(0, X(phase.begin, width)), b = Math.min(width, X(phase.end, width));
+    if (b <= a) return;
+    if (k % 2) { pen.fillStyle = style("--shade"); pen.fillRect(a, 0, b - a, height); }
+    pen.fillStyle = style("--ink"); pen.textAlign = "center";
+    if (pen.measureText(phase.name).width < b - a) pen.fillText(phase.name, (a + b) / 2, 11);
+  });
+}
+
+// charts ---------------------------------------------------------------------
+let numbers, positions;
+const column = ([begin, count]) => numbers.subarray(begin, begin + count);
+const nearest = value => { let best = 0; positions.forEach((p, k) => { if (Math.abs(p - value) < Math.abs(positions[best] - value)) best = k; }); return best; };
+
+function axisOfCursor(title) {
+  const axis = { title: { text: title, standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") };
+  if (data.cursor.unit === "deg") Object.assign(axis, { tick0: 0, dtick: positions[positions.length - 1] - positions[0] > 1200 ? 180 : 90 });
+  return axis;
+}
+
+function layoutOf(drawn) {
+  const axis = title => ({ title: { text: title, standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") });
+  const layout = {
+    title: { text: drawn.title || drawn.name, font: { size: 14 }, x: 0.02, xanchor: "left" }, height: 330, margin: { l: 60, r: 16, t: 52, b: 46 },
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: style("--ink"), size: 11 }, hovermode: drawn.kind === "chart" && drawn.cursor ? "x unified" : "closest",
+    hoverlabel: { bgcolor: style("--soft"), font: { color: style("--ink") } }, showlegend: drawn.kind === "chart" && drawn.curves.length > 1,
+    modebar: { bgcolor: "rgba(0,0,0,0)", color: style("--line"), activecolor: style("--accent") }, legend: { orientation: "h", y: -0.24, yanchor: "top" }, xaxis: axis(drawn.x), yaxis: axis(drawn.y), shapes: [], annotations: [],
+  };
+  if (drawn.kind === "carpet") { layout.xaxis = axisOfCursor(drawn.titles.x); layout.yaxis = axis(drawn.titles.y); }
+  if (drawn.kind === "chart" && drawn.cursor) layout.xaxis = axisOfCursor(drawn.x);
+  if (drawn.logarithmic && drawn.kind === "chart") Object.assign(layout.yaxis, { type: "log", dtick: 1 });
+  for (const band of drawn.bands || []) {
+    layout.shapes.push({ type: band.low === band.high ? "line" : "rect", xref: "paper", x0: 0, x1: 1, y0: band.low, y1: band.high, layer: "below",
+      fillcolor: "rgba(58,125,68,.14)", line: { width: band.low === band.high ? 1 : 0, color: style("--ink"), dash: "dot" } });
+    layout.annotations.push({ text: band.said, xref: "paper", x: 1, xanchor: "right", y: drawn.logarithmic ? Math.log10(band.high) : band.high, yanchor: "bottom", showarrow: false, font: { size: 10 } });
+  }
+  if (drawn.kind === "carpet" || drawn.cursor) data.phases.forEach((phase, k) => {
+    if (phase.end <= positions[0] || phase.begin >= positions[positions.length - 1]) return;
+    const a = Math.max(phase.begin, positions[0]), b = Math.min(phase.end, positions[positions.length - 1]);
+    if (k % 2 && drawn.kind === "chart") layout.shapes.push({ type: "rect", yref: "paper", x0: a, x1: b, y0: 0, y1: 1, layer: "below", line: { width: 0 }, fillcolor: style("--shade") });
+    layout.annotations.push({ text: phase.name, x: (a + b) / 2, yref: "paper", y: 1, yanchor: "bottom", showarrow: false, font: { size: 10 } });
+  });
+  return layout;
+}
+
+function tracesOf(drawn) {
+  if (drawn.kind === "chart") return drawn.curves.map(curve => ({
+    type: "scatter", mode: curve.points ? "markers" : "lines", name: curve.name, x: column(curve.x), y: column(curve.y), connectgaps: false,
+    line: { color: data.palette[curve.run % data.palette.length], dash: curve.dash, width: 1.5 }, marker: { size: 3, color: data.palette[curve.run % data.palette.length] },
+    hovertemplate: "%{y:.5g}" + (drawn.cursor ? "" : " at %{x:.5g}") + "<extra>" + curve.name + "</extra>",
+  }));
+  const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), rows = [...y.keys()].map(j => values.subarray(j * x.length, (j + 1) * x.length));
+  const { low, high, positive } = drawn.limits, scale = scaleOver(low, high, positive, drawn.logarithmic), log = scale.logarithmic;
+  const shown = log ? rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : Math.log10(Math.max(v, scale.low)))) : rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : v));
+  const marks = ticks(scale.low, scale.high, log);
+  return [{
+    type: "heatmap", x, y, z: shown, customdata: rows.map(row => Array.from(row)), colorscale: data.colours.filter((_, k) => k % 15 === 0).map((c, k) => [k / 17, `rgb(${c.map(Math.round)})`]),
+    zmin: log ? Math.log10(scale.low) : scale.low, zmax: log ? Math.log10(scale.high) : scale.high || 1,
+    colorbar: { title: { text: drawn.titles.unit, side: "top" }, thickness: 12, tickvals: log ? marks.map(Math.log10) : marks, ticktext: marks.map((v, k) => (log && k === 0 && v <= scale.low * 1.001 ? "\u2264 " : "") + digits(v)) },
+    hovertemplate: `%{customdata:.4g} ${drawn.titles.unit}<br>${drawn.titles.x}: %{x:.4g}<br>${drawn.titles.y}: %{y:.4g}<extra></extra>`,
+  }];
+}
+
+function tableOf(drawn) {
+  if (drawn.kind === "carpet") {
+    const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), lines = [`"${drawn.titles.y} \\ ${drawn.titles.x}",${x.join(",")}`];
+    y.forEach((height, j) => lines.push([height, ...values.subarray(j * x.length, (j + 1) * x.length)].join(",")));
+    return lines.join("\n") + "\n";
+  }
+  const columns = drawn.curves.flatMap(curve => [[`${curve.name}: ${drawn.x}`, column(curve.x)], [`${curve.name}: ${drawn.y || drawn.title}`, column(curve.y)]]);
+  const rows = Math.max(...columns.map(([, values]) => values.length)), lines = [columns.map(([name]) => `"${name}"`).join(",")];
+  for (let k = 0; k < rows; k++) lines.push(columns.map(([, values]) => k < values.length ? values[k] : "").join(","));
+  return lines.join("\n") + "\n";
+}
+
+function save(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name; link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+const arrow = { width: 24, height: 24, path: "M12 3v10l4-4 1.4 1.4L12 16l-5.400-5.600L8 9l4 4V3zM4 19h16v2H4z" };
+function chart(parent, drawn) {
+  const node = element("div", parent, "", "chart"), now = element("div", node, "", "now"), name = (drawn.title || "chart").replace(/[^\w-]+/g, "_");
+  let made = false;
+  const cursor = () => {
+    const axes = made && (drawn.cursor || drawn.kind === "carpet") && node._fullLayout;
+    if (!axes) return;
+    const { xaxis, _size } = axes, x = xaxis.d2p(positions[+slider.value]);
+    now.style.cssText = `left:${_size.l + x}px;top:${_size.t}px;height:${_size.h}px;display:${x >= 0 && x <= _size.w ? "block" : "none"}`;
+  };
+  const draw = () => {
+    if (!made) node.dataset.drawn = "yes";
+    const first = !made;
+    made = true;
+    Plotly.react(node, tracesOf(drawn), layoutOf(drawn), {
+      responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { filename: name, scale: 2 },
+      modeBarButtonsToAdd: [
+        { name: "svg", title: "Download as SVG", icon: arrow, click: gd => Plotly.downloadImage(gd, { format: "svg", filename: name }) },
+        { name: "csv", title: "Download as CSV", icon: arrow, click: () => save(name + ".csv", tableOf(drawn)) },
+      ],
+    });
+    if (first) {
+      node.appendChild(now);
+      node.on("plotly_relayout", cursor); node.on("plotly_afterplot", cursor);
+      if (drawn.cursor || drawn.kind === "carpet") node.on("plotly_click", event => go(nearest(event.points[0].x)));
+    }
+    cursor();
+  };
+  painters.push(whenSeen(node, cursor));
+  waiting.push([node, () => { if (!made) draw(); }]);
+  repainters.push(() => { if (made) draw(); });
+}
+
+const waiting = [];   // charts not drawn yet: each when it comes near the screen
+function drawWhenNear() {
+  const watcher = new IntersectionObserver(entries => entries.forEach(entry => {
+    if (entry.isIntersecting) { watcher.unobserve(entry.target); waiting.find(([node]) => node === entry.target)[1](); }
+  }), { rootMargin: "400px" });
+  waiting.forEach(([node]) => watcher.observe(node));
+}
+
+async function showSection(section) {
+  if (!section.drawn.length) return;
+  const parent = byId("sections");
+  element("h2", parent, section.title);
+  if (section.said) element("p", parent, section.said);
+  const charts = element("div", parent, "", "charts");
+  for (const drawn of section.drawn) {
+    if (drawn.kind === "map") await showField(element("div", parent), drawn, false);
+    else chart(charts, drawn);
+  }
+}
+
+// the cursor -----------------------------------------------------------------
+function show() {
+  const k = +slider.value;
+  byId("place").textContent = `${data.cursor.label} ${withUnit(+positions[k].toFixed(4), data.cursor.unit)}  (${k + 1} of ${positions.length})`;
+  byId("words").textContent = data.words.map((own, run) => `${data.labels[run]}:  ${own[k]}`).join("   |   ");
+  painters.forEach(paint => paint());
+}
+function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
+let playing = false, last = 0;
+function turn(time) {
+  if (!playing) return;
+  if (time - last > 30) { last = time; go(+slider.value + 1); }
+  requestAnimationFrame(turn);
+}
+
+async function begin() {
+  numbers = new Float64Array(await inflate(data.columns));
+  positions = column(data.cursor.positions);
+  slider.max = positions.length - 1;
+  slider.value = Math.floor(positions.length / 2);
+  slider.oninput = show;
+  byId("back").onclick = () => go(+slider.value - 1);
+  byId("on").onclick = () => go(+slider.value + 1);
+  byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; requestAnimationFrame(turn); };
+  strip();
+  if (data.motion) data.labels.forEach((label, k) => body(byId("motion"), data.motion, data.motion.tracks[k], label));
+  await showSolids();
+  for (const field of data.fields) await showField(element("div", byId("fields")), field, true);
+  show();
+  document.body.dataset.fields = "drawn";
+  const plotter = document.createElement("script");
+  plotter.textContent = new TextDecoder().decode(await inflate(byId("plotter").textContent));
+  document.head.appendChild(plotter);
+  for (const section of data.sections) await showSection(section);
+  drawWhenNear();
+  show();
+  const again = () => { repainters.forEach(paint => paint()); };
+  let width = window.innerWidth;
+  window.addEventListener("resize", () => { if (window.innerWidth !== width) { width = window.innerWidth; again(); } });
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  window.addEventListener("beforeprint", () => { waiting.forEach(([, draw]) => draw()); again(); });
+  window.addEventListener("afterprint", again);
+  document.body.dataset.page = "ready";
+}
+begin();

@@ -1,0 +1,341 @@
+"""The report in a browser: it says nothing to the console, asks nobody, shows every recorded
+instant, and the colours on the screen are the numbers of the file.
+"""
+
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+
+import h5py
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.engine.sections import special
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.packing import Columns
+from piston_cosim.master.results.report import write_report
+from piston_cosim.master.results.solids import Solid, solids_data
+
+AROUND, ALONG, INSTANTS, STEPS = 8, 5, 19, 72
+TREE = {
+    "title": "A piston",
+    "time": {"stop": "720 deg", "step": "10 deg", "angular_speed": "bodies.crank_speed"},
+    "participants": {
+        "bodies": {"package": "fmu_mfbd", "role": "bodies"},
+        "ehd": {
+            "package": "fmu_ehd",
+            "role": "lubrication",
+            "parameters": {"skirt_length": "40 mm"},
+        },
+    },
+    "wires": [],
+    "coupling": {"order": ["ehd", "bodies"]},
+    "record": {"fields": ["ehd.pressure", "bodies.film_thickness", "ehd.asperity_pressure"]},
+    "monitor": {"film": "last ehd.minimum_film_thickness"},
+    "summary": {"thinnest": "min ehd.minimum_film_thickness"},
+    "axes": [
+        {
+            "participants": ["ehd", "bodies"],
+            "first": {
+                "label": "angle",
+                "unit": "deg",
+                "range": [0, 360],
+                "centred": 90,
+                "marks": {"thrust": 90, "anti-thrust": 270},
+            },
+            "second": {"label": "height", "unit": "mm", "length": "ehd.skirt_length"},
+        }
+    ],
+    "pictures": [
+        {
+            "file": "maps.png",
+            "title": "Maps",
+            "kind": "map",
+            "fields": ["ehd.pressure", "bodies.film_thickness"],
+            "time": "0 s",
+            "units": {"ehd.pressure": "MPa", "bodies.film_thickness": "um"},
+        }
+    ],
+}
+MASK = [[0 if i == 4 and j == 0 else 1 for j in range(ALONG)] for i in range(AROUND)]
+SERIES = {
+    "bodies/crank_angle": ("rad", lambda angle: angle),
+    "bodies/cylinder_pressure": ("Pa", lambda angle: 1e6 * (1 + np.cos(angle / 2))),
+    "bodies/side_force": ("N", lambda angle: 1e3 * np.sin(angle)),
+    "bodies/lateral_displacement": ("m", lambda angle: 1e-5 * np.sin(angle)),
+    "bodies/rocking_angle": ("rad", lambda angle: 1e-3 * np.cos(angle)),
+    "bodies/piston_velocity": ("m/s", lambda angle: 10 * np.sin(angle)),
+    "ehd/minimum_film_thickness": ("m", lambda angle: 1e-6 * (3 + np.sin(angle))),
+}
+
+
+def written(path, factor=1.0):
+    """A run whose pressure goes over four decades and whose film is a ramp, in one cut-out none."""
+    angle = np.linspace(0, 4 * np.pi, STEPS + 1)
+    at = angle[:: STEPS // (INSTANTS - 1)]
+    cells = np.arange(AROUND * ALONG).reshape(AROUND, ALONG) / (AROUND * ALONG - 1)
+    turn = (1.5 + np.sin(at))[:, None, None] * factor
+    fields = {
+        "ehd/pressure": ("Pa", turn * 1e6 * 10.0 ** (-4 * cells)),
+        "ehd/asperity_pressure": ("Pa", np.zeros((INSTANTS, AROUND, ALONG))),
+        "bodies/film_thickness": ("m", turn * 1e-6 * (2 + 18 * cells)),
+    }
+    with h5py.File(path, "w") as file:
+        file.attrs.update(
+            {
+                "title": "t",
+                "case": json.dumps(TREE),
+                "versions": json.dumps({"piston-cosim": "0"}),
+                "summary": json.dumps({"steps": STEPS, "halved_steps": 0, "thinnest": 2e-6}),
+                "masks": json.dumps({"ehd": MASK}),
+            }
+        )
+        file["time"] = angle / 300.0
+        for name, (unit, of) in SERIES.items():
+            file[name] = of(angle)
+            file[name].attrs.update({"unit": unit, "description": name})
+        for name in ("iterations", "derivative_products", "residual"):
+            file[f"coupling/{name}"] = np.full(STEPS + 1, 0.5)
+            file[f"coupling/{name}"].attrs.update({"unit": "1", "description": name})
+        file["fields/time"] = at / 300.0
+        for name, (unit, values) in fields.items():
+            file[f"fields/{name}"] = values
+            file[f"fields/{name}"].attrs.update({"unit": unit, "description": name})
+    return Results(path)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    if not found:
+        pytest.skip("no chromium: the report's page was not looked at")
+    return found
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    runs = {"one": written(folder / "one.h5"), "two": written(folder / "two.h5", 2.0)}
+    case = check_case(TREE, "case.toml")
+    yield write_report(case, runs, folder / "report", "*notes*", special=special(case, runs)), runs
+    for results in runs.values():
+        results.close()
+
+
+def probed(browser, page, script, folder, *flags):
+    """What `script`, run when the page stands, returns; and what the browser said meanwhile."""
+    probe = f"""<script>(async () => {{
+      while (document.body.dataset.page !== "ready") await new Promise(r => setTimeout(r, 20));
+      const found = await (async () => {{ {script} }})();
+      const said = document.createElement("pre");
+      said.id = "probe"; said.textContent = JSON.stringify(found);
+      document.body.appendChild(said);
+    }})();</script></body>"""
+    copy = folder / "probed.html"
+    copy.write_text(page.read_text().replace("</body>", probe))
+    seen = subprocess.run(
+        [
+            browser,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+            *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+            *("--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+            f"--user-data-dir={folder / 'profile'}",
+            *("--enable-logging=stderr", "--window-size=1200,900"),
+            *flags,
+            "--virtual-time-budget=60000",
+            "--dump-dom",
+            copy.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env=os.environ | {"HOME": str(folder)},
+    )
+    found = re.search(r'<pre id="probe">(.*?)</pre>', seen.stdout, re.S)
+    console = [line for line in seen.stderr.splitlines() if "CONSOLE" in line]
+    assert found, "\n".join(console) or seen.stderr[-2000:]
+    return json.loads(html.unescape(found[1])), console
+
+
+LOOK = """
+const seen = [];
+for (let k = 0; k < positions.length; k++) { go(k); seen.push(byId("place").textContent); }
+const maps = [...document.querySelectorAll("#fields canvas")].filter(canvas => canvas.map);
+document.querySelectorAll("#fields input[type=checkbox]").forEach(box => box.click());
+const read = [];
+const chosen = ["all linear", "all log", "now log", "now linear"];
+for (const [choice, kind] of chosen.map(text => text.split(" "))) {
+  document.querySelectorAll("#fields .scale").forEach(row => {
+    const [over, colours] = row.querySelectorAll("select");
+    over.value = choice; over.onchange(); colours.value = kind; colours.onchange();
+  });
+  for (const k of [3, 14]) {
+    go(k);
+    repainters.forEach(paint => paint());   // also what is not on the screen
+    const ratio = window.devicePixelRatio || 1;
+    for (const canvas of maps) {
+      const legend = document.querySelector(`[data-legend="${canvas.map.field.name}"]`);
+      const scale = legend.scale, pens = [legend, canvas].map(one => {
+        const copy = document.createElement("canvas");
+        copy.width = one.width; copy.height = one.height;
+        const pen = copy.getContext("2d", { willReadFrequently: true });
+        pen.drawImage(one, 0, 0);
+        return pen;
+      });
+      const wide = Math.floor(scale.right - scale.left), bar = [];
+      for (let x = 0; x < wide; x++)
+        bar.push([...pens[0].getImageData((scale.left + x + .5) * ratio, 6 * ratio, 1, 1).data]);
+      const [n, m] = canvas.map.run.shape, box = canvas.map.box, cells = [];
+      for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
+        const x = box.left + (i + .5) / n * box.width;
+        const y = box.top + (1 - (j + .5) / m) * box.height;
+        cells.push([...pens[1].getImageData(x * ratio, y * ratio, 1, 1).data]);
+      }
+      read.push({ choice, kind, k, run: canvas.map.label, field: canvas.map.field.name,
+        low: scale.low, high: scale.high, log: scale.logarithmic, bar, cells });
+    }
+  }
+}
+maps[0].dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+waiting.forEach(([, draw]) => draw());
+const asked = performance.getEntriesByType("resource").map(one => one.name);
+return { seen, read, tip: tip.textContent,
+  asked: asked.filter(name => !/^(data|blob):/.test(name)),
+  drawn: document.querySelectorAll(".chart .main-svg").length,
+  waiting: waiting.length, titles: [...document.querySelectorAll("h2")].map(one => one.textContent),
+  csv: tableOf(data.sections[0].drawn[0]),
+  extreme: [...document.querySelectorAll("td[data-value]")].map(one => +one.dataset.value) };
+"""
+
+
+@pytest.fixture(scope="module")
+def looked(browser, page, tmp_path_factory):
+    return probed(browser, page[0], LOOK, tmp_path_factory.mktemp("browser"))
+
+
+def test_no_word_to_the_console_and_none_to_the_network(looked, page):
+    """The page forbids itself to ask anybody: what it tried would stand in the console."""
+    found, console = looked
+    assert console == []
+    assert found["asked"] == []
+    assert "Content-Security-Policy\" content=\"default-src 'none'" in page[0].read_text()
+
+
+def test_a_page_that_asks_the_network_would_be_noticed(browser, page, tmp_path):
+    script = """const image = document.createElement("img");
+      image.src = "http://127.0.0.1:9/x.png"; document.body.appendChild(image);
+      await new Promise(done => setTimeout(done, 200)); return 1;"""
+    _, console = probed(browser, page[0], script, tmp_path)
+    assert any("Content Security Policy" in line for line in console)
+
+
+def test_every_recorded_instant_is_reached(looked, page):
+    found, _ = looked
+    angles = np.linspace(0, 720, INSTANTS)
+    assert [text.split("  (")[0] for text in found["seen"]] == [
+        f"crank angle {angle:g} deg" for angle in angles
+    ]
+
+
+def test_colours_on_the_screen_are_the_values_of_the_file(looked, page):
+    found, _ = looked
+    _, runs = page
+    ports = {"pressure": ("ehd.pressure", 1e-6), "film thickness": ("bodies.film_thickness", 1e6)}
+    assert len(found["read"]) == 4 * 2 * 2 * 2  # choices, instants, fields, runs
+    for one in found["read"]:
+        port, factor = ports[one["field"]]
+        held = runs[one["run"]].dataset(port)[one["k"]].ravel() * factor
+        bar, cells = np.array(one["bar"], float), np.array(one["cells"], float)
+        there = np.array(MASK, bool).ravel()
+        assert (cells[~there, 3] == 0).all(), "a cell that is not there is blank"
+        apart = np.abs(cells[there, None, :3] - bar[None, :, :3]).sum(axis=2)
+        share = (apart.argmin(axis=1) + 0.5) / len(bar)
+        low, high = one["low"], one["high"]
+        own, limits = held[there].clip(low, high), np.array([low, high])
+        if one["log"]:
+            own, limits = np.log(own), np.log(limits)
+        shown = limits[0] + share * np.ptp(limits)
+        # 1 % of the legend: its 360 columns and the 8 bits of a colour are finer
+        assert shown == pytest.approx(own, abs=0.01 * np.ptp(limits)), one["field"]
+
+
+def test_the_legend_belongs_to_what_is_drawn(looked, page):
+    found, _ = looked
+    _, runs = page
+    film = [one for one in found["read"] if one["field"] == "film thickness" and not one["log"]]
+    there = np.array(MASK, bool)
+    values = {
+        label: results.dataset("bodies.film_thickness")[:][:, there] * 1e6
+        for label, results in runs.items()
+    }
+    for one in film:
+        shown = [own if one["choice"] == "all" else own[one["k"]] for own in values.values()]
+        limits = min(own.min() for own in shown), max(own.max() for own in shown)
+        assert (one["low"], one["high"]) == pytest.approx(limits, rel=2.0**-11)
+
+
+def test_hover_tells_place_instant_value_and_unit(looked, page):
+    found, _ = looked
+    _, runs = page
+    value = runs["one"].dataset("ehd.pressure")[14, 3, 2] * 1e-6  # a cell to the right of (2, 2)
+    said = re.fullmatch(
+        r"pressure (\S+) MPa: angle 135 deg, height 20 mm, crank angle 560 deg", found["tip"]
+    )
+    assert float(said[1]) == pytest.approx(value, rel=1e-3)
+
+
+def test_every_chart_is_drawn(looked):
+    found, _ = looked
+    assert found["drawn"] >= found["waiting"] > 10
+    assert {"Motion of the piston", "Along the thrust lines", "Envelopes and wear"} <= {
+        *found["titles"]
+    }
+
+
+def test_numbers_in_tables_and_exports_are_those_of_the_file(looked, page):
+    found, _ = looked
+    _, runs = page
+    thinnest = [r.series("ehd.minimum_film_thickness").values.min() for r in runs.values()]
+    assert found["extreme"] == thinnest
+    head, *rows = found["csv"].splitlines()
+    table = np.array([[float(text) for text in row.split(",")] for row in rows])
+    shift = runs["one"].series("bodies.lateral_displacement").values * 1e6
+    assert head.startswith('"one: crank angle [deg]"') and (table[:, 1] == shift).all()
+
+
+@pytest.mark.parametrize("flag", ["--force-dark-mode", "--window-size=390,800"])
+def test_dark_and_narrow(browser, page, tmp_path, flag):
+    script = """const wide = document.documentElement.scrollWidth - window.innerWidth;
+      return { wide, dark: matchMedia("(prefers-color-scheme: dark)").matches,
+        paper: getComputedStyle(document.body).backgroundColor };"""
+    found, console = probed(browser, page[0], script, tmp_path, flag)
+    assert console == [] and found["wide"] <= 0
+    assert (found["paper"] == "rgb(255, 255, 255)") != found["dark"]
+
+
+def test_displacements_are_modes_times_coordinates(browser, page, tmp_path):
+    """What the page's bodies are drawn with, against the product in double precision."""
+    random = np.random.default_rng(5)
+    points, modes = random.normal(size=(7, 3)), random.normal(size=(7, 3, 4))
+    coordinates = random.normal(size=(3, 4))
+    motion = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.1, 0.2, np.pi / 2]])
+    solid = Solid("piston", points, np.array([[0, 1, 2]]), modes, coordinates, motion)
+    columns = Columns()
+    given = solids_data([[solid], [solid]], columns)
+    ((one,), (same,)) = given["runs"]
+    assert len(given["meshes"]) == 1 and one == same  # equal bodies are kept once
+    script = f"""const mesh = await unpackMesh({json.dumps(given["meshes"].pop())});
+      numbers = new Float64Array(await inflate({json.dumps(columns.text())}));
+      const solid = {json.dumps(one)}, moved = displaced(solid, mesh, 2);
+      return {{ moved: [...moved], places: [...placed(solid, mesh, moved, 2, 1)] }};"""
+    found, _ = probed(browser, page[0], script, tmp_path)
+    whole = modes @ coordinates[2]
+    shown = np.reshape(found["moved"], (7, 3))
+    assert shown == pytest.approx(whole, abs=1e-6 * np.abs(whole).max())  # single precision modes
+    x, y, z = (points + whole).T  # a quarter turn about z, then moved
+    turned = np.column_stack([0.1 - y, 0.2 + x, z])
+    assert np.reshape(found["places"], (7, 3)) == pytest.approx(turned, abs=1e-6 * 5)

@@ -1,0 +1,111 @@
+"""What a report of a piston shows beyond the case's pictures: values by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.schema import Case
+from piston_cosim.master.engine import sections
+from piston_cosim.master.engine.sections import (
+    STROKES,
+    WEAR_COEFFICIENT,
+    special,
+    strokes,
+    wear_depth,
+)
+from piston_cosim.master.results.charts import limits_of
+from piston_cosim.master.results.file import Series
+from piston_cosim.master.results.packing import Columns
+
+BODIES = {"bodies": {"role": "bodies"}, "ehd": {"role": "lubrication"}}
+
+
+def run(angles, **ports):
+    """Results of a run: crank angles [deg], and ports of `bodies` at the same instants."""
+    time = np.arange(len(angles)) * 1e-3
+    series = {f"bodies.{name}": Series(np.array(own), "", "") for name, own in ports.items()}
+    series["bodies.crank_angle"] = Series(np.radians(angles), "rad", "")
+    return SimpleNamespace(
+        case={"participants": BODIES},
+        time=time,
+        instants=time,
+        ports=list(series),
+        recorded=[],
+        series=series.__getitem__,
+    )
+
+
+def skin(name, skirt):
+    """Three corners of a body with two modes."""
+    modes = np.arange(18.0).reshape(3, 3, 2)
+    return SimpleNamespace(
+        name=name, points=np.eye(3), triangles=np.array([[0, 1, 2]]), modes=modes, skirt=skirt
+    )
+
+
+def test_strokes_begin_at_firing_top_dead_centre():
+    shown = strokes({"a": run([-360.0, 10.0]), "b": run([0.0, 725.0])})
+    assert [(one.begin, one.name) for one in shown] == [
+        (-360, "intake"),
+        (-180, "compression"),
+        (0, "expansion"),
+        (180, "exhaust"),
+        (360, "intake"),
+        (540, "compression"),
+        (720, "expansion"),
+    ]
+    assert len(STROKES) == 4
+
+
+def test_edges_of_the_skirt_move_with_the_tilt():
+    # turned about +z by 2 mrad, a point 10 mm above the pin goes 20 um towards -x
+    runs = {
+        "r": run(
+            [0.0, 90.0],
+            lateral_displacement=[5e-6, 5e-6],
+            rocking_angle=[2e-3, 0.0],
+            piston_position=[0.1, 0.1],
+        )
+    }
+    case = Case.model_construct()
+    skins = {"r": [skin("piston", (-0.02, 0.01))]}
+    chart = special(case, runs, skins).sections[0].drawn[0]
+    lower, upper = chart.curves
+    assert lower.y == pytest.approx([45.0, 5.0]) and upper.y == pytest.approx([-15.0, 5.0])
+    assert lower.x == pytest.approx([0.0, 90.0]) and chart.cursor
+
+
+def test_without_the_skirt_the_pin_is_shown():
+    runs = {"r": run([0.0, 90.0], lateral_displacement=[5e-6, 7e-6])}
+    chart = special(Case.model_construct(), runs).sections[0].drawn[0]
+    assert chart.curves[0].y == pytest.approx([5.0, 7.0]) and "pin" in chart.title
+
+
+def test_wear_is_the_integral_of_contact_pressure_and_speed():
+    # 2 MPa at 0, -3 and 4 m/s, 1 ms apart: 2e6 (1.5 + 3.5) 1e-3 = 1e4 Pa m
+    results = run([0.0, 1.0, 2.0], piston_velocity=[0.0, -3.0, 4.0])
+    pressure = np.zeros((3, 1, 2))
+    pressure[:, 0, 0] = 2e6
+    worn = wear_depth(pressure, results, "bodies")
+    assert worn == pytest.approx(np.array([[1e4 * WEAR_COEFFICIENT, 0.0]]))
+
+
+def test_nothing_special_of_a_case_without_a_crank():
+    results = run([0.0])
+    results.ports.remove("bodies.crank_angle")
+    assert special(Case.model_construct(), {"r": results}) == sections.Special()
+
+
+def test_limits_are_of_all_and_leave_out_what_is_no_number():
+    assert limits_of([np.array([0.0, np.nan, 3.0]), np.array([[0.5]])]) == (0.0, 3.0, 0.5)
+    assert limits_of([np.array([-1.0, 0.0])]) == (-1.0, 0.0, 0.0)
+
+
+def test_equal_columns_are_kept_once():
+    columns = Columns()
+    assert [columns.add([1.0, 2.0]), columns.add([3.0]), columns.add([1.0, 2.0])] == [
+        [0, 2],
+        [2, 1],
+        [0, 2],
+    ]
