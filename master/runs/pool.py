@@ -71,6 +71,9 @@ class LocalPool(Executor):
             try:
                 if process is None or not process.is_alive():
                     process, pipe = self._start()
+                if self._closed.is_set():  # since the process began: `shutdown` may not know it
+                    self._end(process)
+                    raise PointDied("its process was ended with the others")
                 self._answer(future, work, process, pipe)
             except Exception as error:
                 future.set_exception(error)

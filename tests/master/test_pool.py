@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 
 import pytest
@@ -43,3 +44,23 @@ def test_an_error_outside_ends_the_processes():
             time.sleep(0.01)
         raise KeyboardInterrupt
     assert waiting.cancelled() or not waiting.done()
+
+
+def test_a_process_that_starts_while_the_pool_ends_is_ended(monkeypatch):
+    """Its call would be waited for, ten minutes here."""
+    begun, go, start = threading.Event(), threading.Event(), LocalPool._start
+
+    def held_up(pool):
+        begun.set()
+        go.wait(60)
+        return start(pool)
+
+    monkeypatch.setattr(LocalPool, "_start", held_up)
+    pool = LocalPool(1)
+    late = pool.submit(time.sleep, 600)
+    assert begun.wait(60)
+    pool.shutdown(wait=False, cancel_futures=True)
+    go.set()
+    with pytest.raises(PointDied, match="with the others"):
+        late.result(60)
+    pool.shutdown()
