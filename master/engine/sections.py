@@ -158,7 +158,7 @@ def _motion(runs, body, skirt):
         drawn += _chart(
             runs,
             "Eccentricity of the pin's axis, positive towards thrust",
-            "[um]",
+            "[µm]",
             Line("pin", f"{body}.lateral_displacement", 1e6),
         )
     drawn += _chart(runs, "Rocking angle", "[mrad]", Line("tilt", f"{body}.rocking_angle", 1e3))
@@ -196,7 +196,7 @@ def _eccentricity(runs, body, skirt) -> list[Drawn]:
             shown = 1e6 * (displacement - tilt * height)  # Eq. (X14)
             curves.append(Curve(f"{label}, {name}", k, _degrees(results), shown, dash))
     title = "Eccentricity of the skirt's edges, positive towards thrust"
-    return [Chart(title, CRANK, "[um]", curves, cursor=True)] if curves else []
+    return [Chart(title, CRANK, "[µm]", curves, cursor=True)] if curves else []
 
 
 def _forces(runs, body, film):
@@ -271,7 +271,7 @@ def _films(case, runs, body, film):
         *_chart(
             runs,
             "Thinnest film by side",
-            "[um]",
+            "[µm]",
             Line("thrust", f"{film}.minimum_film_thickness_thrust_side", 1e6),
             Line("anti-thrust", f"{film}.minimum_film_thickness_anti_thrust_side", 1e6),
         ),
@@ -351,7 +351,7 @@ def _carpets(case, runs, body, film):
     """Height over crank angle along the lines that the case marks, one scale a field."""
     shown = (
         _Carpeted(f"{film}.pressure", "Pressure", "MPa", 1e-6),
-        _Carpeted(f"{body}.film_thickness", "Film thickness", "um", 1e6),
+        _Carpeted(f"{body}.film_thickness", "Film thickness", "µm", 1e6),
     )
     drawn = [carpet for one in shown for carpet in _along_lines(case, runs, one)]
     return Section("Along the thrust lines", drawn)
@@ -393,7 +393,7 @@ class _Envelope(NamedTuple):
 def _envelopes(case, runs, body, film):
     envelopes = (
         _Envelope("Highest pressure of all instants", "MPa", f"{film}.pressure", _highest(1e-6)),
-        _Envelope("Thinnest film of all instants", "um", f"{body}.film_thickness", _lowest(1e6)),
+        _Envelope("Thinnest film of all instants", "µm", f"{body}.film_thickness", _lowest(1e6)),
         _Envelope(
             "Highest contact pressure of all instants",
             "MPa",
@@ -402,7 +402,7 @@ def _envelopes(case, runs, body, film):
         ),
         _Envelope(
             f"Archard's wear depth in an hour, {WEAR_COEFFICIENT:g} 1/Pa",
-            "um",
+            "µm",
             f"{film}.asperity_pressure",
             lambda values, results: 1e6 * wear_depth(values, results, body) * _hourly(results),
         ),

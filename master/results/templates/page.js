@@ -308,8 +308,8 @@ function body(parent, motion, track, label) {
     pen.beginPath();
     motion.outline.forEach(([x, y]) => pen.lineTo(X(c * x - d * y + s * track.across[k]), Y(d * x + c * y + track.along[k])));
     pen.closePath(); pen.fillStyle = "#b9c9dc"; pen.fill(); pen.lineWidth = 1.5; pen.strokeStyle = "#1b4f8a"; pen.stroke();
-    caption.textContent = `${label}: sideways motion and tilt drawn ${s} times (${digits(track.across[k] * 1e6)} um, ${digits(track.rotation[k] * 1e3)} mrad); `
-      + `the gap at rest stands for ${digits(room / s * 1e6)} um`;
+    caption.textContent = `${label}: sideways motion and tilt drawn ${s} times (${digits(track.across[k] * 1e6)} µm, ${digits(track.rotation[k] * 1e3)} mrad); `
+      + `the gap at rest stands for ${digits(room / s * 1e6)} µm`;
   };
   painters.push(paint); repainters.push(paint);
 }

@@ -140,7 +140,7 @@ class Scene {
         if (cell >= 0) shares[p] = Math.max(0, shareOf(field.read[this.run](frame, cell), scale));
       });
       const largest = sizes.reduce((a, b) => Math.max(a, b), 0);
-      said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "um")}` : "rigid, or its deflection was not recorded"}`);
+      said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "µm")}` : "rigid, or its deflection was not recorded"}`);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.place);
       gl.bufferData(gl.ARRAY_BUFFER, placed(solid, mesh, displacement, frame, view.times), gl.DYNAMIC_DRAW);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.share);
@@ -203,7 +203,7 @@ async function showSolids() {
     told.textContent = ` ${view.times} times`;
     const field = colours.value === "" ? null : fields[+colours.value];
     const scale = field ? scaleOver(field.low, field.high, field.positive, field.logarithmic) : { low: 0, high: largest, logarithmic: false };
-    drawLegend(legend, scale, field ? field.unit : "um");
+    drawLegend(legend, scale, field ? field.unit : "µm");
     scenes.forEach(scene => scene.paint(scale, field, view));
   };
   colours.onchange = times.oninput = paint;
