@@ -150,6 +150,7 @@ def test_a_long_title_goes_on_in_a_second_line():
     picture = Picture(file="map.png", title=title, kind="map", fields=["ehd.pressure"], time="1 s")
     results = SimpleNamespace(
         field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
+        there=lambda port: None,
         case={"participants": {}},
         time=np.array([0.0, 0.5, 1.0]),
         recorded=["ehd.pressure"],
