@@ -222,7 +222,8 @@ def test_documentation_lists_every_variable_and_the_licences(any_fmu):
         page = archive.read("documentation/index.html").decode()
         own = archive.read("documentation/licenses/license.txt").decode()
         packager = archive.read("documentation/licenses/pythonfmu.txt").decode()
-        assert archive.read("model.png").startswith(b"\x89PNG")
+        icon = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}[model.fmiVersion]
+        assert archive.read(icon).startswith(b"\x89PNG")
     parser = Cells()
     parser.feed(page)
     assert parser.open == []
