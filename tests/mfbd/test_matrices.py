@@ -214,8 +214,8 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
     strength = [np.linalg.norm(body["radial"]) for body in (imported, exact)]
     assert strength[0] == pytest.approx(strength[1], rel=(4 * np.pi / 16) ** 2 / 8)
     by_geometry = table | {"surfaces": BY_GEOMETRY, "basis": "craig_bampton"}
-    # round-off of eigenvectors, 2e-13 to 0 by the libraries: the same faces in another order, so
-    # that sums over them round otherwise; one face on the wrong surface is worth 1e-2
+    # round-off of eigenvectors, 0 to 2e-13 by the libraries: the same faces in another order, so
+    # that sums over them round otherwise
     found = reduced(by_geometry, tmp_path, monkeypatch)["radial"]
     np.testing.assert_allclose(
         found, imported["radial"], rtol=0.0, atol=1e-13 * np.abs(found).max()
