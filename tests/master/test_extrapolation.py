@@ -177,3 +177,9 @@ def test_slow_members_of_bytes():
 )
 def test_other_states_have_no_slow_members(data):
     assert slow_members(data) == {}
+
+
+def test_the_secant_of_two_cycles_that_do_not_follow_one_another():
+    """g(x) = x/2 + 1 stays at 2: from x = 0 and 4, where g = 1 and 3 and f = 1 and -1."""
+    ends, changes = np.array([[1.0], [3.0]]), np.array([[1.0], [-1.0]])
+    assert extrapolated(tuple(ends), tuple(changes)) == pytest.approx([2.0], rel=1e-15)

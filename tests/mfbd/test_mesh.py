@@ -103,7 +103,7 @@ def test_nastran_deck_without_begin_bulk(original, tmp_path, mark):
             continue
         first, rest = ("".join(f"{node:<8d}" for node in part) for part in (tet[:6], tet[6:]))
         label = f"{mark}{k}" if mark else ""
-        lines += [f"CTETRA  {k:<8d}{1:<8d}{first}{label:8s}", f"{label:8s}{rest}"]
+        lines += [f"CTETRA  {k:<8d}{1:<8d}{first}{label}", f"{label:8s}{rest}"]
     path.write_text("\n".join([*lines, "ENDDATA", ""]))
     mesh = read_mesh(path, {"skirt": SKIRT, "crown": CROWN})
     np.testing.assert_allclose(mesh.points, original.points, atol=5.1e-11)  # ten decimals
