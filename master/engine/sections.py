@@ -309,10 +309,11 @@ def _oil(runs, film):
     drawn = [
         *_chart(
             runs,
-            "Oil over the skirt's edges, positive upwards",
+            "Oil into the film",
             "[mm3/s]",
-            Line("lower", f"{film}.flow_lower_edge", 1e9),
-            Line("upper", f"{film}.flow_upper_edge", 1e9),
+            Line("lower edge", f"{film}.flow_lower_edge", 1e9),
+            Line("upper edge", f"{film}.flow_upper_edge", 1e9),
+            Line("cut-outs", f"{film}.flow_openings", 1e9),
         ),
         *_chart(
             runs,
