@@ -32,6 +32,7 @@ BODIES = {
     "rod_inertia": "2.2e-4 kg m^2",
     "rod_centre": "30 mm",
     "pin_mass": "30 g",
+    "pin_friction_coefficient": "0",
 }
 LUBRICATION = {
     "bore_radius": "28.25 mm",
