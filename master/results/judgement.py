@@ -11,7 +11,17 @@ from ..case.schema import reduced
 from ..coupling.wiring import port_of
 from ..fmi.quantities import pint_unit, registry, to_si
 
-REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
+REDUCTIONS = {
+    "min": lambda time, values: values.min(),
+    "max": lambda time, values: values.max(),
+    "mean": lambda time, values: mean_over(time, values),
+    "last": lambda time, values: values[-1],
+}
+
+
+def mean_over(time: np.ndarray, values: np.ndarray) -> float:
+    """Mean over time, each row as heavy as the step is long that ends there: Eq. (Z8)."""
+    return float(np.diff(time) @ values[1:] / (time[-1] - time[0]))
 
 
 @dataclass(frozen=True)
@@ -84,7 +94,7 @@ def windows(case, results) -> list[Window]:
         kind, port = reduced(text)
         values, unit, _ = results.series(port)
         low, high = (to_si(limit, unit) for limit in limits)
-        judged.append(Window(text, unit, float(REDUCTIONS[kind](values)), low, high))
+        judged.append(Window(text, unit, float(REDUCTIONS[kind](results.time, values)), low, high))
     return judged
 
 
