@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 """Fields that have to be recorded: outputs of the interface contract's film."""
@@ -125,6 +124,8 @@ def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) ->
     stations : ndarray, shape (s,)
         Above the crank axis [m].
     """
+    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
+
     spline = CubicSpline(stations, np.eye(len(stations)), bc_type="natural")
     reading = spline(loads.height_of_A[:, None] + rows)
     # Eq. (J15)

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..fmi.errors import Discard
+from ..fmi.errors import Discard, Stopped
 from .interface import Interface
 from .ledger import EnergyCreated
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
@@ -16,10 +16,12 @@ from .step_control import StepControl
 from .wiring import HeldWire, System, carry
 
 
-class StepFailed(RuntimeError):
+class StepFailed(Stopped):
     """A macro step that no halving could bring to convergence: the run stops, what was accepted
     stays.
     """
+
+    headline = "a macro step did not converge, and no halving is left"
 
 
 @dataclass

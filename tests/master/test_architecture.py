@@ -78,3 +78,38 @@ def sources():
     """Files of the package, cases' own scripts left out."""
     files = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
     return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *files]
+
+
+HEAVY = (
+    "numba",
+    "numpy",
+    "scipy",
+    "matplotlib",
+    "plotly",
+    "h5py",
+    "pint",
+    "pydantic",
+    "skfem",
+    "meshio",
+    "fmpy",
+    "gmsh",
+    "xarray",
+    "dask",
+)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]], ids=" ".join)
+def test_the_first_look_costs_no_heavy_import(arguments):
+    """numpy alone is as much as all of `--help`; pint, numba and matplotlib half a second each."""
+    code = f"""
+import sys
+from piston_cosim.master.commands.app import main
+sys.argv = ["piston-cosim", *{arguments!r}]
+try:
+    main()
+except SystemExit:
+    pass
+print("loaded:", *[name for name in {HEAVY!r} if name in sys.modules])
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.stdout.splitlines()[-1] == "loaded:", run.stdout + run.stderr
