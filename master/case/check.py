@@ -9,7 +9,7 @@ from typing import Any
 
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure, Preview
-from ..fmi.quantities import registry, short, to_si
+from ..fmi.quantities import short
 from ..fmi.tree import import_part
 from .contract import contract
 from .keys import declared_variables
@@ -84,7 +84,6 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         faults += [line for line in told if line not in faults]
     faults += _disagreements(case, folder, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
-    remarks += _of_loops(case, previews)
     return CheckedCase(path, case.title, previews, faults, remarks)
 
 
@@ -131,22 +130,3 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
                     f"{short(measured.value, measured.unit, 5)}"
                 )
     return faults
-
-
-def _of_loops(case: Case, previews: dict[str, Preview]) -> list[str]:
-    """Loops of the report that divide by another engine's swept volume."""
-    swept = next((one for p in previews.values() if (one := p.figure("swept_volume"))), None)
-    if swept is None:
-        return []
-    remarks = []
-    for name, loop in case.report.loops.items():
-        quantity = registry().Quantity(loop.per)
-        if not quantity.is_compatible_with("m^3"):
-            continue
-        volume = to_si(loop.per, "m^3")
-        if abs(volume - swept.value) > APART * swept.value:
-            remarks.append(
-                f"report.loops.{name}.per = {loop.per}: the model sweeps {1e6 * swept.value:.5g} "
-                "cm^3"
-            )
-    return remarks

@@ -45,15 +45,6 @@ def test_a_default_of_another_engine_is_told(tmp_path):
     assert "bore_radius = 28.25 mm, its default: the bore radius of bodies is 55 mm" in fault
 
 
-def test_swept_volume_of_another_engine_is_told():
-    assert check("fired_motorcycle").remarks == [
-        line for line in check("fired_motorcycle").remarks if "per = " not in line
-    ]
-    found = check("fired_motorcycle", [("crank_radius", "31 mm")])
-    # pi (36.5 mm)^2 62 mm
-    assert any("FMEP.per = 249.0 cm^3: the model sweeps 259.4" in line for line in found.remarks)
-
-
 def test_a_case_that_is_no_case_says_why():
     found = check("numerical_example", [("time.stopp", "1 s"), ("coupling.order", ["ehd"])])
     assert any("stopp: unknown key (did you mean stop" in line for line in found.faults)
