@@ -101,14 +101,21 @@ def _previews(case: Case, folder: Path) -> dict[str, Preview]:
         worded = {
             key: names[key][value - 1] if names[key] else value for key, value in given.items()
         }
-        previews[name] = look(table.build, worded, folder)
+        refused = dict.fromkeys(_refused(table, given, names))
+        previews[name] = look(table.build, worded | refused, folder)
     return previews
+
+
+def _refused(table, taken, known):
+    """Known parameters that the case gives and that cannot be taken: their fault is told already."""
+    return [key for key in table.parameters if key in known and key not in taken]
 
 
 def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> list[str]:
     """Parameters that the contract has equal to what another part has measured, and that are not.
 
-    A parameter that the case does not give counts with its default.
+    A parameter that the case does not give counts with its default; one that is refused for itself
+    is not held against anything.
     """
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []
@@ -120,6 +127,8 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
             measured = previews[giver].figure(figure) if giver in previews else None
             declared = {one.name: one for one in declared_variables(table, folder) or []}
             if measured is None or key not in declared:
+                continue
+            if key in _refused(table, values[name], declared):
                 continue
             given = values[name].get(key, declared[key].start)
             if abs(given - measured.value) > APART * abs(measured.value):

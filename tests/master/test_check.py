@@ -45,6 +45,15 @@ def test_a_default_of_another_engine_is_told(tmp_path):
     assert "bore_radius = 28.25 mm, its default: the bore radius of bodies is 55 mm" in fault
 
 
+@pytest.mark.parametrize(
+    "key, value", [("rod_length", "4 m"), ("bore_radius", "2 m"), ("skirt_length", "0.5 mm")]
+)
+def test_a_parameter_out_of_range_is_the_only_fault(key, value):
+    """Not held against the bore, or as its default against the other part, besides."""
+    (fault,) = check("data_sheet", [(key, value)]).faults
+    assert f"{key}: {value} is " in fault and "allowed is" in fault
+
+
 def test_a_case_that_is_no_case_says_why():
     found = check("numerical_example", [("time.stopp", "1 s"), ("coupling.order", ["ehd"])])
     assert any("stopp: unknown key (did you mean stop" in line for line in found.faults)
