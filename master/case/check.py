@@ -107,7 +107,7 @@ def _previews(case: Case, folder: Path) -> dict[str, Preview]:
 
 
 def _refused(table, taken, known):
-    """Known parameters that the case gives and that cannot be taken: their fault is told already."""
+    """Known parameters that the case gives and cannot be taken: their fault is told already."""
     return [key for key in table.parameters if key in known and key not in taken]
 
 
