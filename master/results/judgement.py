@@ -3,7 +3,7 @@ the work in a loop.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -136,7 +136,7 @@ def loop_curve(case, results, loop):
 
 
 def loop_work(case, results, loop):
-    """Work in a loop, divided by its `per`, in its unit.
+    """Work in a loop, in its unit.
 
     Eq. (X4):  W = |closed integral of y dx|  by trapezia between the recorded steps, second
                order in the step
@@ -145,5 +145,4 @@ def loop_work(case, results, loop):
     # Eq. (X4)
     work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))
     quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
-    ratio: Any = quantity / registry().Quantity(loop.per)
-    return float(ratio.to(loop.unit).magnitude)
+    return float(quantity.to(loop.unit).magnitude)
