@@ -215,7 +215,7 @@ RUBBING = dict(
 )
 
 
-AS_SHIPPED = dict(pin_friction_coefficient=0.05)  # and the arm by default
+AS_SHIPPED = dict(pin_friction_coefficient=0.01)  # and the arm by default
 
 
 @pytest.mark.parametrize(
