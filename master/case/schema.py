@@ -127,6 +127,10 @@ class ParticipantTable(Table):
     """The FMU runs in a process of its own."""
     timeout: str = "120 s"
     """Of an isolated FMU: longest time for any one answer."""
+    clones: int = Field(0, ge=0, le=256)
+    """Of an isolated FMU: copies of it, in processes of their own, that take the difference probes
+    of Newton at the same time, one for each element of its inputs.
+    """
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -137,6 +141,8 @@ class ParticipantTable(Table):
             )
         if (self.table or self.plugin) and (self.isolated or self.step):
             raise ValueError("only an FMU has a process or a step of its own")
+        if self.clones and not self.isolated:
+            raise ValueError("clones are those of an isolated FMU; write isolated = true")
         if self.interpolation and not self.table:
             raise ValueError("interpolation is that of a table; that of an input is its wire's")
         return self

@@ -16,6 +16,7 @@ from ..fmi.errors import BadInput
 from ..fmi.fields import NO_NUMBERS
 from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
+from ..participants.clones import ClonedParticipant
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
@@ -220,9 +221,17 @@ def _participant(name, table, build, folder, progress):
     path = _fmu(table, build, folder, progress)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
-    if table.isolated:
-        return IsolatedParticipant(participant, duration("timeout", table.timeout))
-    return participant
+    if not table.isolated:
+        return participant
+    timeout = duration("timeout", table.timeout)
+    apart = IsolatedParticipant(participant, timeout)
+    if not table.clones:
+        return apart
+    if not (apart.can_redo and apart.can_serialise):
+        raise BadInput(f"clones: {path.name} cannot save and serialise its state")
+    return ClonedParticipant(
+        apart, [IsolatedParticipant(participant, timeout) for _ in range(table.clones)]
+    )
 
 
 def _own_step(table):
@@ -541,6 +550,8 @@ def _interpolating(case, participants, faults):
             continue
         kinds.setdefault(target, {})[inlet] = wire.interpolation
         where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
+        if case.participants[target].clones:
+            faults.append(f"{where}: clones probe held inputs alone")
         if not participants[target].can_interpolate:
             faults.append(
                 f"{where}: {participants[target].path.name} cannot follow inputs over a step "
