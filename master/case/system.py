@@ -23,6 +23,7 @@ from ..participants.isolated import IsolatedParticipant
 from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import made, plugin
+from ..participants.remote import RemoteParticipant
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
 from .given import build_options, masks
@@ -221,9 +222,11 @@ def _participant(name, table, build, folder, progress):
     path = _fmu(table, build, folder, progress)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
+    timeout = duration("timeout", table.timeout)
+    if table.host:
+        return RemoteParticipant(participant, timeout, table.host)
     if not table.isolated:
         return participant
-    timeout = duration("timeout", table.timeout)
     apart = IsolatedParticipant(participant, timeout)
     if not table.clones:
         return apart

@@ -12,6 +12,7 @@ from scipy.optimize import fsolve
 
 from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
@@ -50,7 +51,7 @@ def exact():
             u = vectors.GAIN * new
             return (1 + H) * new - old - H * (u + vectors.BEND * np.prod(u))
 
-        states.append(fsolve(off, states[-1], xtol=1e-14))
+        states.append(fsolve(off, states[-1], xtol=1e-12))
     return np.array(states)
 
 
@@ -66,6 +67,26 @@ def test_the_bits_do_not_depend_on_how_many_clones_there_are(folder, tmp_path):
     assert found[1].tobytes() == found[2].tobytes() == found[3].tobytes()
     # columns are as good a derivative as the products that Newton asks for without clones
     assert iterations[1] <= iterations[0] + 0.5
+
+
+def test_columns_are_those_of_the_last_step(folder):
+    """dy_i/du_j = H (delta_ij + b prod(u) / u_j) / (1 + H), by Eq. (X22)."""
+    path = folder / "case.toml"
+    path.write_text(vectors.CASE.format(stop=1.0, more="isolated = true\nclones = 2"))
+    system = open_system(check_case(read_tree(path), path), folder, print)
+    bent = system.participants["bent"]
+    with closing(system.participants.values()):
+        start(system)
+        saved = bent.save()
+        for u in (np.array([1.0, 2.0, 3.0]), np.array([-0.5, 4.0, 0.25])):
+            bent.restore(saved)
+            bent.set("u", u)
+            bent.step(0.0, H)
+            v = np.array([0.3, -1.0, 2.0])
+            found = bent.derivative({"u": v}, ["x"])["x"]
+            matrix = H * (np.eye(3) + vectors.BEND * np.prod(u) / u) / (1 + H)
+            # round-off of x, 1e-16, over a change of 1e-5 of u
+            np.testing.assert_allclose(found, matrix @ v, rtol=1e-9, atol=1e-10)
 
 
 @pytest.mark.parametrize(
