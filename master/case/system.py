@@ -317,12 +317,15 @@ def _value(field, text):
                 f"{text!r}: allowed are {', '.join(field.choices)}{near(text, field.choices)}"
             )
         return field.choices[text]
-    value = _quantity(text, field)
-    low = float("-inf") if field.minimum is None else field.minimum
-    high = float("inf") if field.maximum is None else field.maximum
+    is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
+    value = text if is_whole else _quantity(text, field)  # 2^53 + 1 is no float
+    fits = getattr(field, "whole_numbers", None) or (-inf, inf)
+    low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
+    high = fits[1] if field.maximum is None else min(fits[1], field.maximum)
     if not low <= value <= high:
         unit = "" if field.unit == "1" else f" {field.unit}"
-        raise ValueError(f"{text} is {value:g}{unit}, allowed is {low:g} to {high:g}{unit}")
+        ends = " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (low, high))
+        raise ValueError(f"{text} is {value:g}{unit}, allowed is {ends}{unit}")
     if field.type in ("Integer", "Enumeration") and value != int(value):
         raise ValueError(f"{text} must be a whole number")
     return value if field.type == "Real" else int(value)

@@ -87,6 +87,17 @@ class Field:
         return int(np.prod(self.shape))
 
     @property
+    def whole_numbers(self) -> tuple[int, int] | None:
+        """Least and largest whole number that fits its type; None of one that is no integer."""
+        if self.type not in ("Integer", "Enumeration"):
+            return None
+        kind = {None: "Int32", "Enumeration": "Int64"}.get(self.native, self.native)
+        bits = int(re.sub(r"\D", "", str(kind)))
+        return (
+            (0, 2**bits - 1) if str(kind)[0] == "U" else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+        )
+
+    @property
     def is_double(self):
         """Whether it is made of the numbers of 64 bits that move by pointer."""
         return self.type == "Real" and self.native != "Float32"

@@ -51,6 +51,8 @@ class RemoteParticipant(IsolatedParticipant):
         super().__init__(participant, timeout)
         self.host = host
         self._worker = ""
+        self._actor: Any = None
+        self._kept: Any = None
 
     def launch(self):
         """Send the FMU to the worker with the fewest participants."""
