@@ -93,9 +93,8 @@ class Field:
             return None
         kind = {None: "Int32", "Enumeration": "Int64"}.get(self.native, self.native)
         bits = int(re.sub(r"\D", "", str(kind)))
-        return (
-            (0, 2**bits - 1) if str(kind)[0] == "U" else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-        )
+        half = 2 ** (bits - 1)
+        return (0, 2 * half - 1) if str(kind).startswith("U") else (-half, half - 1)
 
     @property
     def is_double(self):

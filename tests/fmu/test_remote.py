@@ -126,6 +126,8 @@ def test_each_has_a_worker_of_its_own_and_both_step_at_once(folder, trusting):
         assert a.get("x") != before
         a.restore(a.deserialise(data))
         assert a.get("x") == before
+        b.restore(b.save())
+        b.step(0.1, 0.1)
         found = b.derivative({"u": np.array(1.0)}, ["x"])
         # x' = (x + H u) / (1 + H k), H = 0.1, k = 1; a difference, 1e-5 of round-off 1e-16
         assert found["x"] == pytest.approx(0.1 / 1.1, rel=1e-9)
