@@ -23,6 +23,19 @@ class Discard(RuntimeError):
     """
 
 
+class Ticked(Discard):
+    """A clock ticks inside a step, at `time` [s]: it is to be taken to there, so that others hear
+    of it.
+    """
+
+    def __init__(self, name, time):
+        super().__init__(f"{name}: a clock ticks at t = {time:.6g} s")
+        self.name, self.time = name, time
+
+    def __reduce__(self):
+        return Ticked, (self.name, self.time)
+
+
 class Finished(RuntimeError):
     """A participant asks for the end of the simulation inside a step: what was accepted before
     stands.

@@ -165,6 +165,7 @@ class March:
             system.held,
             begin=system.begin,
             judge=self.judge,
+            clocks=system.clocks,
         )
         if begin_at:
             try:
