@@ -1,4 +1,4 @@
-"""Gas on the bore's wall: closed forms, sums over the faces of a mesh, and what it does to a run."""
+"""Gas on the bore's wall: closed forms, sums over the faces of a mesh, effect on a run."""
 
 import dataclasses
 
@@ -19,10 +19,10 @@ LOW, HIGH = 60e-3, 166e-3
 
 
 def test_pressure_times_projected_area():
-    """Fields by hand. phi = 1: p times the wall's area, 2 pi 36.5 mm x 26 mm = 5.9627e-3 m2 of 4 MPa
-    above the top ring and 9 mm, 2.0640e-3 m2, of 0.5 MPa between the rings; phi = y - 60 mm: with the
-    middles of both bands 93 and 75.5 mm above the table's foot; phi = cos(theta): nothing. Between
-    the table's heights too: a cubic holds the quadratic W.
+    """Fields by hand. phi = 1: p times the wall's area, 2 pi 36.5 mm x 26 mm = 5.9627e-3 m2 of
+    4 MPa above the top ring and 9 mm, 2.0640e-3 m2, of 0.5 MPa between the rings; phi = y - 60 mm:
+    with the middles of both bands 93 and 75.5 mm above the table's foot; phi = cos(theta): nothing.
+    Between the table's heights too: a cubic holds the quadratic W.
     """
     theta = 2 * np.pi * np.arange(16)[:, None, None] / 16
     heights = np.linspace(LOW, HIGH, 12)
