@@ -73,7 +73,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     options : dict
         The case file's `[participants.X.build]` table.
     parameters : dict
-        What the case gives, by name, in SI; the rest has its defaults.
+        What the case gives, by name, in SI, None where it cannot be taken; the rest has its
+        defaults. With a None nothing is said of how parameters fit one another.
     folder : Path
         Of the case.
 
@@ -89,7 +90,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     except BadInput as error:
         return Preview(faults=error.faults)
     known = {one.name for one in fields(Parameters)}
-    chosen = Parameters(**{name: value for name, value in parameters.items() if name in known})
+    given = {name: value for name, value in parameters.items() if value is not None}
+    chosen = Parameters(**{name: value for name, value in given.items() if name in known})
     wrong: list[str] = []
     remarks: list[str] = []
     piston = _tried(_piston, build, wrong, remarks)
@@ -97,11 +99,12 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if piston is None or block is None:
         return Preview(faults=wrong)
     prepared = _prepared(build, tables)
-    wrong += faults(piston.body, block.body, prepared, chosen)
+    if None not in parameters.values():
+        wrong += faults(piston.body, block.body, prepared, chosen)
     figures = [
         *_of_piston(build, piston),
         *_of_block(build, block),
-        *_of_mechanism(build, block, chosen, parameters.get("crank_speed")),
+        *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))

@@ -653,14 +653,12 @@ def _curves(case):
     for text in case.window:
         yield f"window.{text}", reduced(text).port
     for picture in case.pictures:
-        for port in filter(None, (picture.x, *(port for panel in picture.y for port in panel))):
+        panels = (port for panel in picture.y for port in panel)
+        for port in filter(None, (picture.x, picture.marker, *panels)):
             yield f"pictures.{picture.file}", port
     for name, loop in case.report.loops.items():
         for port in (loop.x, *loop.y):
             yield f"report.loops.{name}", port
-    if motion := case.report.motion:
-        for port in (motion.across, motion.along, motion.rotation):
-            yield "report.motion", port
     for name, study in case.studies.items():
         for port in filter(None, (study.x, *study.curves)):
             yield f"studies.{name}", port

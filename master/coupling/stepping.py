@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..fmi.errors import Discard, Ticked
+from ..fmi.errors import Discard, Stopped, Ticked
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
 from .ledger import EnergyCreated
@@ -17,10 +17,12 @@ from .step_control import StepControl
 from .wiring import HeldWire, System, carry
 
 
-class StepFailed(RuntimeError):
+class StepFailed(Stopped):
     """A macro step that no halving could bring to convergence: the run stops, what was accepted
     stays.
     """
+
+    headline = "a macro step did not converge, and no halving is left"
 
 
 @dataclass

@@ -1,5 +1,5 @@
-"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a bug
-in a participant.
+"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a run
+that stops, a bug in a participant.
 """
 
 
@@ -42,7 +42,21 @@ class Finished(RuntimeError):
     """
 
 
-class ParticipantFault(RuntimeError):
+class Stopped(RuntimeError):
+    """A run that came to an end before its own: what was accepted stands, notes say how to go on.
+
+    Attributes
+    ----------
+    headline : str
+        Of all runs that stop so; "" where what the error says is headline enough.
+    """
+
+    headline = ""
+
+
+class ParticipantFault(Stopped):
     """A bug inside a participant: its traceback, as it logged it; or its process has hung or
     ended.
     """
+
+    headline = "an FMU reports a fault of its own"

@@ -30,7 +30,7 @@ import numpy as np
 
 from ..case.contract import contract
 from ..coupling.wiring import port_of
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Stopped
 from ..fmi.fields import NO_NUMBERS
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
 from ..results.file import dataset_path
@@ -45,7 +45,7 @@ LONGEST_WAIT = 1.0
 """Seconds that a row waits in memory at most while the run goes on."""
 
 
-class CannotWrite(RuntimeError):
+class CannotWrite(Stopped):
     """A file of the run cannot be written: the disk is full, or it is not ours."""
 
     @classmethod
