@@ -57,7 +57,7 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         figures.append(Figure("cell", "film_share", share, "1", "cells of the mask with a film"))
     remarks = []
     if not film.roughness_rms:
-        remarks.append("roughness_rms = 0 um: smooth surfaces, which never touch")
+        remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
     return Preview(figures, faults(film) if taken == parameters else [], remarks)
 
 

@@ -388,25 +388,30 @@ def _remarks(
     fit = block.body.radius - piston.body.radius
     if abs(fit - chosen.radial_clearance) > MISFIT:
         out.append(
-            f"radial_clearance = {1e6 * chosen.radial_clearance:.4g} um, bore minus skirt radius "
-            f"is {1e6 * fit:.4g} um: the film goes by radial_clearance"
+            f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius "
+            f"is {_um(fit)}: the film goes by radial_clearance"
         )
     least = narrowest(shapes, hot=True)
     if least.gap <= 0.0:
         out.append(
-            f"the skirt is wider than the bore by {-1e6 * least.gap:.3g} um when hot, at "
+            f"the skirt is wider than the bore by {_um(-least.gap)} when hot, at "
             f"{least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
         )
     if not any(getattr(chosen, name) for name in COLD):
         out.append(f"no thermal growth given ({', '.join(COLD)}): hot is as cold")
     if build.piston.profiles and (chosen.barrel or chosen.ovality):
         out.append(
-            f"barrel = {1e6 * chosen.barrel:.4g} um and ovality = {1e6 * chosen.ovality:.4g} um "
+            f"barrel = {_um(chosen.barrel)} and ovality = {_um(chosen.ovality)} "
             "are added to the measured profile; set them to 0 if it holds them"
         )
     if not build.piston.profiles and not chosen.barrel:
-        out.append("barrel = 0 um: a straight skirt carries on its edges")
+        out.append(f"barrel = {_um(0.0)}: a straight skirt carries on its edges")
     return out + _thin_openings(shapes.film)
+
+
+def _um(length: float) -> str:
+    """A length [m] as text."""
+    return f"{1e6 * length:.4g} \N{MICRO SIGN}m"
 
 
 def _thin_openings(film: np.ndarray) -> list[str]:

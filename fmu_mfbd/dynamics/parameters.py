@@ -65,7 +65,7 @@ class Parameters:
         "kg", "Piston pin (and what else moves with A without turning)", 0.03, 0.0, 20.0
     )
     pin_friction_coefficient: float = _declared(
-        "1", "Coulomb friction between pin and piston; 0: none", 0.05, 0.0, 1.0
+        "1", "Coulomb friction between pin and piston; 0: none", 0.01, 0.0, 1.0
     )
     pin_radius: float = _declared(
         "m", "Arm of the friction at the pin; 0: a quarter of the skirt's radius", 0.0, 0.0, 0.1
@@ -83,6 +83,16 @@ class Parameters:
         0.0,
         0.0,
         1e3,
+    )
+    top_ring_height: float = _declared(
+        "m",
+        "Of the top ring above the pin: gas widens the bore above it; 0: gas leaves the bore alone",
+        0.0,
+        0.0,
+        1.0,
+    )
+    second_ring_height: float = _declared(
+        "m", "Of the second ring above the pin: land_pressure stands between the two", 0.0, 0.0, 1.0
     )
     crank_free: int = _declared(
         "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1
