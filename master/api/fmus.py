@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+from ..case.export import experiment_ahead
 from ..case.given import build_options
 from ..case.schema import check_case
 from ..fmi import builder
@@ -85,7 +86,9 @@ def _of_case(
         table.build |= {key: options[key] for key in shared}
     build = build_options(checked, folder, say)[participant]
     package: Any = checked.participants[participant].package
-    return builder.build_fmu(package, build, folder, say, fmi)
+    return builder.build_fmu(
+        package, build, folder, say, fmi, experiment=experiment_ahead(checked, folder)
+    )
 
 
 def open_fmu(path: str | Path, name: str = "fmu") -> Any:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from ..case.export import export_fmu
+from ..case.export import experiment_ahead, export_fmu
 from ..case.given import build_options
 from ..case.schema import check_case, find_case, read_tree
 from ..case.ssp import export_ssp
@@ -47,17 +47,20 @@ def command(
     else:
         export_ssp(
             tree,
-            open_system(built(checked, path.parent) if fmi == "3.0" else checked, path.parent, say),
+            open_system(built(checked, path.parent, fmi), path.parent, say),
             output,
         )
     console.print(str(output), soft_wrap=True, highlight=False)
 
 
-def built(case, folder):
-    """The case with FMI 3.0 FMUs in the place of the packages it builds."""
+def built(case, folder, fmi):
+    """The case with FMUs of that version in the place of the packages it builds; they say the
+    case's own run.
+    """
+    usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)
     fmus = {
-        name: build_fmu(table.package, options[name], folder, say, "3.0")
+        name: build_fmu(table.package, options[name], folder, say, fmi, experiment=usual)
         for name, table in case.participants.items()
         if table.package
     }
