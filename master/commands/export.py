@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
+from ..api.fmus import compile_code
 from ..case.export import experiment_ahead, export_fmu
 from ..case.given import build_options
 from ..case.schema import check_case, find_case, read_tree
@@ -43,13 +44,14 @@ def command(
     tree = read_tree(path, [parse_change(text) for text in set_])
     checked = check_case(tree, path)
     if kind == "fmu":
-        output.write_bytes(export_fmu(checked, path.parent, say, fmi).read_bytes())
+        fmus = [export_fmu(checked, path.parent, say, fmi)]
+        output.write_bytes(fmus[0].read_bytes())
     else:
-        export_ssp(
-            tree,
-            open_system(built(checked, path.parent, fmi), path.parent, say),
-            output,
-        )
+        system = open_system(built(checked, path.parent, fmi), path.parent, say)
+        export_ssp(tree, system, output)
+        fmus = [participant.path for participant in system.participants.values()]
+    for fmu in fmus:
+        compile_code(fmu, say)
     console.print(str(output), soft_wrap=True, highlight=False)
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..fmi.errors import Discard
 from .interface import Interface
-from .ledger import EnergyCreated
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
 from .methods.explicit import Explicit
 from .step_control import StepControl
@@ -20,6 +19,10 @@ class StepFailed(RuntimeError):
     """A macro step that no halving could bring to convergence: the run stops, what was accepted
     stays.
     """
+
+
+class EnergyCreated(RuntimeError):
+    """A macro step that converged, and in which energy came from nowhere (`ledger`)."""
 
 
 @dataclass
