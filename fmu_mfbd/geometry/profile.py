@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 
 @dataclass(frozen=True)
@@ -101,6 +100,8 @@ def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> 
     ndarray, shape (c, a)
         [m]
     """
+    from scipy.interpolate import CubicSpline  # a third of an FMU's start, most have no table
+
     values = table.value
     if table.angle.size > 1:
         closed = np.append(table.angle, table.angle[0] + 2 * np.pi)

@@ -78,11 +78,11 @@ def code_folder():
     the next time.
     """
     here = Path(__file__).parent
-    try:
-        user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / "code"
-    except RuntimeError:
+    named = os.environ.get("PISTON_COSIM_CACHE")
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if not named and not os.path.isabs(user):
         return here  # no HOME, and a user without an entry
+    root = Path(named or Path(user, "piston-cosim")) / "code"
     try:
         if not (root / "{code}").exists():
             root.mkdir(parents=True, exist_ok=True)

@@ -158,7 +158,7 @@ import sys
 sys.path.insert(0, sys.argv[1])
 text = open(sys.argv[1] + "/" + sys.argv[2] + ".py").read()
 scope = {"__file__": sys.argv[1] + "/entry.py"}
-exec(text[: text.index("if \"code_")], scope)
+exec(text[: text.index("if 'code_".replace("'", chr(34)))], scope)
 print(scope["code_folder"]())
 """
 
