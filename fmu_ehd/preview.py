@@ -25,7 +25,8 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     options : mapping
         From the case file.
     parameters : mapping
-        What the case gives, by name, in SI, laws by their names; the rest has its defaults.
+        What the case gives, by name, in SI, laws by their names, None where it cannot be taken; the
+        rest has its defaults. With a None nothing is said of how parameters fit one another.
     folder : Path
         Of the case.
 
@@ -38,7 +39,8 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         built = BuildOptions.read(prepare(options, folder, lambda line: None)[0])
     except BadInput as error:
         return Preview(faults=error.faults)
-    given = {**built.oil, **parameters}
+    taken = {name: value for name, value in parameters.items() if value is not None}
+    given = {**built.oil, **taken}
     oil = replace(Oil(), **_of(OIL_VARIABLES, given))
     own = _of(FILM_VARIABLES + CONDITION_VARIABLES, given)
     film = Parameters(built.grid, oil, open_cells=built.open_cells, **own)
@@ -55,8 +57,8 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         figures.append(Figure("cell", "film_share", share, "1", "cells of the mask with a film"))
     remarks = []
     if not film.roughness_rms:
-        remarks.append("roughness_rms = 0 um: smooth surfaces, which never touch")
-    return Preview(figures, faults(film), remarks)
+        remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
+    return Preview(figures, faults(film) if taken == parameters else [], remarks)
 
 
 def _of(variables, given):

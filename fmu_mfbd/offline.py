@@ -33,6 +33,10 @@ from .reduction.truncation import Truncation, static_modes, truncation
 
 Say = Callable[[str], None]
 
+AROUND = 96
+ALONG = 32
+"""Faces of a drawn cylinder."""
+
 
 @dataclass(frozen=True)
 class BodyReport:
@@ -120,10 +124,64 @@ class Skin:
 def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[Skin]:
     """Surfaces of the bodies of a build table with their modes, to be drawn.
 
+    A body of a data sheet is the cylinder that is known of it: the skirt, closed at its top; the
+    bore.
+
     Parameters, errors: as of `reduce`.
     """
     files = reduced_bodies(options, folder, progress)
-    return [_skin(name, _whole(name, file)) for name, file in files.items()]
+    sheets = vars(read_options(options, folder, Bodies))
+    return [
+        _cylinder(name, file) if sheets[name].rigid else _skin(name, _whole(name, file))
+        for name, file in files.items()
+    ]
+
+
+def _cylinder(name: str, file: Path) -> Skin:
+    if name == "piston":
+        body = load(ReducedPiston, file)
+        return cylinder(name, body.radius, (body.skirt_lower, body.skirt_upper), top=True)
+    body = load(ReducedBlock, file)
+    low, *_, high = body.heights
+    return cylinder(name, body.radius, (low, high), top=False)
+
+
+def cylinder(name: str, radius: float, ends: tuple[float, float], top: bool) -> Skin:
+    """A cylinder about the y axis, without modes.
+
+    Parameters
+    ----------
+    name : str
+    radius : float
+        [m]
+    ends : (float, float)
+        Heights of its lower and upper edge [m].
+    top : bool
+        A flat one at the upper edge; it is a piston's skirt then.
+    """
+    angle = 2 * np.pi * np.arange(AROUND) / AROUND
+    heights = np.linspace(*ends, ALONG + 1)
+    ring = np.column_stack([radius * np.sin(angle), np.zeros(AROUND), radius * np.cos(angle)])
+    points = [ring + [0.0, height, 0.0] for height in heights]
+    here = np.arange(AROUND)
+    beside = np.roll(here, -1)
+    quads = [(k * AROUND, (k + 1) * AROUND) for k in range(ALONG)]
+    triangles = [
+        np.column_stack(corners)
+        for low, high in quads
+        for corners in (
+            (low + here, low + beside, high + beside),
+            (low + here, high + beside, high + here),
+        )
+    ]
+    if top:
+        last = ALONG * AROUND
+        centre = np.full(AROUND, last + AROUND)
+        triangles.append(np.column_stack([last + here, last + beside, centre]))
+        points.append(np.array([[0.0, ends[1], 0.0]]))
+    whole = np.concatenate(points)
+    no_modes = np.zeros((len(whole), 3, 0))
+    return Skin(name, whole, np.concatenate(triangles), no_modes, ends if top else None)
 
 
 def _skin(name, whole):

@@ -73,7 +73,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     options : dict
         The case file's `[participants.X.build]` table.
     parameters : dict
-        What the case gives, by name, in SI; the rest has its defaults.
+        What the case gives, by name, in SI, None where it cannot be taken; the rest has its
+        defaults. With a None nothing is said of how parameters fit one another.
     folder : Path
         Of the case.
 
@@ -89,7 +90,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     except BadInput as error:
         return Preview(faults=error.faults)
     known = {one.name for one in fields(Parameters)}
-    chosen = Parameters(**{name: value for name, value in parameters.items() if name in known})
+    given = {name: value for name, value in parameters.items() if value is not None}
+    chosen = Parameters(**{name: value for name, value in given.items() if name in known})
     wrong: list[str] = []
     remarks: list[str] = []
     piston = _tried(_piston, build, wrong, remarks)
@@ -97,11 +99,12 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if piston is None or block is None:
         return Preview(faults=wrong)
     prepared = _prepared(build, tables)
-    wrong += faults(piston.body, block.body, prepared, chosen)
+    if None not in parameters.values():
+        wrong += faults(piston.body, block.body, prepared, chosen)
     figures = [
         *_of_piston(build, piston),
         *_of_block(build, block),
-        *_of_mechanism(build, block, chosen, parameters.get("crank_speed")),
+        *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
@@ -385,25 +388,30 @@ def _remarks(
     fit = block.body.radius - piston.body.radius
     if abs(fit - chosen.radial_clearance) > MISFIT:
         out.append(
-            f"radial_clearance = {1e6 * chosen.radial_clearance:.4g} um, bore minus skirt radius "
-            f"is {1e6 * fit:.4g} um: the film goes by radial_clearance"
+            f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius "
+            f"is {_um(fit)}: the film goes by radial_clearance"
         )
     least = narrowest(shapes, hot=True)
     if least.gap <= 0.0:
         out.append(
-            f"the skirt is wider than the bore by {-1e6 * least.gap:.3g} um when hot, at "
+            f"the skirt is wider than the bore by {_um(-least.gap)} when hot, at "
             f"{least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
         )
     if not any(getattr(chosen, name) for name in COLD):
         out.append(f"no thermal growth given ({', '.join(COLD)}): hot is as cold")
     if build.piston.profiles and (chosen.barrel or chosen.ovality):
         out.append(
-            f"barrel = {1e6 * chosen.barrel:.4g} um and ovality = {1e6 * chosen.ovality:.4g} um "
+            f"barrel = {_um(chosen.barrel)} and ovality = {_um(chosen.ovality)} "
             "are added to the measured profile; set them to 0 if it holds them"
         )
     if not build.piston.profiles and not chosen.barrel:
-        out.append("barrel = 0 um: a straight skirt carries on its edges")
+        out.append(f"barrel = {_um(0.0)}: a straight skirt carries on its edges")
     return out + _thin_openings(shapes.film)
+
+
+def _um(length: float) -> str:
+    """A length [m] as text."""
+    return f"{1e6 * length:.4g} \N{MICRO SIGN}m"
 
 
 def _thin_openings(film: np.ndarray) -> list[str]:

@@ -81,7 +81,7 @@ def _developed(figure, panel, angle, height, values):
     image = panel.imshow(
         UM * values.T, origin="lower", aspect="auto", extent=extent, cmap="viridis"
     )
-    figure.colorbar(image, ax=panel, label="um")
+    figure.colorbar(image, ax=panel, label="\N{MICRO SIGN}m")
     _mark(panel)
 
 
@@ -100,7 +100,7 @@ def _around(panel, shapes):
         name = f"{MM * shapes.height[j]:.3g} mm above the pin"
         panel.plot(degrees, UM * shapes.skirt_hot[order, j], color=colour, label=name)
         panel.plot(degrees, UM * shapes.skirt_cold[order, j], "--", color=colour, lw=0.8)
-    panel.set(title="section around (dashed: cold)", ylabel="clearance [um]")
+    panel.set(title="section around (dashed: cold)", ylabel="clearance [\N{MICRO SIGN}m]")
     _mark(panel)
     panel.grid(alpha=0.3)
     panel.legend(fontsize="small", frameon=False)
@@ -115,7 +115,7 @@ def _along(panel, shapes):
         panel.plot(UM * shapes.skirt_cold[i], MM * shapes.height, "--", color=COLOURS[name], lw=0.8)
     panel.set(
         title="section along (dashed: cold)",
-        xlabel="clearance [um]",
+        xlabel="clearance [\N{MICRO SIGN}m]",
         ylabel="height above the pin [mm]",
     )
     panel.grid(alpha=0.3)

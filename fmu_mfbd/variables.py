@@ -127,6 +127,9 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
             "pin_friction_moment", "N.m", "Friction of the pin on the piston about +z", 0.1
         ),
         output_variable(
+            "pin_friction_power", "W", "What friction at the pin turns into heat", 10.0
+        ),
+        output_variable(
             "interface_work_error",
             "1",
             "Power of the interface forces on the grid minus that in the coordinates, relative",

@@ -26,6 +26,9 @@ from .pin_friction import PinFriction
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 
+PIN_SHARE = 0.25
+"""Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
+
 
 class PistonParts(NamedTuple):
     """The piston with the modes that move, and those that follow statically."""
@@ -65,7 +68,7 @@ def assemble(
         piston_static=piston_parts.static,
         block=block_parts.moving,
         block_static=block_parts.static,
-        mechanism=mechanism(options.piston, parameters),
+        mechanism=mechanism(piston.radius, options.piston, parameters),
         skirt=skirt(piston, block.radius, angle, height, options.piston, parameters),
         bore=bore(block, angle, options.block, parameters),
         gas_force=np.ascontiguousarray(piston.gas_force),
@@ -230,10 +233,11 @@ def _moving(body: ReducedBody, parameters: Parameters) -> int:
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
 
 
-def mechanism(options: PistonOptions, parameters: Parameters) -> Mechanism:
+def mechanism(skirt_radius: float, options: PistonOptions, parameters: Parameters) -> Mechanism:
     """Crank, rod and pin."""
+    pin_radius = parameters.pin_radius or PIN_SHARE * skirt_radius
     friction = PinFriction(
-        lever=parameters.pin_friction_coefficient * parameters.pin_radius,
+        lever=parameters.pin_friction_coefficient * pin_radius,
         speed=parameters.pin_friction_speed,
         viscous=parameters.pin_friction_damping,
     )

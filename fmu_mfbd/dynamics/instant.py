@@ -135,6 +135,8 @@ class Instant(NamedTuple):
     pin_x, pin_y, pin_moment, torque : float
         Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank
         without its own inertia [N m].
+    pin_friction_power : float
+        What that friction turns into heat [W].
     work_error : float
         `work_error` [-].
     evaluations, tangents, change : int, int, float
@@ -161,6 +163,7 @@ class Instant(NamedTuple):
     pin_y: float
     pin_moment: float
     torque: float
+    pin_friction_power: float
     work_error: float
     evaluations: int
     tangents: int
@@ -244,6 +247,9 @@ def end_of_step(
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     impact = limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
+    rod = rod_turn(
+        mechanism, end.position[LATERAL], end.velocity[LATERAL], crank.angle, crank.speed
+    )
     now = height(mechanism, end.position[LATERAL], crank.angle)
     axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
     film = film_now(
@@ -279,6 +285,7 @@ def end_of_step(
         pin_y=own.pin_y - film.axial_force,
         pin_moment=own.pin_moment,
         torque=own.torque - film.axial_force * guided.lever,
+        pin_friction_power=own.pin_moment * (rod.velocity - end.velocity[ROCKING]),
         work_error=work_error(film_forces, film, axial_velocity, guided_velocity, end.velocity),
         evaluations=own.evaluations,
         tangents=own.tangents,

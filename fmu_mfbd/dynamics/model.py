@@ -392,6 +392,7 @@ class PistonInBore:
             "pin_force_x": now.pin_x,
             "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
+            "pin_friction_power": now.pin_friction_power,
             "interface_work_error": now.work_error,
             "kinetic_energy": now.ledger.kinetic,
             "elastic_energy": now.ledger.elastic,

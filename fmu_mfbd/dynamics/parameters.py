@@ -65,9 +65,11 @@ class Parameters:
         "kg", "Piston pin (and what else moves with A without turning)", 0.03, 0.0, 20.0
     )
     pin_friction_coefficient: float = _declared(
-        "1", "Coulomb friction between pin and piston; 0: none", 0.0, 0.0, 1.0
+        "1", "Coulomb friction between pin and piston; 0: none", 0.01, 0.0, 1.0
     )
-    pin_radius: float = _declared("m", "Arm of the friction at the pin", 7e-3, 1e-4, 0.1)
+    pin_radius: float = _declared(
+        "m", "Arm of the friction at the pin; 0: a quarter of the skirt's radius", 0.0, 0.0, 0.1
+    )
     pin_friction_speed: float = _declared(
         "rad/s",
         "Relative angular velocity at which Coulomb friction has 76 % of its size",

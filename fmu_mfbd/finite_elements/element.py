@@ -96,8 +96,7 @@ def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> Nod
     rule : Quadrature
         The tabulated rules of scikit-fem 12 above degree 4 miss the last degree they claim.
     """
-    mesh = MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
-    basis = Basis(mesh, ElementTetP2(), quadrature=(rule.position.T, rule.weight))
+    basis = Basis(_mesh(points, tets), ElementTetP2(), quadrature=(rule.position.T, rule.weight))
     number = np.empty(len(points), dtype=np.int64)
     number[tets.T] = basis.element_dofs
     return NodalBasis(basis, number)
@@ -207,8 +206,11 @@ def jacobian_determinants(points: np.ndarray, tets: np.ndarray, position: np.nda
     """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e,
     q) [m3]; positive in a sound element.
     """
-    basis, _ = element_basis(points, tets, Quadrature(NODES[:1], np.ones(1)))
-    return basis.mesh.mapping().detDF(position.T)
+    return _mesh(points, tets).mapping().detDF(position.T)
+
+
+def _mesh(points: np.ndarray, tets: np.ndarray) -> MeshTet2:
+    return MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
 
 
 def nodal_stress(

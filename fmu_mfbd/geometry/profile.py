@@ -100,7 +100,7 @@ def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> 
     ndarray, shape (c, a)
         [m]
     """
-    from scipy.interpolate import CubicSpline  # a third of an FMU's start, most have no table
+    from scipy.interpolate import CubicSpline  # slow to import, and few cases have a table
 
     values = table.value
     if table.angle.size > 1:

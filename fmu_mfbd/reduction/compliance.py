@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..geometry.grid import cell_centres
 from ..options import Build, read_options
@@ -134,6 +133,8 @@ def on_the_skirt(found: Compliance, height_of_A: float, height: np.ndarray) -> n
 
     height : of the grid rows above A, (a,) [m].
     """
+    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
+
     around, stations = found.bore.shape[:2]
     reading = CubicSpline(found.stations, np.eye(stations), bc_type="natural")(height_of_A + height)
     along = len(height)

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 """Fields that have to be recorded: outputs of the interface contract's film."""
@@ -87,8 +86,8 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
     try:
         with h5py.File(path, "r") as opened:
             file: Any = opened
-            pressure, friction = (_named(file["fields"], name) for name in FORCES)
-            height = _named(file, HEIGHT)
+            pressure, friction = (_named(file["fields"], name, path) for name in FORCES)
+            height = _named(file, HEIGHT, path)
             if pressure is None or friction is None or height is None:
                 raise NotRecorded(
                     f"{path.name} has not recorded {FORCES[0]} and {FORCES[1]}: the case must name "
@@ -105,11 +104,19 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
         raise NotRecorded(f"{path.name} is no results file of a run: {error}") from None
 
 
-def _named(group: Any, name: str) -> Any:
-    """The dataset of a participant's variable; None if there is none or more than one."""
-    owners = [member for key, member in group.items() if key != "fields"]
-    found = [one[name] for one in owners if isinstance(one, h5py.Group) and name in one]
-    return found[0] if len(found) == 1 else None
+def _named(group: Any, name: str, path: Path) -> Any:
+    """The dataset of a participant's variable; None if there is none."""
+    found = {
+        owner: member[name]
+        for owner, member in group.items()
+        if owner != "fields" and isinstance(member, h5py.Group) and name in member
+    }
+    if len(found) > 1:
+        raise NotRecorded(
+            f"{path.name} has {name} of {', '.join(found)}: of one film and one piston it can be "
+            "said, not of several"
+        )
+    return next(iter(found.values()), None)
 
 
 def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) -> FilmLoads:
@@ -125,6 +132,8 @@ def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) ->
     stations : ndarray, shape (s,)
         Above the crank axis [m].
     """
+    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
+
     spline = CubicSpline(stations, np.eye(len(stations)), bc_type="natural")
     reading = spline(loads.height_of_A[:, None] + rows)
     # Eq. (J15)

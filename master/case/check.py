@@ -9,7 +9,7 @@ from typing import Any
 
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure, Preview
-from ..fmi.quantities import registry, short, to_si
+from ..fmi.quantities import short
 from ..fmi.tree import import_part
 from .contract import contract
 from .keys import declared_variables
@@ -84,7 +84,6 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         faults += [line for line in told if line not in faults]
     faults += _disagreements(case, folder, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
-    remarks += _of_loops(case, previews)
     return CheckedCase(path, case.title, previews, faults, remarks)
 
 
@@ -102,14 +101,21 @@ def _previews(case: Case, folder: Path) -> dict[str, Preview]:
         worded = {
             key: names[key][value - 1] if names[key] else value for key, value in given.items()
         }
-        previews[name] = look(table.build, worded, folder)
+        refused = dict.fromkeys(_refused(table, given, names))
+        previews[name] = look(table.build, worded | refused, folder)
     return previews
+
+
+def _refused(table, taken, known):
+    """Known parameters that the case gives and cannot be taken: their fault is told already."""
+    return [key for key in table.parameters if key in known and key not in taken]
 
 
 def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> list[str]:
     """Parameters that the contract has equal to what another part has measured, and that are not.
 
-    A parameter that the case does not give counts with its default.
+    A parameter that the case does not give counts with its default; one that is refused for itself
+    is not held against anything.
     """
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []
@@ -122,6 +128,8 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
             declared = {one.name: one for one in declared_variables(table, folder) or []}
             if measured is None or key not in declared:
                 continue
+            if key in _refused(table, values[name], declared):
+                continue
             given = values[name].get(key, declared[key].start)
             if abs(given - measured.value) > APART * abs(measured.value):
                 default = "" if key in values[name] else ", its default"
@@ -131,22 +139,3 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
                     f"{short(measured.value, measured.unit, 5)}"
                 )
     return faults
-
-
-def _of_loops(case: Case, previews: dict[str, Preview]) -> list[str]:
-    """Loops of the report that divide by another engine's swept volume."""
-    swept = next((one for p in previews.values() if (one := p.figure("swept_volume"))), None)
-    if swept is None:
-        return []
-    remarks = []
-    for name, loop in case.report.loops.items():
-        quantity = registry().Quantity(loop.per)
-        if not quantity.is_compatible_with("m^3"):
-            continue
-        volume = to_si(loop.per, "m^3")
-        if abs(volume - swept.value) > APART * swept.value:
-            remarks.append(
-                f"report.loops.{name}.per = {loop.per}: the model sweeps {1e6 * swept.value:.5g} "
-                "cm^3"
-            )
-    return remarks

@@ -22,7 +22,7 @@ from ...models import MODELS
 from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import near, near_key
-from ..fmi.quantities import registry, to_si
+from ..fmi.quantities import is_angle, registry, to_si
 from ..participants.plugins import names
 
 Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
@@ -271,8 +271,8 @@ class Picture(Table):
     fields: list[Port] = []
     """Of maps and sections: fields, a panel each."""
     time: str | None = None
-    """Of maps and sections: the recorded instant nearest to this time, or to this crank angle where
-    the case is in angles.
+    """Of maps and sections: the recorded instant nearest to this time, to this crank angle, or to
+    where a scalar output is smallest or largest ("max bodies.side_force").
     """
     angles: tuple[str, str] = ("0 deg", "360 deg")
     """Of sections: from where to where around; a whole turn is 360 deg."""
@@ -280,6 +280,29 @@ class Picture(Table):
     """Of sections: at which share of the second index."""
     units: dict[str, str] = {}
     """Units shown, by "participant.variable"."""
+
+    @field_validator("time")
+    @classmethod
+    def an_instant(cls, text):
+        if text is None or is_angle(text):
+            return text
+        kind, port = reduced(text)
+        if kind in ("min", "max") and re.fullmatch(r"\w+\.\S.*", port):
+            return text
+        try:
+            to_si(text, "s")
+        except ValueError as error:
+            raise ValueError(
+                f"{error}; write a time, a crank angle, e.g. '24 deg', or 'min|max "
+                "participant.variable'"
+            ) from None
+        return text
+
+    @property
+    def marker(self) -> str:
+        """The output whose smallest or largest value is the picture's instant; "" without one."""
+        kind, port = reduced(self.time or "")
+        return port if kind in ("min", "max") else ""
 
     @model_validator(mode="after")
     def complete(self):
@@ -356,8 +379,8 @@ NEUTRAL = Axes(participants=[""])
 
 
 class Loop(Table):
-    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, divided
-    by `per`, in `unit`.
+    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, in
+    `unit`.
     """
 
     y: list[Port]
@@ -366,40 +389,15 @@ class Loop(Table):
     """Output it is integrated over."""
     period: str
     """Last so much of the run: a time, or a crank angle."""
-    per: str | float = 1.0
-    """What the work is divided by."""
     unit: str = "J"
     """Of the result."""
 
 
-class Motion(Table):
-    """A rigid outline moved in a plane by three outputs, between fixed lines.
-
-    Sideways displacement and rotation are drawn `exaggeration` times. Outline points (across,
-    along) are those of the body at rest about its reference point; lines have two ends.
-    """
-
-    across: Port
-    """Output that moves the outline sideways."""
-    along: Port
-    """Output that moves it along."""
-    rotation: Port
-    """Output that turns it."""
-    outline: list[tuple[str, str]] = Field(min_length=3)
-    """Points (across, along) of the body at rest about its reference point."""
-    lines: list[tuple[tuple[str, str], tuple[str, str]]] = []
-    """Fixed lines, two ends each."""
-    exaggeration: float = Field(100.0, gt=0)
-    """How many times sideways motion and rotation are drawn."""
-
-
 class ReportTable(Table):
-    """What a report shows beyond pictures and fields: loops by their name, and a moving body."""
+    """What a report shows beyond pictures and fields: loops by their name."""
 
     loops: dict[str, Loop] = {}
     """Closed curves whose work is told, by name."""
-    motion: Motion | None = None
-    """An outline that moves in the report."""
 
 
 class Study(Table):
@@ -548,15 +546,13 @@ class Case(Table):
         if self.time.angular_speed:
             ports.append(self.time.angular_speed)
         for picture in self.pictures:
-            ports += [picture.x] if picture.x else []
+            ports += filter(None, (picture.x, picture.marker))
             ports += picture.fields
             ports += [port for panel in picture.y for port in panel]
         for entries in (self.summary.values(), self.monitor.values(), self.window):
             ports += [reduced(text).port for text in entries]
         for loop in self.report.loops.values():
             ports += [loop.x, *loop.y]
-        if motion := self.report.motion:
-            ports += [motion.across, motion.along, motion.rotation]
         return ports
 
     def unrecorded(self, picture: Picture) -> list[str]:

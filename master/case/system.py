@@ -13,6 +13,7 @@ from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.errors import BadInput
+from ..fmi.fields import NO_NUMBERS
 from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.converted import Conversion, ConvertedParticipant
@@ -168,8 +169,10 @@ def open_system(case, folder, progress, own=None):
     opened = participants
     joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
     wires = [wire for wire in joined if isinstance(wire, Wire)]
-    reals = [table for table, wire in zip(case.wires, joined) if isinstance(wire, Wire)]
-    held = [wire for wire in joined if isinstance(wire, HeldWire)]
+    reals = [table for table in case.wires if _is_real(table, participants)]
+    of_clocks = {port_of(t.target) for t in case.wires if _is_clock(t.target, participants)}
+    handed = [wire for wire in joined if isinstance(wire, HeldWire)]
+    held = [wire for wire in handed if wire.target not in of_clocks]
     conversions = {} if faults else _conversions(reals, participants)
     _in_units_of_wires(parameters, conversions)
     participants = _interpolating(case, _converting(participants, conversions), faults)
@@ -210,7 +213,24 @@ def open_system(case, folder, progress, own=None):
         begin,
         case.time.cycles,
         masks(case, builds, folder),
+        tuple(wire for wire in handed if wire.target in of_clocks),
     )
+
+
+def _type(port, participants):
+    """Type of a port; None of one that there is not."""
+    owner, name = port_of(port)
+    field = participants[owner].fields.get(name)
+    return None if field is None else field.type
+
+
+def _is_clock(port, participants):
+    return _type(port, participants) == "Clock"
+
+
+def _is_real(table, participants):
+    """Whether both ends of a wire are there and real."""
+    return {_type(port, participants) for port in (table.source, table.target)} == {"Real"}
 
 
 def _participant(name, table, build, folder, progress):
@@ -287,6 +307,8 @@ def _array(field, rows):
 
 def _value(field, text):
     """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
+    if field.type == "Clock":
+        raise ValueError("a clock ticks, it has no value")
     if field.type == "String":
         return str(text)
     if field.type == "Binary":
@@ -380,8 +402,10 @@ def _wire(table, participants, coupling, faults):
             f"{where}: shapes differ, {source.shape} and {target.shape} "
             "(build both FMUs with the same grid)"
         )
-    if source.type != "Real":
-        return _held_wire(table, source, where, faults)
+    if source.type == "Clock" and _clock_kind(table.target, participants) != "triggered":
+        faults.append(f"{where}: the clock ticks by its own interval; a triggered one takes a wire")
+    if source.type != "Real" or getattr(target, "clocked", False):
+        return _held_wire(table, source, target, where, faults)
     named = source
     conversion = None
     try:
@@ -409,14 +433,22 @@ def _wire(table, participants, coupling, faults):
     return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
-def _held_wire(table, source, where, faults):
-    """A wire of integers, booleans, enumerations, texts or bytes."""
+def _clock_kind(port, participants):
+    """What kind of clock an input is."""
+    owner, name = port_of(port)
+    participant = participants[owner]
+    return getattr(participant, "described", participant).clocks[name].kind
+
+
+def _held_wire(table, source, target, where, faults):
+    """A wire of integers, booleans, enumerations, texts, bytes or clocks, or to a clocked input."""
     said = [key for key in OF_NUMBERS if getattr(table, key)]
     said += ["interpolation"] if table.interpolation != "held" else []
     if said:
         faults.append(
-            f"{where}: {', '.join(said)}: a wire of type {source.type} is handed over as it is "
-            "and held over a macro step"
+            f"{where}: {', '.join(said)}: a wire of type {source.type}"
+            f"{' to a clocked input' if getattr(target, 'clocked', False) else ''} is handed over "
+            "as it is and held over a macro step"
         )
     return HeldWire(port_of(table.source), port_of(table.target))
 
@@ -622,11 +654,11 @@ def _check_ports(case, participants, faults):
     outputs = ("output", "input", "parameter", "local")
     for port in case.record.fields:
         field = _field(port, outputs, participants, "record.fields", faults)
-        if field is not None and field.type in ("String", "Binary"):
+        if field is not None and field.type in NO_NUMBERS:
             faults.append(f"record.fields: {port} is of type {field.type}, no numbers")
     for where, port in _curves(case):
         field = _field(port, ("output",), participants, where, faults)
-        if field is not None and (field.shape or field.type in ("String", "Binary")):
+        if field is not None and (field.shape or field.type in NO_NUMBERS):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
             faults.append(f"{where}: {port} is {shape}; {_taken(where)} takes scalar numbers")
     for picture in case.pictures:
@@ -642,14 +674,12 @@ def _curves(case):
     for text in case.window:
         yield f"window.{text}", reduced(text).port
     for picture in case.pictures:
-        for port in filter(None, (picture.x, *(port for panel in picture.y for port in panel))):
+        panels = (port for panel in picture.y for port in panel)
+        for port in filter(None, (picture.x, picture.marker, *panels)):
             yield f"pictures.{picture.file}", port
     for name, loop in case.report.loops.items():
         for port in (loop.x, *loop.y):
             yield f"report.loops.{name}", port
-    if motion := case.report.motion:
-        for port in (motion.across, motion.along, motion.rotation):
-            yield "report.motion", port
     for name, study in case.studies.items():
         for port in filter(None, (study.x, *study.curves)):
             yield f"studies.{name}", port

@@ -15,7 +15,7 @@ import time
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Stopped
 
 STARTED = time.perf_counter()
 COMMANDS = {
@@ -58,11 +58,6 @@ app.register_install_completion_command(help="Teach this shell to complete comma
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
-    from ..coupling.stepping import StepFailed
-    from ..participants.fmi2 import ParticipantFault
-    from ..runs.checkpoint import Interrupted
-    from ..runs.recorder import CannotWrite
-
     try:
         app(exit_on_error=False, print_error=True)
     except CycloptsError:
@@ -73,20 +68,9 @@ def main():
             [f"- {f}" for f in error.faults],
         )
         sys.exit(2)
-    except StepFailed as error:
-        say_faults(
-            "stopped:[/] a macro step did not converge, and no halving is left",
-            [error, *getattr(error, "__notes__", ())],
-        )
-    except Interrupted as error:
-        say_faults(f"stopped:[/] {error}", [])
-    except ParticipantFault as error:
-        say_faults(
-            "stopped:[/] an FMU reports a fault of its own",
-            [error, *getattr(error, "__notes__", ())],
-        )
-    except CannotWrite as error:
-        say_faults(f"stopped:[/] {error}", getattr(error, "__notes__", ()))
+    except Stopped as error:
+        title, *lines = [*filter(None, [error.headline]), error, *getattr(error, "__notes__", ())]
+        say_faults(f"stopped:[/] {title}", lines)
     else:
         return
     sys.exit(1)

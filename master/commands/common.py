@@ -18,12 +18,16 @@ Changes = Annotated[list[str], Parameter(name="--set", negative=())]
 
 
 NARROWEST = 150
-"""Columns of a table that is piped into a file or another program."""
+"""Columns of a wide table: in a pipe, and of one whose cells cannot be broken anywhere."""
 
 
-def wide_console():
-    """The console for wide tables: a terminal as wide as it is, a pipe as wide as is needed."""
-    return console if console.is_terminal else Console(width=max(console.width, NARROWEST))
+def wide_console(broken=True):
+    """The console for wide tables: a terminal as wide as it is, a pipe as wide as is needed; with
+    cells that must not be `broken` the terminal breaks the lines.
+    """
+    if broken and console.is_terminal:
+        return console
+    return Console(width=max(console.width, NARROWEST))
 
 
 def say(text):

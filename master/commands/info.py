@@ -47,7 +47,7 @@ def command(fmu: Path):
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
         )
-    wide_console().print(table)
+    wide_console(broken=False).print(table, soft_wrap=True)
 
 
 def _allowed(field):

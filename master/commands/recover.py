@@ -64,7 +64,7 @@ def command(
             )
             console.print(
                 f"{told(results, recorded.time)}  {body.name}: displacement up to "
-                f"{1e6 * body.largest_displacement:.4g} um{stress}",
+                f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}",
                 highlight=False,
                 soft_wrap=True,
             )

@@ -57,6 +57,10 @@ def command(
         distances = {row.run: row.distances for row in said}
         title = f"rms distance from {chosen.reference} / its range"
         console.print(_shown(distances, title, chosen.curves))
+    missed = {row.run: row.truncation for row in said if row.truncation}
+    if missed:
+        names = list(dict.fromkeys(name for row in missed.values() for name in row))
+        console.print(_shown(missed, "what the modes leave out of the deflection", names))
     console.print(
         f"table    {studies.write_table(said, folder / 'study.csv')}",
         highlight=False,
@@ -74,5 +78,9 @@ def _shown(values, title, names):
     heads = [name.split(".")[-1].replace("_", " ") for name in names]
     shown = Table("", *heads, box=None, title=title)
     for run, row in values.items():
-        shown.add_row(run, *(f"{row[name]:.4g}" if row else "" for name in names))
+        shown.add_row(run, *(_digits(row.get(name, "")) for name in names))
     return shown
+
+
+def _digits(value):
+    return value if isinstance(value, str) else f"{value:.4g}"

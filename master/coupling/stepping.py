@@ -7,7 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..fmi.errors import Discard
+from ..fmi.errors import Discard, Stopped, Ticked
+from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
 from .methods.explicit import Explicit
@@ -15,10 +16,12 @@ from .step_control import StepControl
 from .wiring import HeldWire, System, carry
 
 
-class StepFailed(RuntimeError):
+class StepFailed(Stopped):
     """A macro step that no halving could bring to convergence: the run stops, what was accepted
     stays.
     """
+
+    headline = "a macro step did not converge, and no halving is left"
 
 
 class EnergyCreated(RuntimeError):
@@ -128,6 +131,8 @@ class Stepper:
         Where the participants stand [s].
     judge : callable(time, solution), optional
         Raises EnergyCreated unless the converged step that ends at `time` [s] is to be believed.
+    clocks : sequence of HeldWire
+        From clock to clock.
     """
 
     def __init__(
@@ -142,6 +147,7 @@ class Stepper:
         *,
         begin: float = 0.0,
         judge: Callable[[float, Solution], None] | None = None,
+        clocks: Sequence[HeldWire] = (),
     ):
         self.interface = Interface(
             {name: system.participants[name] for name in system.order},
@@ -149,6 +155,7 @@ class Stepper:
             system.parallel,
         )
         self.held = held
+        self.events = Events(self.interface.participants, held, clocks)
         self.method = method if self.interface.size else Explicit()
         self.halvings = halvings
         self.observer = observer or Nobody()
@@ -166,30 +173,64 @@ class Stepper:
 
         A macro step that does not converge, that a participant discards, or in which energy is
         made, is rolled back with cleared history and taken in two halves, or as step control then
-        says; one whose local error is too large is rolled back and taken shorter. Raises StepFailed
-        when no halving is left.
+        says; one whose local error is too large is rolled back and taken shorter. Where clocks
+        tick, a macro step ends (`Events`). Raises StepFailed when no halving is left.
         """
-        if not self.control:
-            self._step(time, step, self.halvings)
-            return
-        end = time + step
-        while time < end:
-            length, last = self.control.length(end - time)
-            if self._controlled_step(self.control, time, length):
-                time = end if last else time + length
+        try:
+            if self.control:
+                self._controlled(self.control, time, step)
+            elif self.events:
+                self._between_ticks(time, step, self.halvings)
+            else:
+                self._step(time, step, self.halvings)
+        except EndlessEvents as failure:
+            raise StepFailed(str(failure)) from None
 
-    def _step(self, time: float, step: float, halvings: int) -> None:
+    def _between_ticks(self, time: float, step: float, halvings: int) -> None:
+        """Macro steps from one tick of a clock to the next."""
+        end = time + step
+        for _ in range(LARGEST_ITERATION):
+            length = self.events.length(time, end - time)
+            time = self._step(time, length, halvings)
+            if end - time <= WHOLE * step:
+                return
+        raise EndlessEvents(f"t = {time:.6g} s: {LARGEST_ITERATION} clock ticks in a macro step")
+
+    def _step(self, time: float, step: float, halvings: int) -> float:
+        """One macro step, or halves of it; the time [s] that it reaches, less than asked for where
+        a clock ticks on the way.
+        """
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
             self.judge(time + step, solution)
             self._accept(time, step, solution)
+        except Ticked as tick:
+            self._roll_back(time, step, saved, tick)
+            return self._step(time, tick.time - time, halvings)
         except (NotConverged, Discard, EnergyCreated) as failure:
             self._give_up(time, step, saved, failure, halvings > 0)
-            self._step(time, step / 2, halvings - 1)
-            self._step(time + step / 2, step / 2, halvings - 1)
+            half = self._between_ticks if self.events else self._step
+            half(time, step / 2, halvings - 1)
+            half(time + step / 2, step / 2, halvings - 1)
         finally:
             self._free(saved)
+        return time + step
+
+    def _controlled(self, control: StepControl, time: float, step: float) -> None:
+        """Macro steps as step control divides what is asked for, each to a tick at the latest."""
+        end = time + step
+        tick = end
+        while time < end:
+            rest = self.events.length(time, end - time) if self.events else end - time
+            rest = min(rest, tick - time) if tick > time else rest
+            length, last = control.length(rest)
+            try:
+                if self._controlled_step(control, time, length):
+                    whole = last and rest == end - time
+                    time = end if whole else time + (rest if last else length)
+            except Ticked as early:
+                tick = early.time
 
     def _controlled_step(self, control: StepControl, time: float, step: float) -> bool:
         """Whether the step was accepted; control knows the next length either way."""
@@ -204,6 +245,9 @@ class Stepper:
                 time, step, saved, f"local error {control.error:.2g} times the allowed one"
             )
             self.counters.rejected_steps += 1
+        except Ticked as tick:
+            self._roll_back(time, step, saved, tick)
+            raise
         except (NotConverged, Discard, EnergyCreated) as failure:
             self._give_up(time, step, saved, failure, control.halve(step))
         finally:

@@ -20,8 +20,8 @@ def port_of(text: str) -> Port:
 
 @dataclass(frozen=True)
 class HeldWire:
-    """A wire that carries no real numbers: what the source says at the beginning of a macro step is
-    set at the target and held over the step.
+    """A wire that carries no real numbers, or ends at a clocked input: what the source says at the
+    beginning of a macro step is set at the target and held over the step.
     """
 
     source: Port
@@ -93,8 +93,9 @@ class System:
 
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
     divides macro steps [s]; parallel : Jacobi's order, every participant reads what the others said
-    in the evaluation before; held : wires that carry no real numbers; cycles : how often begin to
-    stop may be run, one behind the other; masks : participant -> rows of the cells of its fields,
+    in the evaluation before; held : wires that carry no real numbers, or end at clocked inputs;
+    clocks : wires from clock to clock; cycles : how often begin to stop may be run, one behind the
+    other; masks : participant -> rows of the cells of its fields,
     1 where there is one, 0 where not.
     """
 
@@ -111,6 +112,7 @@ class System:
     begin: float = 0.0
     cycles: int = 1
     masks: Mapping[str, list[list[int]]] = field(default_factory=dict)
+    clocks: tuple[HeldWire, ...] = ()
 
     @property
     def end(self) -> float:

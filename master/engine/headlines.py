@@ -15,6 +15,7 @@ from ..case.schema import Case
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
+from ..results.judgement import mean_over
 from .places import Place, thinnest_place, worst_place
 
 FOUR_STROKE = 4 * np.pi
@@ -116,11 +117,6 @@ def last_cycle(results, name):
     return crank.angle >= begin - 1e-6
 
 
-def _mean(time, values):
-    """Mean over time, by trapezia between the rows."""
-    return float(trapezoid(values, time) / (time[-1] - time[0]))
-
-
 def friction_pressure(case, results) -> float | None:
     """Friction mean effective pressure [Pa] of the last whole cycle; None where the run is shorter,
     or does not say what it takes.
@@ -150,7 +146,7 @@ def _friction(run):
         return ""
     within = last_cycle(run.results, run.bodies)
     rows = slice(None) if within is None else within
-    said = f"{short(_mean(run.results.time[rows], power[rows]), 'W')} on average"
+    said = f"{short(mean_over(run.results.time[rows], power[rows]), 'W')} on average"
     pressure = friction_pressure(run.case, run.results)
     return said if pressure is None else f"{said}, FMEP {short(pressure, 'Pa')}"
 
@@ -209,6 +205,6 @@ def _oil(run):
     if content is None or upper is None:
         return ""
     time = run.results.time
-    held, inwards = 1e9 * _mean(time, content), 1e9 * _mean(time, upper)
+    held, inwards = 1e9 * mean_over(time, content), 1e9 * mean_over(time, upper)
     way = "in" if inwards > 0.0 else "out"
     return f"{held:.0f} mm^3 in the film, {abs(inwards):.0f} mm^3/s {way} over the upper edge"

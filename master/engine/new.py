@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -213,13 +213,6 @@ SIZES: dict[str, Size] = {
 """What describes an engine, by option; a rule may use what stands before it."""
 
 
-class Instant(NamedTuple):
-    """Crank angle [deg] and the force of the piston on the bore then [N]."""
-
-    angle: float
-    force: float
-
-
 @dataclass(frozen=True)
 class Engine:
     """An engine of a data sheet.
@@ -317,23 +310,6 @@ class Engine:
     def _height(self, angle: np.ndarray) -> np.ndarray:
         r = self.crank_radius
         return r * np.cos(angle) + np.sqrt(self["rod"] ** 2 - (r * np.sin(angle)) ** 2)
-
-    def largest_side_force(self) -> Instant:
-        """When gas and inertia push the piston hardest against the bore.
-
-        Eq. (D13):  F = (p A + (m_piston + m_pin) Y'') tan beta,   sin beta = r sin phi / L
-                   the share of the rod that moves with the pin left out
-        """
-        angle = np.radians(CYCLE)
-        step = angle[1] - angle[0]
-        acceleration = np.gradient(np.gradient(self._height(angle), step), step)
-        acceleration *= self["speed"] ** 2
-        sine = self.crank_radius * np.sin(angle) / self["rod"]
-        gas = self.gas_pressure(CYCLE) * pi / 4 * self["bore"] ** 2
-        mass = self["mass"] + self["pin_mass"]
-        force = (gas + mass * acceleration) * sine / np.sqrt(1.0 - sine**2)  # Eq. (D13)
-        k = int(np.abs(force).argmax())
-        return Instant(float(CYCLE[k]), float(force[k]))
 
 
 CYCLE = np.arange(-360.0, 361.0, 1.0)
@@ -488,7 +464,6 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
         keep_trailing_newline=True,
         trim_blocks=True,
     )
-    side = found.largest_side_force()
 
     def told(size: str) -> str:
         """Where a size comes from."""
@@ -513,8 +488,6 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
         bore_upper=high,
         volume=f"{1e6 * found.swept_volume:.6g}",
         kind=TITLES[found.motored],
-        side_angle=f"{side.angle:g}",
-        side_force=f"{abs(side.force) / 1e3:.3g}",
         peak=f"{float(found.gas_pressure(CYCLE).max()) / 1e6:.3g}",
         gas=dict(exponent=EXPONENT, ignition=IGNITION, duration=DURATION, gain=f"{found.gain:.4g}"),
         mesh=mesh,

@@ -23,6 +23,11 @@ TRUNCATION_AMBER, TRUNCATION_RED = 0.01, 0.05
 """Missing over whole deflection under the film at the worst instant: our own choice."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Of the interface work: by how much both sides' accounts of it may differ."""
+SHARE_AMBER = 0.05
+"""Of what passed in a step: energy that an accepted one made. Half of what is refused."""
+MADE_AMBER, MADE_RED = 1e-3, 1e-2
+"""Of what was exchanged over the run: energy that came from nowhere, as `WORK_AMBER`: our own
+choice."""
 
 
 FORCE_AMBER, FORCE_RED = 0.25, 0.75
@@ -92,14 +97,31 @@ def _of_summary(summary):
             f"both sides' interface work differs by {share:.2g} of it, allowed {WORK_AMBER:g}",
         )
     if "energy_refused_steps" in summary:
-        count = summary["energy_refused_steps"]
-        share = summary["energy_created_share_max"]
-        yield Verdict(
-            "amber" if count else "green",
-            "energy ledger",
-            f"{count} steps in which energy came from nowhere were refused and halved; of the "
-            f"accepted ones none made more than {max(share, 0.0):.2g} of what passed to and fro",
-        )
+        yield _of_ledger(summary)
+
+
+def _of_ledger(summary):
+    """Energy from nowhere: in a step, and over the run.
+
+    Eq. (X16):  made = sum over participants of E_i / max |E_i|     E_i: what each took over the run
+
+    Heat that no account counts makes it negative in a right run.
+    """
+    count = summary["energy_refused_steps"]
+    share = max(summary["energy_created_share_max"], 0.0)
+    taken = [value for key, value in summary.items() if key.startswith("energy_taken_")]
+    whole = max(map(abs, taken), default=0.0)
+    made = sum(taken) / whole if whole > 0.0 else 0.0  # Eq. (X16)
+    colour = _colour(made, MADE_AMBER, MADE_RED)
+    if colour == "green" and (count or share > SHARE_AMBER):
+        colour = "amber"
+    return Verdict(
+        colour,
+        "energy ledger",
+        f"{count} steps in which energy came from nowhere were refused and halved; of the accepted "
+        f"ones none made more than {share:.2g} of what passed to and fro, allowed {SHARE_AMBER:g}; "
+        f"over the run {max(made, 0.0):.2g} of what was exchanged, allowed {MADE_AMBER:g}",
+    )
 
 
 def _of_truncation(summary):

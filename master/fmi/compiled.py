@@ -12,7 +12,7 @@ are compiled anew in each process.
 """
 
 from contextlib import suppress
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -53,8 +53,15 @@ class KernelCache(FunctionCache):
 
     def __init__(self, kernel):
         super().__init__(kernel)
-        self._cache_file = IndexDataCacheFile(
-            self._cache_path, self._impl.filename_base, stamp(kernel.__code__.co_filename)
+        del self._cache_file  # numba's own stamp
+
+    @cached_property
+    def _cache_file(self):
+        """Made when a kernel is first called: the stamp reads many files."""
+        return IndexDataCacheFile(
+            self._cache_path,
+            self._impl.filename_base,
+            stamp(self._py_func.__code__.co_filename),
         )
 
     def load_overload(self, signature, target_context):

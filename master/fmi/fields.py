@@ -19,8 +19,11 @@ TYPES_3 = {
     "Boolean": "Boolean",
     "String": "String",
     "Binary": "Binary",
+    "Clock": "Clock",
 }
-"""FMI 3 types that can take part, by their FMI 2 names: all but clocks."""
+"""FMI 3 types by their FMI 2 names, where those have one."""
+NO_NUMBERS = ("String", "Binary", "Clock")
+"""Types that cannot be recorded as numbers."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,8 @@ class Field:
     3 the array's one. `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first
     element ("1" and None where the FMU says nothing), `derivative_of` names the field whose time
     derivative this one is, `definition` is what the FMU says of its unit, `choices` are the items
-    of an enumeration: name -> value; `native` is the type's name in FMI 3, where that says more.
+    of an enumeration: name -> value; `native` is the type's name in FMI 3, where that says more;
+    `clocked` tells that it changes at ticks of a clock alone.
     """
 
     name: str
@@ -76,6 +80,7 @@ class Field:
     definition: UnitDefinition | None = None
     choices: dict[str, int] = field(default_factory=dict)
     native: str | None = None
+    clocked: bool = False
 
     @cached_property
     def size(self):
@@ -109,10 +114,11 @@ def gather_fields(description, sizes=None):
     """
     units = {unit.name: _definition(unit.baseUnit) for unit in description.unitDefinitions}
     if description.fmiVersion.startswith("3"):
+        events = bool(description.coSimulation and description.coSimulation.hasEventMode)
         return {
-            v.name: _array(v, units, sizes or {})
+            v.name: _array(v, units, sizes or {}, events)
             for v in description.modelVariables
-            if v.type in TYPES_3
+            if v.type in TYPES_3 and (events or v.type != "Clock")
         }
     groups = {}
     for variable in description.modelVariables:
@@ -163,11 +169,11 @@ def _field(base, members, units):
     return _described(base, shape, [v for _, v in members], members[0][1].type, units)
 
 
-def _array(variable, units, sizes):
-    """Field of an FMI 3 variable."""
+def _array(variable, units, sizes, events):
+    """Field of an FMI 3 variable; events: clocks, too, are used."""
     shape = tuple(_extent(variable.name, dimension, sizes) for dimension in variable.dimensions)
     field = _described(variable.name, shape, [variable], TYPES_3[variable.type], units)
-    return replace(field, native=variable.type)
+    return replace(field, native=variable.type, clocked=events and bool(variable.clocks))
 
 
 def _extent(name, dimension, sizes):

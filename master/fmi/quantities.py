@@ -80,6 +80,15 @@ def duration(name, text):
     return seconds
 
 
+def is_angle(text: str) -> bool:
+    """Whether a text is an angle; a pure number is none."""
+    try:
+        units = registry().Quantity(text).units
+    except Exception:
+        return False
+    return units.is_compatible_with("rad") and str(units) != "dimensionless"
+
+
 def is_known(unit: str) -> bool:
     """Whether a unit can be read; FMI leaves FMUs free to name theirs as they like."""
     try:

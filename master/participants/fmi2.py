@@ -57,6 +57,7 @@ class FmuParticipant:
     """
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
+    has_clocks = False
 
     def __init__(self, name, path, sizes=None):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}

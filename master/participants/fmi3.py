@@ -90,11 +90,8 @@ class Fmu3Participant(FmuParticipant):
 
     @cached_property
     def _has_events(self):
-        """Whether the FMU is used with Event Mode; where clocks tick, which are not offered, it
-        sees to its events itself.
-        """
-        clocks = any(v.type == "Clock" for v in self.description.modelVariables)
-        return bool(self.description.coSimulation.hasEventMode) and not clocks
+        """Whether the FMU is used with Event Mode."""
+        return bool(self.description.coSimulation.hasEventMode)
 
     @cached_property
     def _discrete(self):
@@ -137,9 +134,7 @@ class Fmu3Participant(FmuParticipant):
             self._call("fmi3DoStep", self._fmu.component, at, end - at, False, *references)
             event, finished, early = (flag.value for flag in flags)
             if event and self._has_events and not finished:
-                self._fmu.enterEventMode()
-                finished = self._settle_events()
-                self._fmu.enterStepMode()
+                finished = self._meet(reached.value, end, step)
             if finished:
                 self._end(reached.value, end, step)
                 return
@@ -148,6 +143,15 @@ class Fmu3Participant(FmuParticipant):
             if not reached.value > at:
                 raise Discard(f"{self.name}: returns early at t = {at:.6g} s and does not go on")
             at = reached.value
+
+    def _meet(self, reached, end, step):
+        """Event Mode where a step that is to end at `end` has met an event [s]; whether the FMU
+        asks for the end of the simulation.
+        """
+        self._fmu.enterEventMode()
+        finished = self._settle_events()
+        self._fmu.enterStepMode()
+        return finished
 
     def _listed(self, field):
         """Values of all elements of a field that is not real."""

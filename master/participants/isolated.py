@@ -56,6 +56,7 @@ class IsolatedParticipant:
         self.can_serialise = participant.can_serialise
         self.can_interpolate = participant.can_interpolate
         self.declares_units = participant.declares_units
+        self.has_clocks = participant.has_clocks
         self._process: Any = None
         self._queue: list[tuple[str, tuple]] = []
         self._awaited: Any = None
@@ -97,7 +98,7 @@ class IsolatedParticipant:
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
         self._fresh = set()  # an output may follow its input at once
-        if self.fields[name].type == "Real":
+        if self.fields[name].type == "Real" and not self.fields[name].clocked:
             self._values[name][...] = value
             self._queue.append(("write", (name,)))
         else:
@@ -114,7 +115,7 @@ class IsolatedParticipant:
         """Value of a field: array of its shape, or a Python scalar. What was read once comes along
         with every step.
         """
-        if self.fields[name].type != "Real":
+        if self.fields[name].type != "Real" or self.fields[name].clocked:
             return self._ask("get", name)
         if name not in self._fresh:
             self._ask("read", name)
@@ -126,6 +127,19 @@ class IsolatedParticipant:
     def get_many(self, names):
         """Values of several scalars: dict of name to float or int."""
         return self._ask("get_many", list(names))
+
+    def stop_at(self, clocks):
+        """See `ClockedFmu3.stop_at`."""
+        self._ask("stop_at", clocks)
+
+    def tick(self, time, step):
+        """See `ClockedFmu3.tick`."""
+        self._fresh = set()
+        self._ask("tick", time, step)
+
+    def next_tick(self):
+        """See `ClockedFmu3.next_tick`."""
+        return self._ask("next_tick")
 
     def step(self, time, step):
         """One step [s]; raises Discard or ParticipantFault as `FmuParticipant.step` does."""

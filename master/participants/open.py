@@ -1,11 +1,15 @@
 """Open an FMU of either version of the standard as a participant."""
 
+import re
 import zipfile
 from contextlib import suppress
 
+from .clocks import ClockedFmu3
 from .fmi2 import FmuParticipant
 from .fmi3 import Fmu3Participant
 from .substeps import Substeps
+
+EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
 def open_fmu(name, path, sizes=None, step=None):
@@ -29,6 +33,7 @@ def open_fmu(name, path, sizes=None, step=None):
 
 def _kind(path):
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
-        if b'fmiVersion="3' in archive.open("modelDescription.xml").read(2000):
-            return Fmu3Participant
+        text = archive.read("modelDescription.xml")
+        if b'fmiVersion="3' in text[:2000]:
+            return ClockedFmu3 if b"<Clock" in text and EVENTS.search(text) else Fmu3Participant
     return FmuParticipant

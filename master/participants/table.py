@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..fmi.errors import BadInput
 from ..fmi.fields import Field
@@ -56,6 +55,8 @@ class TableParticipant:
         for column, unit, values in zip(names, units, columns):
             self._add(column, unit, values, f"column {column} of {self.path.name}")
         if kind == "cubic":
+            from scipy.interpolate import CubicSpline  # slow to import, and few tables are cubic
+
             for column, unit in list(zip(names, units)):
                 spline = CubicSpline(self.times, self.columns[column])
                 self.columns[column] = spline

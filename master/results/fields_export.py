@@ -160,11 +160,11 @@ def write_hdf5(blocks, path, places=()):
 
 
 def write_vtu(blocks, path, radius, length):
-    """A VTU file an instant, of quadrilateral cells on the cylinder of `radius` and `length` [m],
-    and a .pvd file over them all.
+    """Quadrilateral cells on the cylinder of `radius` and `length` [m]: of one instant the VTU file
+    `path`, of several a .pvd file of that name, and a VTU file for each in the folder of that name.
 
     Index i runs around from +z towards +x, cell floor(n/4) + 1 centred on +x, j along y. Returns
-    the paths written.
+    the file to open.
     """
     import meshio
 
@@ -179,18 +179,26 @@ def write_vtu(blocks, path, radius, length):
     cells = np.stack(
         [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
     ).reshape(-1, 4)
-    written = []
-    lines = []
-    for k, time in enumerate(block.times):
-        file = path.with_name(f"{path.stem}_{k:05d}.vtu")
+
+    def write(file, k):
         data = {f"{part.name} [{part.unit}]": [part.values[k].ravel()] for part in blocks}
         meshio.write(file, meshio.Mesh(points, [("quad", cells)], cell_data=data))
-        written.append(file)
-        lines.append(f'    <DataSet timestep="{float(time)!r}" file="{file.name}"/>')
+
+    if len(block.times) == 1:
+        write(path, 0)
+        return path
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    lines = []
+    for k, time in enumerate(block.times):
+        file = folder / f"{path.stem}_{k:05d}.vtu"
+        write(file, k)
+        within = file.relative_to(path.parent).as_posix()
+        lines.append(f'    <DataSet timestep="{float(time)!r}" file="{within}"/>')
     collection = path.with_suffix(".pvd")
     collection.write_text(
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
         + "\n".join(lines)
         + "\n  </Collection>\n</VTKFile>\n"
     )
-    return [*written, collection]
+    return collection

@@ -1,15 +1,19 @@
-"""Instants of a run, asked for as a time or as a crank angle."""
+"""Instants of a run, asked for as a time, as a crank angle, or by the extreme of an output."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ..case.contract import players
+from ..case.schema import reduced
 from ..fmi.errors import BadInput
-from ..fmi.quantities import registry, short, to_si
+from ..fmi.option_classes import near
+from ..fmi.quantities import is_angle, short, to_si
 
 CRANK_ANGLE = "crank_angle"
 """Output that the contract has of a participant in the role `bodies`."""
+EXTREMES = {"min": np.argmin, "max": np.argmax}
+"""Row of the smallest and the largest value; of equal ones the first."""
 
 
 class CrankAngle(NamedTuple):
@@ -32,7 +36,8 @@ def crank_angle(results) -> CrankAngle | None:
 
 def instant(results, text: str) -> float:
     """Time [s] of "18 ms" or of "648 deg", a crank angle as the results have it: of several cycles
-    that goes on over the first one, 24 deg after firing of the second being 744 deg.
+    that goes on over the first one, 24 deg after firing of the second being 744 deg; or of "max
+    bodies.side_force", where a scalar output is largest, likewise smallest.
 
     Parameters
     ----------
@@ -42,13 +47,20 @@ def instant(results, text: str) -> float:
     Raises
     ------
     BadInput
-        If it is neither, or one that the run does not come by.
+        If it is none of them, or one that the run does not come by or has not recorded.
     """
-    if not _is_angle(text):
+    kind, port = reduced(text)
+    if kind in EXTREMES:
+        if port not in results.ports:
+            raise BadInput(f"{text!r}: the run has no {port}{near(port, results.ports)}")
+        return float(results.time[EXTREMES[kind](results.series(port).values)])
+    if not is_angle(text):
         try:
             time = to_si(text, "s")
         except ValueError as error:
-            raise BadInput(f"{error}, or a crank angle, e.g. '24 deg'") from None
+            raise BadInput(
+                f"{error}, or a crank angle, e.g. '24 deg', or 'max bodies.side_force'"
+            ) from None
         begin, *_, end = results.time
         if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
             raise BadInput(f"{text!r}: the run goes from {short(begin, 's')} to {short(end, 's')}")
@@ -62,15 +74,6 @@ def instant(results, text: str) -> float:
         low, high = np.degrees([first, last])
         raise BadInput(f"{text!r}: the run goes from {low:.6g} to {high:.6g} deg of crank angle")
     return float(np.interp(wanted, crank.angle, crank.time))
-
-
-def _is_angle(text: str) -> bool:
-    """Whether a text is an angle; a pure number is none."""
-    try:
-        units = registry().Quantity(text).units
-    except Exception:
-        return False
-    return units.is_compatible_with("rad") and str(units) != "dimensionless"
 
 
 def told(results, time: float) -> str:

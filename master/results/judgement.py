@@ -3,7 +3,7 @@ the work in a loop.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,17 @@ from ..case.schema import reduced
 from ..coupling.wiring import port_of
 from ..fmi.quantities import pint_unit, registry, to_si
 
-REDUCTIONS = {"min": np.min, "max": np.max, "mean": np.mean, "last": lambda values: values[-1]}
+REDUCTIONS = {
+    "min": lambda time, values: values.min(),
+    "max": lambda time, values: values.max(),
+    "mean": lambda time, values: mean_over(time, values),
+    "last": lambda time, values: values[-1],
+}
+
+
+def mean_over(time: np.ndarray, values: np.ndarray) -> float:
+    """Mean over time, each row as heavy as the step is long that ends there: Eq. (Z8)."""
+    return float(np.diff(time) @ values[1:] / (time[-1] - time[0]))
 
 
 @dataclass(frozen=True)
@@ -84,7 +94,7 @@ def windows(case, results) -> list[Window]:
         kind, port = reduced(text)
         values, unit, _ = results.series(port)
         low, high = (to_si(limit, unit) for limit in limits)
-        judged.append(Window(text, unit, float(REDUCTIONS[kind](values)), low, high))
+        judged.append(Window(text, unit, float(REDUCTIONS[kind](results.time, values)), low, high))
     return judged
 
 
@@ -126,7 +136,7 @@ def loop_curve(case, results, loop):
 
 
 def loop_work(case, results, loop):
-    """Work in a loop, divided by its `per`, in its unit.
+    """Work in a loop, in its unit.
 
     Eq. (X4):  W = |closed integral of y dx|  by trapezia between the recorded steps, second
                order in the step
@@ -135,5 +145,4 @@ def loop_work(case, results, loop):
     # Eq. (X4)
     work = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))
     quantity = registry().Quantity(work, f"{pint_unit(y_unit)} * {pint_unit(x_unit)}")
-    ratio: Any = quantity / registry().Quantity(loop.per)
-    return float(ratio.to(loop.unit).magnitude)
+    return float(quantity.to(loop.unit).magnitude)

@@ -19,7 +19,7 @@ from markdown_it import MarkdownIt
 from plotly.offline import get_plotlyjs
 
 from ..case.schema import reduced
-from ..fmi.quantities import short, to_si
+from ..fmi.quantities import short
 from .charts import Phase, Section, as_data, field_data, health_section, picture_section
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
@@ -300,8 +300,8 @@ def nearest(sorted_values, wanted):
 
 
 def page_data(case, runs, special) -> dict[str, Any]:
-    """What the page's script draws: the cursor with its words, field frames, the moving outline,
-    charts, a colour table.
+    """What the page's script draws: the cursor with its words, field frames, bodies, charts,
+    a colour table.
     """
     cursor = cursor_of(runs)
     columns = Columns()
@@ -323,7 +323,6 @@ def page_data(case, runs, special) -> dict[str, Any]:
         "phases": [vars(phase) for phase in special.phases],
         "strip": [_strip(case, port, runs, cursor, columns) for port in special.strip],
         "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
-        "motion": motion_frames(case.report.motion, runs, cursor) if case.report.motion else None,
         "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
@@ -403,24 +402,3 @@ def field_unit(case, results, port):
         and results.dataset(other).attrs["unit"] == si
     ]
     return known[alike[0]] if alike else None
-
-
-def motion_frames(motion, runs, cursor):
-    """Outline, lines and the three motions at the cursor's positions, in SI."""
-
-    def point(pair):
-        return [to_si(text, "m") for text in pair]
-
-    tracks = [
-        {
-            key: results.series(getattr(motion, key)).values[rows].tolist()
-            for key in ("across", "along", "rotation")
-        }
-        for results, rows in zip(runs.values(), cursor.rows)
-    ]
-    return {
-        "outline": [point(p) for p in motion.outline],
-        "lines": [[point(p) for p in line] for line in motion.lines],
-        "exaggeration": motion.exaggeration,
-        "tracks": tracks,
-    }

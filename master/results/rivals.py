@@ -14,22 +14,18 @@ from ..case.contract import Curve, contract, in_place_of, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
 from .file import Results
+from .judgement import mean_over
 from .pictures import PALETTE
 
 CELLS = {"min": np.min, "sum": np.sum}
 """A field's cells made one number."""
 
 
-def rms(values: np.ndarray) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
 INSTANTS = {
-    "min": np.min,
-    "mean": np.mean,
-    "rms": rms,
-    "mean size": lambda values: np.abs(values).mean(),
+    "min": lambda time, values: values.min(),
+    "mean": mean_over,
+    "rms": lambda time, values: np.sqrt(mean_over(time, values**2)),
+    "mean size": lambda time, values: mean_over(time, np.abs(values)),
 }
 """A curve made one number."""
 
@@ -176,7 +172,7 @@ def measures(
     return {
         label: [
             *(
-                float(INSTANTS[curve.instants](drawn(curve, one, first)[1]))
+                float(INSTANTS[curve.instants](*drawn(curve, one, first)))
                 for curve in contract()[role].curves
             ),
             *(summaries[label][key] for key, _ in COST.values()),

@@ -16,14 +16,14 @@ from types import SimpleNamespace
 from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Stopped
 from ..participants.plain import NotPlain, pack, unpack
 from .extrapolation import Extrapolation
 from .reductions import Reduction
 from .repetition import Repetition
 
 
-class Interrupted(RuntimeError):
+class Interrupted(Stopped):
     """The run was told to stop and has left a checkpoint."""
 
     def __init__(self, output, time):

@@ -30,7 +30,8 @@ import numpy as np
 
 from ..case.contract import contract
 from ..coupling.wiring import port_of
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Stopped
+from ..fmi.fields import NO_NUMBERS
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
 from ..results.file import dataset_path
 
@@ -44,7 +45,7 @@ LONGEST_WAIT = 1.0
 """Seconds that a row waits in memory at most while the run goes on."""
 
 
-class CannotWrite(RuntimeError):
+class CannotWrite(Stopped):
     """A file of the run cannot be written: the disk is full, or it is not ours."""
 
     @classmethod
@@ -103,7 +104,7 @@ class Recorder:
             name: [
                 f
                 for f in p.fields.values()
-                if f.causality == "output" and not f.shape and f.type not in ("String", "Binary")
+                if f.causality == "output" and not f.shape and f.type not in NO_NUMBERS
             ]
             for name, p in participants.items()
         }

@@ -9,29 +9,37 @@ from ..coupling.wiring import port_of
 class Reduction:
     """One summary entry: "min|max|mean|last participant.variable" over all macro steps.
 
-    It keeps as many numbers however long the run is. The mean is of a compensated sum, so that it
-    has the error of a single addition.
+    It keeps as many numbers however long the run is. The mean is over time, each step as heavy as
+    it is long, of a compensated sum, so that it has the error of a single addition.
+
+    Eq. (Z8):  mean = sum of H_k y(t_k) / sum of H_k,   H_k: length of the step that ends at t_k
+
+    Parameters
+    ----------
+    name, text : str
+    begin : float
+        Where the first step begins [s].
 
     References
     ----------
     [Neumaier1974] A. Neumaier, ZAMM 54, 39-51.
     """
 
-    def __init__(self, name, text):
+    def __init__(self, name, text, begin):
         self.name = name
+        self.begin = self.time = begin
         self.kind, port = reduced(text)
         self.owner, self.variable = port_of(port)
-        self.count = 0
         self.total = 0.0
         self.lost = 0.0
         self.value: Any = None
 
-    def add(self, values):
-        """Take the outputs (participant -> variable -> number) at the end of a step."""
+    def add(self, time, values):
+        """Take the outputs (participant -> variable -> number) at the end of a step, `time` [s]."""
         value = values[self.owner][self.variable]
-        self.count += 1
+        length, self.time = time - self.time, time
         if self.kind == "mean":
-            self._sum(float(value))
+            self._sum(length * float(value))  # Eq. (Z8)
         elif self.value is None or self.kind == "last":
             self.value = value
         elif value != value or (value < self.value if self.kind == "min" else value > self.value):
@@ -46,5 +54,5 @@ class Reduction:
     def result(self):
         """The entry."""
         if self.kind == "mean":
-            return (self.total + self.lost) / self.count
+            return (self.total + self.lost) / (self.time - self.begin)  # Eq. (Z8)
         return self.value if self.kind == "last" else float(self.value)

@@ -165,6 +165,7 @@ class March:
             system.held,
             begin=system.begin,
             judge=self.judge,
+            clocks=system.clocks,
         )
         if begin_at:
             try:
@@ -181,7 +182,7 @@ class March:
             )  # that of an older run, whose results give way to these
             self.account = Account(
                 self.stepper.counters,
-                [Reduction(name, text) for name, text in case.summary.items()],
+                [Reduction(name, text, system.begin) for name, text in case.summary.items()],
                 InterfaceWork(self.stepper.interface, case.wires, system.begin),
                 self.stepper.interface.spent,
                 repetition=repetition(case, tree, system),
@@ -283,8 +284,10 @@ class March:
             self.say(done)
         self.recorder.close()
         account.steps_done = 0
-        account.reductions = [Reduction(name, text) for name, text in self.case.summary.items()]
         begin = self.system.begin + self._behind()
+        account.reductions = [
+            Reduction(name, text, begin) for name, text in self.case.summary.items()
+        ]
         account.work = InterfaceWork(self.stepper.interface, self.case.wires, begin)
         account.ledger = self._ledger()
         account.rows = 0
@@ -339,7 +342,7 @@ class March:
         if account.repetition:
             account.repetition.note(self.system.participants)
         for reduction in account.reductions:
-            reduction.add(values)
+            reduction.add(time, values)
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
             exchange = account.work.add(time, solution.inputs, self.stepper.interface.read())

@@ -1,7 +1,7 @@
 """Studies: a handful of runs of one case, held against one of them, with what each has cost."""
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,7 +32,9 @@ class StudyRow:
     """What a run of a study says; a run that has not finished says nothing but its status.
 
     summary : the case's own entries, by name, in the SI units of their variables;
-    distances : root mean square distance from the reference over its range [-], by curve.
+    distances : root mean square distance from the reference over its range [-], by curve;
+    truncation : what the modes leave out of the deflection [-], by the summary's entry, or why it
+    cannot be said.
     """
 
     run: str
@@ -40,12 +42,14 @@ class StudyRow:
     cost: Cost | None
     summary: dict[str, float]
     distances: dict[str, float]
+    truncation: dict[str, float | str] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
         """Name -> value, a row of the CSV file."""
         cost = self.cost._asdict() if self.cost else {}
         distances = {f"rms {port}": value for port, value in self.distances.items()}
-        return {"run": self.run, "status": self.status} | cost | self.summary | distances
+        said = cost | self.summary | distances | self.truncation
+        return {"run": self.run, "status": self.status} | said
 
 
 def study_points(path, changes, name):
@@ -110,6 +114,7 @@ def _study_row(study, case, row, results, reference):
         Cost(*(row[key] for key in Cost._fields)),
         {key: row[key] for key in case.summary},
         distances,
+        {key: value for key, value in row.items() if key.startswith("truncation_error")},
     )
 
 
@@ -120,7 +125,7 @@ def _curve(results, x, y):
 def write_table(rows, path):
     """CSV of the rows; what an unfinished run does not say is left empty."""
     records = [row.record() for row in rows]
-    names = max((list(record) for record in records), key=len)
+    names = list(dict.fromkeys(name for record in records for name in record))
     with open(path, "w", newline="") as file:
         writer = csv.DictWriter(file, names, restval="")
         writer.writeheader()

@@ -145,18 +145,21 @@ def run_point(tree, case_folder, output):
     Returns
     -------
     dict
-        status ("done", "failed" or "bad input"), message, and the summary of a run that is done.
+        status ("done", "failed" or "bad input"), message, and the summary of a run that is done,
+        what its modes leave out included.
     """
     from ..case.system import open_system
     from ..coupling.stepping import StepFailed
-    from ..participants.fmi2 import ParticipantFault
+    from ..engine.truncation import state_truncation
+    from ..fmi.errors import ParticipantFault
     from .run import run
 
+    folder = Path(case_folder)
     try:
         case = check_case(tree, case_folder)
-        return {"status": "done", "message": ""} | run(
-            open_system(case, Path(case_folder), _silent), case, tree, Path(output)
-        )
+        summary = run(open_system(case, folder, _silent), case, tree, Path(output))
+        missed = state_truncation(tree, folder, Path(output), _silent)
+        return {"status": "done", "message": ""} | summary | missed
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except (StepFailed, ParticipantFault) as error:

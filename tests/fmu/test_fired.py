@@ -39,6 +39,7 @@ def fired(tmp_path_factory):
         "participants.ehd.build.grid=[20,16]",
         "time.stop=450 deg",
         "time.step=2 deg",
+        "time.smallest_step=2 deg",
     )
     done = subprocess.run(
         [

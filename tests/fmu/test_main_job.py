@@ -37,6 +37,47 @@ def flexible(job):
         yield file
 
 
+@pytest.fixture
+def rigid(job):
+    with h5py.File(job / "results/numerical_example/rigid.h5") as file:
+        yield file
+
+
+THRUST_LINES = np.array([90.0, 270.0])
+
+
+def peaks_off_thrust_line(results):
+    """Angle [deg] between the highest pressure of a recorded instant and the nearer thrust line,
+    shape (n,), of instants that carry half of the run's highest pressure or more.
+    """
+    around = results["fields/ehd/pressure"][:].max(axis=2)
+    around = around[around.max(axis=1) >= 0.5 * around.max()]
+    angle = 360.0 * around.argmax(axis=1) / around.shape[1]
+    return np.abs(angle[:, None] - THRUST_LINES).min(axis=1)
+
+
+def upstroke_friction(results):
+    """Mean friction of the second upstroke [N]; 540 to 720 deg."""
+    up = results["bodies/crank_angle"][:] > np.radians(540.0)
+    hydrodynamic, asperity = (
+        results[f"ehd/friction_force_{kind}"][:][up] for kind in ("hydrodynamic", "asperity")
+    )
+    return np.abs(hydrodynamic + asperity).mean()
+
+
+def test_pressure_moves_to_the_ends_of_the_skirt_where_it_bends(flexible, rigid):
+    """First finding of the source paper: nine tenths of the loaded instants, two cells or more."""
+    assert np.all(peaks_off_thrust_line(rigid) == 0.0)
+    assert np.mean(peaks_off_thrust_line(flexible) >= 18.0) >= 0.9
+
+
+def test_flexible_bodies_keep_a_thicker_film_and_rub_less_on_the_upstroke(flexible, rigid):
+    """Second and third finding; by more than a hundredth, a hundred times the step's error."""
+    thinnest = "ehd/minimum_film_thickness"
+    assert flexible[thinnest][:].min() > 1.01 * rigid[thinnest][:].min()
+    assert upstroke_friction(flexible) < 0.99 * upstroke_friction(rigid)
+
+
 def test_every_step_converged(job, flexible):
     summary = json.loads((job / "summary.json").read_text())
     for run in (summary, summary["variants"]["rigid"]):

@@ -94,12 +94,14 @@ def trends(tmp_path_factory):
         ("participants.ehd.build.grid", [16, 12]),
         ("time.stop", "180 deg"),
         ("time.step", "2 deg"),
+        ("time.smallest_step", "2 deg"),
         ("participants.bodies.parameters.start_crank_angle", "-30 deg"),
         ("record.fields", []),
         ("pictures", []),
         *tree["variants"]["rigid"].items(),
     ]
-    starved = [*changes, *tree["variants"]["starved"].items()]
+    supply = ("participants.ehd.parameters.oil_supply", "bore_and_ring")
+    starved = [*changes, supply, *tree["variants"]["starved"].items()]
     folder = tmp_path_factory.mktemp("sweep")
     return run_all(FLOODED, changes, tree, folder / "flooded") | run_all(
         STARVED, starved, tree, folder / "starved"

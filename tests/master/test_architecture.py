@@ -1,6 +1,7 @@
 """The three packages never import each other; kernels know no FMI."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
@@ -78,3 +79,59 @@ def sources():
     """Files of the package, cases' own scripts left out."""
     files = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
     return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *files]
+
+
+ON_CONDA_FORGE = {"matplotlib": "matplotlib-base"}
+
+
+def test_the_conda_recipe_needs_what_the_package_needs():
+    """Version, dependencies with their bounds, and the command, from one list to the other."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    recipe = (ROOT / "conda.recipe" / "recipe.yaml").read_text()
+    needed = [re.fullmatch(r"([\w-]+)(.*)", text) for text in project["dependencies"]]
+    wanted = [f"{ON_CONDA_FORGE.get(one[1], one[1])} {one[2]}" for one in needed if one]
+    run = recipe.partition("\n  run:\n")[2].partition("\n  run_constraints:")[0]
+    listed = [line.strip().removeprefix("- ") for line in run.splitlines()]
+    assert listed == ["__linux", f"python {project['requires-python']}", *wanted]
+    constrained = recipe.partition("run_constraints:\n")[2].partition("\ntests:")[0]
+    extra = project["optional-dependencies"]["xarray"]
+    said = [line.strip(" -").replace(" ", "") for line in constrained.splitlines() if line]
+    assert said == extra
+    assert f'version: "{project["version"]}"' in recipe
+    ((name, target),) = project["scripts"].items()
+    assert f"- {name} = {target}" in recipe
+
+
+HEAVY = (
+    "numba",
+    "numpy",
+    "scipy",
+    "matplotlib",
+    "plotly",
+    "h5py",
+    "pint",
+    "pydantic",
+    "skfem",
+    "meshio",
+    "fmpy",
+    "gmsh",
+    "xarray",
+    "dask",
+)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]], ids=" ".join)
+def test_the_first_look_costs_no_heavy_import(arguments):
+    """numpy alone is as much as all of `--help`; pint, numba and matplotlib half a second each."""
+    code = f"""
+import sys
+from piston_cosim.master.commands.app import main
+sys.argv = ["piston-cosim", *{arguments!r}]
+try:
+    main()
+except SystemExit:
+    pass
+print("loaded:", *[name for name in {HEAVY!r} if name in sys.modules])
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.stdout.splitlines()[-1] == "loaded:", run.stdout + run.stderr

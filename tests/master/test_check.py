@@ -45,13 +45,13 @@ def test_a_default_of_another_engine_is_told(tmp_path):
     assert "bore_radius = 28.25 mm, its default: the bore radius of bodies is 55 mm" in fault
 
 
-def test_swept_volume_of_another_engine_is_told():
-    assert check("fired_motorcycle").remarks == [
-        line for line in check("fired_motorcycle").remarks if "per = " not in line
-    ]
-    found = check("fired_motorcycle", [("crank_radius", "31 mm")])
-    # pi (36.5 mm)^2 62 mm
-    assert any("FMEP.per = 249.0 cm^3: the model sweeps 259.4" in line for line in found.remarks)
+@pytest.mark.parametrize(
+    "key, value", [("rod_length", "4 m"), ("bore_radius", "2 m"), ("skirt_length", "0.5 mm")]
+)
+def test_a_parameter_out_of_range_is_the_only_fault(key, value):
+    """Not held against the bore, or as its default against the other part, besides."""
+    (fault,) = check("data_sheet", [(key, value)]).faults
+    assert f"{key}: {value} is " in fault and "allowed is" in fault
 
 
 def test_a_case_that_is_no_case_says_why():

@@ -30,13 +30,6 @@ TREE = {
     "window": {"min a.x": ["-2 mm", "0 mm"], "max a.y": ["3 N", "4 N"]},
     "report": {
         "loops": {"work": {"x": "a.x", "y": ["a.y", "a.z"], "period": "1 s", "unit": "mJ"}},
-        "motion": {
-            "across": "a.x",
-            "along": "a.z",
-            "rotation": "a.y",
-            "outline": [["0 m", "0 m"], ["1 m", "0 m"], ["0 m", "1 m"]],
-            "lines": [[["0 m", "0 m"], ["0 m", "1 m"]]],
-        },
     },
     "pictures": [
         {"file": "lines.png", "title": "Lines", "kind": "lines", "x": "a.x", "y": [["a.y"]]}
@@ -112,7 +105,7 @@ def test_page_holds_the_fields(case, results, tmp_path):
     assert (field["low"], field["high"], field["positive"]) == (0.0, 111.0, 1.0)
     every = data["cursor"]["frames"][0]
     assert every == list(range(len(results.instants))), "every recorded instant can be reached"
-    assert len(data["words"][0]) == len(every) == len(data["motion"]["tracks"][0]["along"])
+    assert len(data["words"][0]) == len(every)
     outside = re.sub(r'<script id="plotter".*?</script>', "", page, flags=re.S)
     assert not re.search("https?:", outside), "the page must need nothing else"
     assert {p.suffix for p in (tmp_path / "report").iterdir()} == {".png", ".svg", ".html"}

@@ -66,6 +66,8 @@ def test_distance_from_the_reference(tmp_path):
     summary = dict.fromkeys((*Cost._fields, *case.summary), 1.0)
     rows = [{"run": p.values["run"], "status": "done", "message": ""} | summary for p in points]
     rows[0] = {"run": rows[0]["run"], "status": "failed", "message": "why"}
+    rows[-1]["truncation_error_piston"] = 0.25
+    rows[-2]["truncation_error"] = "not known: nothing recorded"
     runs = {row["run"]: Curve(1.0 if row["run"] == study.reference else 1.1) for row in rows[1:]}
     table = study_rows(study, case, rows, runs)
     assert table[0] == StudyRow(rows[0]["run"], "failed", None, {}, {})
@@ -79,6 +81,9 @@ def test_distance_from_the_reference(tmp_path):
     assert [row["status"] for row in written] == ["failed", *["done"] * (len(rows) - 1)]
     assert written[0]["wall_time_s"] == "" and written[1]["wall_time_s"] == "1.0"
     assert written[-1][f"rms {study.curves[0]}"] == "0.0"
+    assert [row["truncation_error_piston"] for row in written[-2:]] == ["", "0.25"]
+    assert written[-2]["truncation_error"] == table[-2].truncation["truncation_error"]
+    assert table[-2].truncation["truncation_error"] == "not known: nothing recorded"
     del runs[study.reference]
     with pytest.raises(BadInput, match="has not finished"):
         study_rows(study, case, rows, runs)

@@ -11,6 +11,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.sweep import (
     all_points,
     parse_axis,
+    run_point,
     sweep,
     table_for,
     unfinished,
@@ -85,6 +86,23 @@ def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     again = Answering()
     assert sweep(points, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 2)
+
+
+def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):
+    """As a run of its own does; nothing is built here."""
+    asked = []
+
+    def truncation(*given):
+        asked.append(given[:3])
+        return {"truncation_error_piston": 0.1}
+
+    package = "piston_cosim.master"
+    monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
+    monkeypatch.setattr(f"{package}.runs.run.run", lambda *given: {"steps": 3})
+    monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", truncation)
+    row = run_point(tree, str(PATH.parent), str(tmp_path / "run.h5"))
+    assert row == {"status": "done", "message": "", "steps": 3, "truncation_error_piston": 0.1}
+    assert asked == [(tree, PATH.parent, tmp_path / "run.h5")]
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"status": "failed"}', '{"x": 1.0}'])

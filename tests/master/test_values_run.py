@@ -17,8 +17,10 @@ from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.judgement import mean_over
 from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
 from piston_cosim.master.runs.logs import log_path
+from piston_cosim.master.runs.reductions import Reduction
 from piston_cosim.master.runs.run import run
 
 TREE = {
@@ -335,3 +337,13 @@ def test_warnings_of_the_start_are_told(toys, tmp_path):
     said = []
     go(system, tmp_path / "run.h5", say=said.append)
     assert said[:2] == ["plant: the tank leaks", "plant: and is hot"]
+
+
+def test_mean_is_over_time():
+    # steps of 1, 3 and 0.5 s that end at 2, 4 and 10 N: (2 + 12 + 5) / 4.5
+    force = Reduction("mean", "mean plant.y1", 7.0)
+    for time, value in ((8.0, 2.0), (11.0, 4.0), (11.5, 10.0)):
+        force.add(time, {"plant": {"y1": value}})
+    assert force.result() == pytest.approx(19.0 / 4.5, rel=1e-15)
+    time, values = np.array([7.0, 8.0, 11.0, 11.5]), np.array([99.0, 2.0, 4.0, 10.0])
+    assert mean_over(time, values) == pytest.approx(19.0 / 4.5, rel=1e-15)

@@ -85,6 +85,16 @@ def test_a_sound_run_is_green(tmp_path):
     assert set(found) == {"convergence", "energy", "film", "pressure", "side force", "periodic"}
 
 
+def ledgered(refused=0, share=0.049, made=0.0):
+    """Summary entries of the ledger: two participants that exchanged 2 J, one took more."""
+    return {
+        "energy_refused_steps": refused,
+        "energy_created_share_max": share,
+        "energy_taken_ehd_j": -2.0,
+        "energy_taken_bodies_j": 2.0 + 2.0 * made if made < 0 else 2.0 / (1.0 - made),
+    }
+
+
 @pytest.mark.parametrize(
     "given, what, colour",
     [
@@ -105,6 +115,13 @@ def test_a_sound_run_is_green(tmp_path):
         ({"interface_work_imbalance": -2e-3}, "energy", "amber"),
         ({"interface_work_imbalance": 0.02}, "energy", "red"),
         ({"interface_work_imbalance": float("nan")}, "energy", "red"),
+        (ledgered(), "energy ledger", "green"),
+        (ledgered(refused=1), "energy ledger", "amber"),
+        (ledgered(share=0.051), "energy ledger", "amber"),
+        (ledgered(made=0.0009), "energy ledger", "green"),
+        (ledgered(made=0.0011), "energy ledger", "amber"),
+        (ledgered(made=0.011), "energy ledger", "red"),
+        (ledgered(made=-0.2, share=-float("inf")), "energy ledger", "green"),
         (missed("piston", 0.0099), "truncation", "green"),
         (missed("piston", 0.011), "truncation", "amber"),
         (missed("block", 0.051), "truncation", "red"),

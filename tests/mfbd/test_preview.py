@@ -70,7 +70,9 @@ def test_sheet_stroke_and_clearance_by_hand(tmp_path):
 def test_an_interference_when_hot_is_told(tmp_path):
     growth = dict.fromkeys(("skirt_growth_lower", "skirt_growth_upper"), 55e-6)
     seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
-    assert any("wider than the bore by 15 um when hot" in line for line in seen.remarks)
+    assert any(
+        "wider than the bore by 15 \N{MICRO SIGN}m when hot" in line for line in seen.remarks
+    )
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.offline import _skin
+from piston_cosim.fmu_mfbd.offline import AROUND, _skin, cylinder, skins
 from piston_cosim.fmu_mfbd.reduction.mode_tables import recover
 from piston_cosim.fmu_mfbd.reduction.reduce import Reduced
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston
@@ -35,3 +35,33 @@ def test_displacement_at_the_corners_is_the_recovered_one():
     shown = (skin.modes @ q)[skin.triangles]
     assert shown == pytest.approx(whole, rel=1e-12)
     assert _skin("block", Reduced(body_of(ReducedBlock), anatomy)).skirt is None
+
+
+@pytest.mark.parametrize("top", [True, False])
+def test_a_cylinder_has_the_area_and_the_volume_of_its_prism(top):
+    """Of a prism over a regular polygon; the divergence theorem over the wall and the top."""
+    radius, low, high = 0.04, -0.02, 0.03
+    drawn = cylinder("any", radius, (low, high), top)
+    a, b, c = np.moveaxis(drawn.points[drawn.triangles], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    base = AROUND / 2 * radius**2 * np.sin(2 * np.pi / AROUND)
+    wall = 2 * AROUND * radius * np.sin(np.pi / AROUND) * (high - low)
+    assert area == pytest.approx(wall + top * base, rel=1e-12)
+    outwards = np.einsum("ti,ti->t", a, np.cross(b - a, c - a)) / 6
+    # the wall gives 2/3 of base times length, the top a third of base times its height
+    whole = base * (2 * (high - low) + top * high) / 3
+    assert abs(outwards.sum()) == pytest.approx(whole, rel=1e-12)
+    assert drawn.modes.shape == (len(drawn.points), 3, 0)
+    assert drawn.skirt == ((low, high) if top else None)
+
+
+def test_bodies_of_a_data_sheet_are_cylinders(tmp_path):
+    sheet = {"mass": "1 kg", "centre": ["0 mm", "0 mm"], "inertia": "1 g*m^2", "radius": "40 mm"}
+    piston = {"rigid": sheet, "skirt_lower": "-20 mm", "skirt_upper": "30 mm"}
+    block = {"rigid": {"radius": "41 mm"}, "bore_lower": "90 mm", "bore_upper": "200 mm"}
+    drawn = skins({"grid": [4, 4], "piston": piston, "block": block}, tmp_path, print)
+    assert [(one.name, one.skirt) for one in drawn] == [("piston", (-0.02, 0.03)), ("block", None)]
+    reached = [np.hypot(one.points[:, 0], one.points[:, 2]).max() for one in drawn]
+    assert reached == pytest.approx([0.04, 0.041], rel=1e-12)
+    low, high = drawn[1].points[:, 1].min(), drawn[1].points[:, 1].max()
+    assert (low, high) == pytest.approx((0.09, 0.2), rel=1e-12)

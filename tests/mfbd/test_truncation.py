@@ -178,6 +178,11 @@ def test_what_is_not_recorded_is_said(tmp_path):
     (tmp_path / "c.h5").write_text("nothing")
     with pytest.raises(NotRecorded, match="c.h5 is no results file of a run"):
         recorded_loads(tmp_path / "c.h5", GRID)
+    two = results(tmp_path / "d.h5", {}, film)
+    with h5py.File(two, "a") as file:
+        file["fields/rings/nodal_pressure_force"] = film.pressure
+    with pytest.raises(NotRecorded, match="d.h5 has nodal_pressure_force of ehd, rings: of one"):
+        recorded_loads(two, GRID)
 
 
 @pytest.fixture

@@ -35,6 +35,7 @@ MECHANISM = dict(
     rod_inertia=6e-4,
     rod_centre=31e-3,
     pin_mass=0.07,
+    pin_friction_coefficient=0.0,
 )
 PIN_OFFSET = 0.8e-3
 
@@ -188,7 +189,8 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
     rubbing = 0.0
     for _ in range(200):
         a = solve(rubbing)
-        size = o["pin_friction_coefficient"] * o["pin_radius"] * hypot(a[3], a[4])
+        arm = o["pin_radius"] or (BORE - 1e-4) / 4  # a quarter of the skirt's radius
+        size = o["pin_friction_coefficient"] * arm * hypot(a[3], a[4])
         rubbing = -size * tanh(slip / o["pin_friction_speed"]) - o["pin_friction_damping"] * slip
     return dict(
         lateral=a[0],
@@ -198,6 +200,7 @@ def newton_euler(o, gas, turn=0.0, load_torque=None):
         turn=a[10],
         torque=o["crank_inertia"] * a[10] + cross(crank, a[7:9]),
         friction=rubbing,
+        heat=-rubbing * slip,
         position=crank[1] + rod[1],
         velocity=crank_rate[1] + rod_rate * rod[0],
     )
@@ -212,7 +215,12 @@ RUBBING = dict(
 )
 
 
-@pytest.mark.parametrize("rubbing", [{}, RUBBING], ids=["smooth pin", "rubbing pin"])
+AS_SHIPPED = dict(pin_friction_coefficient=0.01)  # and the arm by default
+
+
+@pytest.mark.parametrize(
+    "rubbing", [{}, AS_SHIPPED, RUBBING], ids=["smooth pin", "pin as shipped", "rubbing pin"]
+)
 @pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
 def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
     """At the start, and at the end of a step in which the crank speeds up. 1e-9: Newton's method
@@ -241,6 +249,8 @@ def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
             assert o[key] == pytest.approx(value, abs=1e-9 * size)
         assert o["crank_torque"] == pytest.approx(want["torque"], abs=1e-9 * size * 0.03)
         assert o["pin_friction_moment"] == pytest.approx(want["friction"], rel=1e-8)
+        assert o["pin_friction_power"] == pytest.approx(want["heat"], rel=1e-8)
+        assert (o["pin_friction_power"] > 0.0) == bool(rubbing)
         assert o["piston_position"] == near(want["position"], rel=1e-13)
         assert o["piston_velocity"] == near(want["velocity"])
         assert o["side_force"] == near((push * np.sin(THETA)[:, None]).sum())

@@ -288,32 +288,6 @@ function whenSeen(node, paint) {
   return () => { if (seen) paint(); };
 }
 
-// the moving outline between its lines; sideways motion and rotation exaggerated
-function body(parent, motion, track, label) {
-  const figure = element("figure", parent), canvas = element("canvas", figure), caption = element("figcaption", figure);
-  figure.style.maxWidth = "340px";
-  const tall = Math.max(...motion.outline.map(p => p[1])), deep = Math.min(...motion.outline.map(p => p[1]));
-  const ends = motion.lines.flat().map(p => p[1]);
-  const top = Math.max(...ends, Math.max(...track.along) + tall), low = Math.min(...ends, Math.min(...track.along) + deep);
-  const paint = () => {
-    const k = +slider.value, { pen, width, height } = sharp(canvas, 400);
-    const scale = (height - 40) / (top - low), X = x => width / 2 + scale * x, Y = y => height - 20 - scale * (y - low);
-    pen.lineWidth = 3; pen.strokeStyle = style("--ink");
-    const room = 0.04 * (top - low);   // drawn clearance at rest, so that the exaggerated motion has room
-    motion.lines.forEach(([a, b]) => {
-      const push = Math.sign(a[0]) * room;
-      pen.beginPath(); pen.moveTo(X(a[0] + push), Y(a[1])); pen.lineTo(X(b[0] + push), Y(b[1])); pen.stroke();
-    });
-    const s = motion.exaggeration, turn = s * track.rotation[k], c = Math.cos(turn), d = Math.sin(turn);
-    pen.beginPath();
-    motion.outline.forEach(([x, y]) => pen.lineTo(X(c * x - d * y + s * track.across[k]), Y(d * x + c * y + track.along[k])));
-    pen.closePath(); pen.fillStyle = "#b9c9dc"; pen.fill(); pen.lineWidth = 1.5; pen.strokeStyle = "#1b4f8a"; pen.stroke();
-    caption.textContent = `${label}: sideways motion and tilt drawn ${s} times (${digits(track.across[k] * 1e6)} µm, ${digits(track.rotation[k] * 1e3)} mrad); `
-      + `the gap at rest stands for ${digits(room / s * 1e6)} µm`;
-  };
-  painters.push(paint); repainters.push(paint);
-}
-
 // scalar outputs under the cursor, a lane each; pointing sets the cursor
 function strip() {
   const canvas = byId("strip"), lanes = data.strip.filter(lane => lane.runs.some(([, count]) => count));
@@ -501,7 +475,6 @@ async function begin() {
   byId("on").onclick = () => go(+slider.value + 1);
   byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; requestAnimationFrame(turn); };
   strip();
-  if (data.motion) data.labels.forEach((label, k) => body(byId("motion"), data.motion, data.motion.tracks[k], label));
   await showSolids();
   for (const field of data.fields) await showField(element("div", byId("fields")), field, true);
   show();

@@ -1,0 +1,84 @@
+"""Instants at which clocks tick: macro steps end there, and what ticks is told to those that it
+triggers.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..fmi.errors import Discard
+from .wiring import HeldWire, carry
+
+LARGEST_ITERATION = 1000
+"""Rounds of ticks at one instant; macro steps between clock ticks within one that was asked for."""
+WHOLE = 1e-9
+"""Of a step: what is left of it counts as nothing."""
+
+
+class EndlessEvents(RuntimeError):
+    """Clocks that trigger one another, or tick, without end."""
+
+
+class Events:
+    """Clocks of all participants.
+
+    What happens at an instant t, before the macro step from t: held wires are carried, so that
+    clocked inputs sample what is there; clocks tick that are due by their interval; wires of clocks
+    carry every tick since to the clocks that it triggers, with what their sources say by then,
+    until nothing ticks any more. The macro step ends at the latest with the next tick, and one in
+    which a wired clock ticks is taken anew to there.
+
+    Parameters
+    ----------
+    participants : dict of str to Participant
+    held : sequence of HeldWire
+        Those of the system.
+    clocks : sequence of HeldWire
+        From output clocks to triggered input clocks.
+    """
+
+    def __init__(
+        self,
+        participants: Mapping[str, Any],
+        held: Sequence[HeldWire],
+        clocks: Sequence[HeldWire],
+    ):
+        self.participants, self.held, self.clocks = participants, held, clocks
+        self.timed = [p for p in participants.values() if getattr(p, "has_clocks", False)]
+        if all(getattr(p, "can_redo", True) for p in participants.values()):
+            for owner in dict.fromkeys(wire.source[0] for wire in clocks):
+                names = [wire.source[1] for wire in clocks if wire.source[0] == owner]
+                participants[owner].stop_at(names)
+
+    def __bool__(self) -> bool:
+        return bool(self.timed)
+
+    def length(self, time: float, step: float) -> float:
+        """Let tick what ticks at `time` [s]; how long the macro step from there may be [s], at most
+        `step`.
+
+        Raises EndlessEvents if that does not come to an end.
+        """
+        try:
+            carry(self.participants, self.held)
+            for participant in self.timed:
+                participant.tick(time, step)
+            self._trigger(time)
+        except Discard as refusal:
+            raise EndlessEvents(str(refusal)) from None
+        tick = min(participant.next_tick() for participant in self.timed)
+        return tick - time if tick < time + step * (1.0 - WHOLE) else step
+
+    def _trigger(self, time: float) -> None:
+        """Hand ticks on along the wires of clocks."""
+        sources = dict.fromkeys(wire.source for wire in self.clocks)
+        for _ in range(LARGEST_ITERATION):
+            ticked = [port for port in sources if self.participants[port[0]].get(port[1])]
+            triggered = [wire for wire in self.clocks if wire.source in ticked]
+            if not triggered:
+                return
+            pairs = {(wire.source[0], wire.target[0]) for wire in triggered}
+            fresh = [w for w in self.held if (w.source[0], w.target[0]) in pairs]
+            carry(self.participants, fresh)
+            for owner, name in dict.fromkeys(wire.target for wire in triggered):
+                self.participants[owner].set(name, True)
+        raise EndlessEvents(f"t = {time:.6g} s: clocks trigger one another without end")

@@ -1,0 +1,318 @@
+"""An FMI 3.0 FMU with clocks: those that the master ticks by their intervals, those that others
+trigger, and those by which it says that something happened.
+"""
+
+import ctypes
+from contextlib import suppress
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+import numpy as np
+from fmpy import fmi3
+from fmpy.fmi1 import FMICallException
+
+from ..fmi.errors import BadInput, Discard, ParticipantFault, Ticked
+from .fmi2 import WHOLE, FmuParticipant
+from .fmi3 import LARGEST_ITERATION, Fmu3Participant
+from .plain import pack, unpack
+
+PERIODIC = ("constant", "fixed", "tunable")
+"""Kinds of input clocks whose interval stays; tunable ones too, as no parameter changes in a run.
+"""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """A clock as the model description has it: interval and shift [s], None where it is asked for.
+
+    kind : constant, fixed, tunable, changing, countdown or triggered.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    kind: str
+    interval: float | None
+    shift: float | None
+
+
+@dataclass
+class Clockwork:
+    """What an FMU's clocks stand at, beside the FMU's own state.
+
+    due    : input clock -> (base [s], interval [s], ticks since the base), see Eq. (P7)
+    ticked : output clocks that have ticked and that nobody has asked for
+    values : clocked variables: inputs as they will be set, outputs as they were at the last tick
+    """
+
+    due: dict[str, tuple[float, float, int]] = field(default_factory=dict)
+    ticked: list[str] = field(default_factory=list)
+    values: dict[str, Any] = field(default_factory=dict)
+
+    def copy(self) -> "Clockwork":
+        return Clockwork(dict(self.due), list(self.ticked), dict(self.values))
+
+    def instant(self, name: str) -> float:
+        """When an input clock ticks next [s].
+
+        Eq. (P7):  t = base + ticks x interval
+        """
+        base, interval, ticks = self.due[name]
+        return base + ticks * interval  # Eq. (P7)
+
+
+class ClockedFmu3(Fmu3Participant):
+    """An FMI 3.0 FMU used with Event Mode and clocks.
+
+    `set(clock, True)` ticks a triggered input clock now; `get(clock)` says of an output clock
+    whether it has ticked, once for each tick, as fmi3GetClock does. Clocked inputs keep what they
+    are set to until a clock of theirs ticks; clocked outputs are what they were at the last tick.
+
+    Raises
+    ------
+    BadInput
+        If a clock has no interval above 0.
+    """
+
+    has_clocks = True
+
+    def __init__(self, name, path, sizes=None):
+        super().__init__(name, path, sizes)
+        described = [_clock(node) for node in self._model_description().iter("Clock")]
+        self.clocks = {clock.name: clock for clock in described}
+        by_reference = {clock.reference: clock.name for clock in self.clocks.values()}
+        self._clocks_of = {
+            v.name: {by_reference[clock.valueReference] for clock in v.clocks}
+            for v in self.description.modelVariables
+            if v.clocks
+        }
+        self._timed = [c for c in self._inputs() if c.kind != "triggered"]
+        self._announced = [c for c in self.clocks.values() if c.causality == "output"]
+        self._stops: frozenset[str] = frozenset()
+
+    def _inputs(self):
+        return [clock for clock in self.clocks.values() if clock.causality == "input"]
+
+    def enter(self, parameters, start_time, stop_time):
+        """See `FmuParticipant.enter`."""
+        self._work, self._now, self._running = Clockwork(), start_time, False
+        super().enter(parameters, start_time, stop_time)
+
+    def leave(self):
+        """See `FmuParticipant.leave`; until a clock of theirs ticks clocked outputs are what the
+        FMU says here, nothing where it does not.
+        """
+        for name in self._clocks_of:
+            field = self.fields[name]
+            if field.causality == "output":
+                nothing = {"String": "", "Binary": b""}.get(field.type, 0)
+                self._work.values[name] = np.full(field.shape, nothing) if field.shape else nothing
+                with suppress(FMICallException):
+                    self._work.values[name] = super().get(name)
+        super().leave()
+
+    def stop_at(self, clocks):
+        """A step in which one of these output clocks ticks is refused by `Ticked`."""
+        self._stops = frozenset(clocks)
+
+    def next_tick(self):
+        """When an input clock ticks next by its interval [s]; infinite if none will."""
+        return min(map(self._work.instant, self._work.due), default=inf)
+
+    def tick(self, time, step):
+        """Tick the input clocks that are due at `time`, to a share of the step to come [s]."""
+        for _ in range(LARGEST_ITERATION):
+            due = [c for c in self._work.due if self._work.instant(c) <= time + WHOLE * step]
+            if not due:
+                return
+            self._now = time
+            self._event(due)
+        raise Discard(f"{self.name}: {due[0]} ticks without end at t = {time:.6g} s")
+
+    def set(self, name, value):
+        """Set a field; a triggered clock ticks if it is set to true."""
+        if name in self.clocks:
+            if value:
+                self._event([name])
+        elif self._begun and name in self._clocks_of:
+            self._work.values[name] = value
+        else:
+            super().set(name, value)
+
+    def get(self, name):
+        """Value of a field; of an output clock whether it has ticked since it was last asked."""
+        if name in self.clocks:
+            ticked = name in self._work.ticked
+            if ticked:
+                self._work.ticked.remove(name)
+            return ticked
+        return self._work.values[name] if name in self._work.values else super().get(name)
+
+    def get_many(self, names):
+        """Values of several scalars: dict of name to number."""
+        kept = {n: self._work.values[n] for n in names if n in self._work.values}
+        asked = super().get_many([name for name in names if name not in kept])
+        return {name: kept[name] if name in kept else asked[name] for name in names}
+
+    def _are_double(self, names):
+        return super()._are_double(names) and not any(name in self._clocks_of for name in names)
+
+    def _event(self, active):
+        """An event at which some input clocks tick; ParticipantFault with the FMU's words if it
+        fails.
+        """
+        try:
+            self._tick(active)
+        except FMICallException as failure:
+            self._broken = True
+            raise ParticipantFault(f"{self.name}: {self._words(failure)}") from None
+
+    def _tick(self, active):
+        self._fmu.enterEventMode()
+        self._fmu.setClock([self.clocks[name].reference for name in active], [True] * len(active))
+        for name, clocks in self._clocks_of.items():
+            is_input = self.fields[name].causality == "input"
+            if is_input and name in self._work.values and not clocks.isdisjoint(active):
+                FmuParticipant.set(self, name, self._work.values[name])
+        for name in active:
+            if name in self._work.due:
+                base, interval, ticks = self._work.due.pop(name)
+                if self.clocks[name].kind in PERIODIC:
+                    self._work.due[name] = base, interval, ticks + 1
+        self._settle_events(active)
+        self._fmu.enterStepMode()
+
+    def _settle_events(self, active=()):
+        """As of `Fmu3Participant`, with what clocks and clocked outputs say before each update."""
+        if not self._running:
+            self._begin()
+        for _ in range(LARGEST_ITERATION):
+            self._hear(active)
+            self._ask_intervals()
+            again, end, *_ = self._fmu.updateDiscreteStates()
+            active = ()
+            if end or not again:
+                self._ask_intervals()
+                return end
+        raise Discard(f"{self.name}: an event without end")
+
+    def _hear(self, active):
+        """Note the output clocks that tick, and the outputs of all clocks that do."""
+        ticking = set(active)
+        if self._announced:
+            answers = self._fmu.getClock([clock.reference for clock in self._announced])
+            new = [clock.name for clock, answer in zip(self._announced, answers) if answer]
+            self._work.ticked += [name for name in new if name not in self._work.ticked]
+            ticking.update(new)
+        for name, clocks in self._clocks_of.items():
+            if self.fields[name].causality == "output" and not ticking.isdisjoint(clocks):
+                self._work.values[name] = super().get(name)
+
+    def _begin(self):
+        """When the clocks tick first, after their shift; a countdown says it like ever after."""
+        self._running = True
+        for clock in self._timed:
+            shift = self._shift(clock)
+            if clock.kind in PERIODIC:
+                interval, _ = self._interval(clock)
+                if not 0.0 < interval < inf:
+                    raise BadInput(
+                        f"{self.name}.{clock.name}: its interval is {interval:g} s, allowed is "
+                        "above 0"
+                    )
+                self._work.due[clock.name] = self._now + shift, interval, 0
+            elif clock.kind == "changing":
+                self._work.due[clock.name] = self._now, shift, 1
+
+    def _ask_intervals(self):
+        """When the clocks that say it at events tick next: a countdown whenever it says so, the
+        others once they have ticked.
+        """
+        for clock in self._timed:
+            ticked = clock.kind == "changing" and clock.name not in self._work.due
+            if clock.kind == "countdown" or ticked:
+                interval, qualifier = self._interval(clock)
+                news = (fmi3.fmi3IntervalChanged, fmi3.fmi3IntervalUnchanged)
+                if qualifier in news[: 1 + ticked]:
+                    self._work.due[clock.name] = self._now, interval, 1
+
+    def _interval(self, clock):
+        """Interval [s] of a clock and how sure it is, by the FMU's word where the description has
+        none.
+        """
+        if clock.interval is not None and clock.kind in PERIODIC:
+            return clock.interval, fmi3.fmi3IntervalUnchanged
+        reference = (fmi3.fmi3ValueReference * 1)(clock.reference)
+        interval = (fmi3.fmi3Float64 * 1)()
+        qualifier = (fmi3.fmi3IntervalQualifier * 1)()
+        self._fmu.getIntervalDecimal(reference, interval, qualifier)
+        return interval[0], qualifier[0]
+
+    def _shift(self, clock):
+        """Shift [s] of a clock's first tick."""
+        if clock.shift is not None or clock.kind == "changing":
+            return clock.shift or 0.0
+        if clock.kind == "constant":
+            return 0.0
+        reference, shift = (fmi3.fmi3ValueReference * 1)(clock.reference), ctypes.c_double()
+        self._fmu.getShiftDecimal(reference, ctypes.pointer(shift))
+        return shift.value
+
+    def _do_step(self, time, step):
+        super()._do_step(time, step)
+        self._now = time + step
+
+    def _meet(self, reached, end, step):
+        """An event inside a step: `Ticked` where the others are to hear of it at once."""
+        self._now = reached
+        finished = super()._meet(reached, end, step)
+        inside = end - step + WHOLE * step < reached < end - WHOLE * step
+        if inside and not self._stops.isdisjoint(self._work.ticked):
+            raise Ticked(self.name, reached)
+        return finished
+
+    def save(self):
+        """A handle on the FMU's state and what its clocks stand at."""
+        return super().save(), self._work.copy(), self._now
+
+    def _set_state(self, saved):
+        handle, work, self._now = saved
+        self._work = work.copy()
+        super()._set_state(handle)
+
+    def free(self, saved):
+        super().free(saved[0])
+
+    def serialise(self, saved):
+        """The saved state as bytes."""
+        handle, work, now = saved
+        return pack((super().serialise(handle), work, now), (Clockwork,))
+
+    def deserialise(self, data):
+        """A handle on the state that `serialise` made into bytes."""
+        state, work, now = unpack(data, (Clockwork,))
+        return super().deserialise(state), work, now
+
+
+def _clock(node):
+    """A clock of its element in the model description."""
+    return Clock(
+        str(node.get("name")),
+        int(node.get("valueReference")),
+        node.get("causality", "local"),
+        node.get("intervalVariability", "triggered"),
+        _seconds(node, "interval"),
+        _seconds(node, "shift"),
+    )
+
+
+def _seconds(node, what):
+    """Interval or shift of a clock [s], of its decimal or its counter; None without either.
+
+    Eq. (P8):  t = counter / resolution
+    """
+    if (decimal := node.get(f"{what}Decimal")) is not None:
+        return float(decimal)
+    counter, resolution = node.get(f"{what}Counter"), node.get("resolution")
+    return None if counter is None or not resolution else int(counter) / int(resolution)  # Eq. (P8)

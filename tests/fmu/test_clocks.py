@@ -1,0 +1,311 @@
+"""Clocks of FMI 3.0: ticks at their instants whatever the macro step, sampled loops and triggered
+jumps against closed forms.
+
+Eq. (X20):  x((k+1) T) = e^(-T) x_k + (1 - e^(-T)) u_k,   u_k = -g (x_k + sum of x_j, j < k)
+            a lag and a sampled controller that holds its output
+Eq. (X21):  x(t) = e^-t before t*,  e^-t + p e^-(t - t*) after it       a lag that is pushed once
+"""
+
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.coupling.methods import method_of
+from piston_cosim.master.coupling.starting import closing, start
+from piston_cosim.master.coupling.stepping import StepFailed, Stepper
+from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+SOURCE = Path(__file__).parent / "c_models" / "clocked.c"
+REALS = [
+    # name, causality, variability, further attributes
+    ("time", "independent", "continuous", ""),
+    ("k", "parameter", "fixed", 'start="1"'),
+    ("gain", "parameter", "fixed", 'start="1"'),
+    ("cross_at", "parameter", "fixed", 'start="1e9"'),
+    ("x0", "parameter", "fixed", 'start="0"'),
+    ("u", "input", "continuous", 'start="0"'),
+    ("x", "output", "continuous", ""),
+    ("y_in", "input", "discrete", 'start="0" clocks="20"'),
+    ("u_out", "output", "discrete", 'clocks="20"'),
+    ("mark", "output", "discrete", 'clocks="21"'),
+    ("push", "input", "discrete", 'start="0" clocks="22"'),
+    ("wait", "parameter", "fixed", 'start="0.05"'),
+    *((name, "output", "discrete", "") for name in ("samples", "laters", "nexts", "fixeds")),
+    ("kicks", "output", "discrete", ""),
+]
+CLOCKS = [
+    ("sample", "input", 'intervalVariability="constant" intervalCounter="1" resolution="10"'),
+    ("crossed", "output", 'intervalVariability="triggered"'),
+    ("kick", "input", 'intervalVariability="triggered"'),
+    ("passed", "output", 'intervalVariability="triggered"'),
+    ("later", "input", 'intervalVariability="countdown"'),
+    ("next", "input", 'intervalVariability="changing"'),
+    ("fixed", "input", 'intervalVariability="fixed"'),
+]
+
+
+def description(redo="true", sample=CLOCKS[0][2]):
+    clocks = [("sample", "input", sample), *CLOCKS[1:]]
+    variables = [
+        f'<Float64 name="{name}" valueReference="{k}" causality="{causality}" '
+        f'variability="{variability}" {more}/>'
+        for k, (name, causality, variability, more) in enumerate(REALS)
+    ] + [
+        f'<Clock name="{name}" valueReference="{20 + k}" causality="{causality}" {more}/>'
+        for k, (name, causality, more) in enumerate(clocks)
+    ]
+    outputs = [k for k, (_, causality, *_) in enumerate(REALS) if causality == "output"]
+    outputs += [20 + k for k, (_, causality, _) in enumerate(CLOCKS) if causality == "output"]
+    rows = "".join(f'<Output valueReference="{k}"/>' for k in outputs)
+    clocked = {k for k, (*_, more) in enumerate(REALS) if "clocks" in more}
+    first = "".join(f'<InitialUnknown valueReference="{k}"/>' for k in outputs if k not in clocked)
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="Clocked" instantiationToken="1">
+  <CoSimulation modelIdentifier="clocked" canHandleVariableCommunicationStepSize="true"
+    hasEventMode="true" canGetAndSetFMUState="{redo}" canSerializeFMUState="{redo}"/>
+  <ModelVariables>{"".join(variables)}</ModelVariables>
+  <ModelStructure>{rows}{first}</ModelStructure>
+</fmiModelDescription>
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    if not compiler():
+        pytest.skip("no C compiler")
+    folder = tmp_path_factory.mktemp("clocked")
+    library = folder / "clocked.so"
+    flags = ["-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
+    call = [compiler(), *flags, str(SOURCE), "-o", str(library), "-lm"]
+    subprocess.run(call, check=True)
+    bad = 'intervalVariability="constant" intervalDecimal="0"'
+    short = bad.replace('"0"', '"1e-4" shiftDecimal="1e-5"')
+    for name, text in (
+        ("clocked", description()),
+        ("once", description(redo="false")),
+        ("stopped", description(sample=bad)),
+        ("hurried", description(sample=short)),
+    ):
+        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
+            target.writestr("modelDescription.xml", text)
+            target.write(library, "binaries/x86_64-linux/clocked.so")
+    return folder
+
+
+def case_text(wires, a="", b="", step="0.03 s", stop="0.9 s", coupling="", fmu="clocked", own=""):
+    tables = "".join(f'[[wires]]\nfrom = "{x}"\nto = "{y}"\n{z}\n' for x, y, z in wires)
+    return f"""title = "clocks"
+{"" if wires else "wires = []"}
+[time]
+stop = "{stop}"
+step = "{step}"
+[participants.a]
+fmu = "{fmu}.fmu"
+{own}
+[participants.a.parameters]
+{a}
+[participants.b]
+fmu = "clocked.fmu"
+{own}
+[participants.b.parameters]
+{b}
+{tables}
+[coupling]
+order = ["a", "b"]
+{coupling}
+"""
+
+
+def solved(folder, output, text):
+    path = folder / "case.toml"
+    path.write_text(text)
+    tree = read_tree(path)
+    case = check_case(tree, path)
+    run(open_system(case, folder, print), case, tree, output)
+    results = Results(output)
+    return results, results.time
+
+
+def test_the_description_is_valid(folder):
+    assert validate_fmu(str(folder / "clocked.fmu")) == []
+
+
+@pytest.mark.parametrize("step", ["0.03 s", "0.1 s", "0.45 s"])
+def test_every_kind_of_clock_ticks_at_its_instants(folder, tmp_path, step):
+    """constant: 0, 0.1, ...; fixed: 0.025 + 0.125 k, by the FMU's word; countdown: intervals 0.05,
+    0.1, 0.2, ...; changing: 0, 0.1, 0.3, 0.6, ... A row shows what was before its own instant.
+    """
+    results, time = solved(folder, tmp_path / "o.h5", case_text([], step=step))
+    for name, instants in {
+        "samples": 0.1 * np.arange(20),
+        "fixeds": 0.025 + 0.125 * np.arange(20),
+        "laters": 0.05 * (2.0 ** np.arange(1, 9) - 1),
+        "nexts": 0.05 * np.arange(9) * np.arange(1, 10),
+    }.items():
+        expected = [np.count_nonzero(instants < t - 1e-9) for t in time]
+        seen = results.series(f"a.{name}").values
+        np.testing.assert_array_equal(seen, expected, err_msg=name)
+
+
+GAIN = 0.4
+LOOP = [("b.x", "a.y_in", ""), ("a.u_out", "b.u", "")]
+
+
+def sampled():
+    """x at 0.1 k by Eq. (X20)."""
+    x, total, decay = [1.0], 0.0, np.exp(-0.1)
+    for _ in range(9):
+        u = -GAIN * (x[-1] + total)
+        total += x[-1]
+        x.append(decay * x[-1] + (1 - decay) * u)  # Eq. (X20)
+    return np.array(x)
+
+
+@pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
+@pytest.mark.parametrize("isolated", ["false", "true"])
+def test_a_sampled_loop_is_its_difference_equation(folder, tmp_path, method, isolated):
+    text = case_text(
+        LOOP,
+        a=f"gain = {GAIN}",
+        b="x0 = 1.0",
+        coupling=f'method = "{method}"',
+        own=f"isolated = {isolated}",
+    )
+    results, time = solved(folder, tmp_path / "o.h5", text)
+    at = [int(np.argmin(np.abs(time - 0.1 * k))) for k in range(10)]
+    np.testing.assert_allclose(time[at], 0.1 * np.arange(10), atol=1e-12)
+    # ten exponentials and divisions each: round-off alone
+    np.testing.assert_allclose(results.series("b.x").values[at], sampled(), atol=1e-13)
+
+
+PUSHED = [("a.crossed", "b.kick", ""), ("a.mark", "b.push", "")]
+PLACE = {"a": "cross_at = 0.37\nx0 = 2.0", "b": "x0 = 1.0"}
+
+
+@pytest.mark.parametrize("more", ["", 'method = "explicit"', "parallel = true"])
+@pytest.mark.parametrize("isolated", ["false", "true"])
+def test_a_tick_inside_a_step_is_heard_at_its_instant(folder, tmp_path, more, isolated):
+    text = case_text(PUSHED, **PLACE, coupling=more, own=f"isolated = {isolated}")
+    results, time = solved(folder, tmp_path / "o.h5", text)
+    push = 2 * np.exp(-0.37)  # the mark: a's state at the instant
+    jumped = np.where(time > 0.37 + 1e-9, push * np.exp(-(time - 0.37)), 0.0)
+    np.testing.assert_allclose(results.series("b.x").values, np.exp(-time) + jumped, atol=1e-13)
+    np.testing.assert_allclose(results.series("a.x").values, 2 * np.exp(-time), atol=1e-13)
+    assert results.series("b.kicks").values[-1] == 1
+    assert np.any(np.abs(time - 0.37) < 1e-12)  # the macro step ends there
+
+
+def test_without_saved_states_a_tick_is_heard_at_the_end_of_the_macro_step(folder, tmp_path):
+    text = case_text(PUSHED, **PLACE, coupling='method = "explicit"', fmu="once")
+    results, time = solved(folder, tmp_path / "o.h5", text)
+    push = 2 * np.exp(-0.37)
+    heard = next(t for t in time if t > 0.37)
+    jumped = np.where(time > heard + 1e-9, push * np.exp(-(time - heard)), 0.0)
+    np.testing.assert_allclose(results.series("b.x").values, np.exp(-time) + jumped, atol=1e-13)
+
+
+def test_ticks_go_on_from_clock_to_clock_at_one_instant(folder, tmp_path):
+    """b's kick ticks `passed`, which kicks a back: both once."""
+    wires = [*PUSHED, ("b.passed", "a.kick", "")]
+    results, _ = solved(folder, tmp_path / "o.h5", case_text(wires, **PLACE))
+    assert results.series("a.kicks").values[-1] == results.series("b.kicks").values[-1] == 1
+
+
+def test_clocks_that_trigger_one_another_without_end_are_told(folder):
+    path = folder / "case.toml"
+    path.write_text(case_text([("a.crossed", "b.kick", ""), ("a.passed", "a.kick", "")]))
+    case = check_case(read_tree(path), path)
+    system = open_system(case, folder, print)
+    with closing(system.participants.values()):
+        start(system)
+        system.participants["a"].set("kick", True)
+        with pytest.raises(StepFailed, match="clocks trigger one another without end"):
+            stepper(case, system).advance(0.0, 0.1)
+
+
+def stepped(folder, text, changes=()):
+    """Take one macro step of a case."""
+    path = folder / "case.toml"
+    path.write_text(text)
+    case = check_case(read_tree(path, changes), path)
+    system = open_system(case, folder, print)
+    with closing(system.participants.values()):
+        start(system)
+        stepper(case, system).advance(0.0, 0.5)
+
+
+def stepper(case, system):
+    method = method_of(case.coupling)
+    return Stepper(system, method, 3, held=system.held, clocks=system.clocks)
+
+
+def test_a_countdown_of_nothing_and_a_fault_in_an_event_are_told(folder):
+    with pytest.raises(StepFailed, match="a: later ticks without end at t = 0 s"):
+        stepped(folder, case_text([], a="wait = 0.0"))
+    with pytest.raises(ParticipantFault, match="b: fmi3UpdateDiscreteStates failed"):
+        stepped(folder, case_text(PUSHED, a="cross_at = 0.37\nx0 = 1e8", b=PLACE["b"]))
+    with pytest.raises(StepFailed, match="1000 clock ticks in a macro step"):
+        stepped(folder, case_text([], fmu="hurried"))
+
+
+@pytest.mark.parametrize(
+    "wire, words",
+    [
+        (("a.crossed", "b.sample", ""), "ticks by its own interval"),
+        (("a.crossed", "b.push", ""), "types differ, Clock and Real"),
+        (("a.mark", "b.push", "tolerance = 1e-3"), "a wire of type Real to a clocked input"),
+    ],
+)
+def test_wires_that_clocks_do_not_take_are_refused(folder, tmp_path, wire, words):
+    with pytest.raises(BadInput, match=words):
+        solved(folder, tmp_path / "o.h5", case_text([wire]))
+
+
+def test_other_misuse_of_clocks_is_refused(folder, tmp_path):
+    with pytest.raises(BadInput, match="its interval is 0 s, allowed is above 0"):
+        solved(folder, tmp_path / "o.h5", case_text([], fmu="stopped"))
+    with pytest.raises(BadInput, match="a clock ticks, it has no value"):
+        solved(folder, tmp_path / "o.h5", case_text([], a="kick = true"))
+    with pytest.raises(BadInput, match="a.crossed is a Clock"):
+        text = case_text([]) + '[summary]\nx = "last a.crossed"\n'
+        solved(folder, tmp_path / "o.h5", text)
+
+
+def test_a_saved_state_holds_the_clocks(folder):
+    one, other = (open_fmu(name, folder / "clocked.fmu") for name in ("one", "other"))
+    for participant in (one, other):
+        participant.start({"x0": 1.0}, 0.0, 1.0)
+    one.tick(0.0, 0.1)
+    saved = one.save()
+    data = one.serialise(saved)
+    ends = []
+    for participant, state in ((one, saved), (one, saved), (other, other.deserialise(data))):
+        participant.restore(state)
+        assert participant.next_tick() == 0.025  # of the fixed clock
+        participant.step(0.0, 0.025)
+        participant.tick(0.025, 0.1)
+        ends.append((participant.next_tick(), *participant.get_many(["x", "fixeds"]).values()))
+    assert ends[0] == ends[1] == ends[2] == (0.05, np.exp(-0.025), 1.0)
+    for participant in (one, other):
+        participant.close()
+
+
+def test_step_control_ends_its_steps_at_ticks(folder, tmp_path):
+    """A wire with a local error divides macro steps; the jump comes at its instant all the same."""
+    wires = [*PUSHED, ("a.x", "b.u", "local_error = 1e-3")]
+    text = case_text(wires, **PLACE, step="0.1 s").replace(
+        "[time]", '[time]\nsmallest_step = "0.01 s"'
+    )
+    _, time = solved(folder, tmp_path / "o.h5", text)
+    for instant in (0.1, 0.37, 0.525):
+        assert np.min(np.abs(time - instant)) < 1e-12
