@@ -120,6 +120,7 @@ def _inputs(values: dict[str, Any]) -> Inputs:
         values["nodal_pressure_force"],
         values["nodal_friction_force"],
         _rings(values),
+        float(values["land_pressure"]),
     )
 
 

@@ -33,7 +33,16 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
             0.1,
             grid,
         ),
-        input_variable("gas_pressure", "Pa", "Gauge pressure on the piston crown", 0.0, 1e6),
+        input_variable(
+            "gas_pressure",
+            "Pa",
+            "Gauge pressure on the piston crown and on the bore above the top ring",
+            0.0,
+            1e6,
+        ),
+        input_variable(
+            "land_pressure", "Pa", "Gauge pressure on the bore between the rings", 0.0, 1e5
+        ),
         input_variable(
             "ring_side_force",
             "N",

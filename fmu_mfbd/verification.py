@@ -622,20 +622,21 @@ def step_checks():
         "conservation",
         "round-off",
     )
+    apart = 0.05
     ends = [
         model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1]
-        for e in (1.0, -1.0)
+        for e in (apart, -apart)
     ]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
     for name, product in model.directional_derivative(drag, push)._asdict().items():
-        difference = (ends[0][name] - ends[1][name]) / 2
+        difference = (ends[0][name] - ends[1][name]) / (2 * apart)
         yield at_most(
             "60 + 60 modes, one step",
             f"derivative of {name} against differences [-]",
             np.abs(product - difference).max() / np.abs(difference).max(),
             1e-7,
             "central differences",
-            "the step is nearly affine in the forces",
+            "affine in the forces but for the pin's friction: the difference's own error",
         )
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
     yield Check(

@@ -19,6 +19,7 @@ from ..geometry.profile import (
 from ..reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, mode_classes
 from .build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
 from .floating_frame import FlexibleBody
+from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
 from .parameters import Parameters
@@ -72,6 +73,13 @@ def assemble(
         skirt=skirt(piston, block.radius, angle, height, options.piston, parameters),
         bore=bore(block, angle, options.block, parameters),
         gas_force=np.ascontiguousarray(piston.gas_force),
+        wall=bore_wall(
+            block.heights,
+            block.radial,
+            block.radius,
+            parameters.top_ring_height,
+            parameters.second_ring_height,
+        ),
     )
     crank = Crank(
         free=bool(parameters.crank_free),
@@ -163,6 +171,14 @@ def faults(
         out.append(
             f"rod_centre = {parameters.rod_centre:g} m: must lie within "
             f"rod_length = {rod_length:g} m"
+        )
+    if parameters.top_ring_height and not (
+        piston.skirt_upper <= parameters.second_ring_height <= parameters.top_ring_height
+    ):
+        out.append(
+            f"second_ring_height = {parameters.second_ring_height:g} m: must lie between the "
+            f"skirt's upper edge, {piston.skirt_upper:g} m above the pin, and "
+            f"top_ring_height = {parameters.top_ring_height:g} m"
         )
     turn = np.linspace(0.0, 2 * np.pi, 721)
     xi = offset + crank_radius * np.sin(turn)

@@ -31,6 +31,7 @@ from .energy import (
     other_forces,
 )
 from .floating_frame import Arrow, FlexibleBody, mode_coupling
+from .gas_on_bore import BoreWall, WallPressures, wall_forces
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import Inertia, limit_memory
 from .pin_friction import friction_moment
@@ -73,6 +74,7 @@ class System(NamedTuple):
     skirt: Skirt
     bore: Bore
     gas_force: np.ndarray
+    wall: BoreWall
 
 
 class RingForce(NamedTuple):
@@ -100,10 +102,13 @@ class OtherForces(NamedTuple):
     gas : float
         Along -y on the crown [N].
     rings : RingForce
+    wall : WallPressures
+        Of gas on the bore.
     """
 
     gas: float
     rings: RingForce
+    wall: WallPressures
 
 
 class Instant(NamedTuple):
@@ -188,8 +193,10 @@ def end_of_step(
 
     The rings seal against the bore and float in their grooves: the gas, and F_y that the rings rub
     with, act along the bore's axis, wherever the piston stands and however it leans, and A stands
-    at pin offset + x_A from it. M is the moment of what the rings do across the bore. Rings push a
-    rigid piston: the modes feel the film and the gas alone.
+    at pin offset + x_A from it. An even pressure in a land pushes the rings on either side of it
+    along that axis with equal and opposite forces, and has no part in it. M is the moment of what
+    the rings do across the bore. Rings push a rigid piston: its modes feel the film and the gas on
+    the crown alone, those of the block the film and the gas on the wall (Eq. (D18)).
 
     Parameters
     ----------
@@ -221,6 +228,7 @@ def end_of_step(
     window = window_at(bore.lowest, bore.spacing, guided.height, skirt.height)
     film_forces = generalised(skirt, bore, window, forces)
     push = _piston_push(system, film_forces, others.gas)
+    block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
     rings = others.rings
     guided_force = others.gas - rings.axial
     load = Load(
@@ -240,8 +248,8 @@ def end_of_step(
         c.to_velocity,
         c.to_position,
     )
-    end = _moving(system, c, predicted, own.acceleration, film_forces.block)
-    _follow_statically(system, c, before.position, end, push, film_forces.block, crank)
+    end = _moving(system, c, predicted, own.acceleration, block_push)
+    _follow_statically(system, c, before.position, end, push, block_push, crank)
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
     moving = _moving_bodies(system)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry.film import Window
 from .account import account
+from .gas_on_bore import WallPressures
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
     NO_RINGS,
@@ -84,6 +85,8 @@ class Inputs:
     pressure_force, friction_force : ndarray, shape (c, a)
         On the skirt grid [N].
     rings : RingForce
+    land_pressure : float
+        Between the rings, gauge [Pa].
     """
 
     crank_speed: float
@@ -91,6 +94,7 @@ class Inputs:
     pressure_force: np.ndarray
     friction_force: np.ndarray
     rings: RingForce = NO_RINGS
+    land_pressure: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -309,7 +313,11 @@ class PistonInBore:
             before,
             auxiliary,
             crank,
-            OtherForces(self.gas_area * pressure, inputs.rings),
+            OtherForces(
+                self.gas_area * pressure,
+                inputs.rings,
+                WallPressures(pressure, inputs.land_pressure),
+            ),
             inputs.pressure_force,
             inputs.friction_force,
         )

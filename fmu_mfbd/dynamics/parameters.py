@@ -84,6 +84,16 @@ class Parameters:
         0.0,
         1e3,
     )
+    top_ring_height: float = _declared(
+        "m",
+        "Of the top ring above the pin: gas widens the bore above it; 0: gas leaves the bore alone",
+        0.0,
+        0.0,
+        1.0,
+    )
+    second_ring_height: float = _declared(
+        "m", "Of the second ring above the pin: land_pressure stands between the two", 0.0, 0.0, 1.0
+    )
     crank_free: int = _declared(
         "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1
     )

@@ -6,6 +6,7 @@ import resource
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,11 +48,12 @@ from .symmetry import ClassedModes, symmetric_modes
 from .training import trained_shapes
 from .truncation import probes, random_patterns
 
-VERSION = 12  # part of the cache key: raise it when the numbers in the .npz change their meaning
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
 FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
+ROOMS = ("finite_elements", "geometry", "reduction")
+"""Rooms of this part whose code makes a reduced body."""
 
 Say = Callable[[str], None]
 Grid = tuple[int, int]
@@ -487,6 +489,16 @@ def _held(
     return MeanElastic(K, M, conditions, rigid_motions(mesh.points), factors)
 
 
+@cache
+def code_digest() -> str:
+    """SHA-256 of the code that makes a reduced body: whoever changes a line gets a new body."""
+    digest = hashlib.sha256()
+    part = Path(__file__).parents[1]
+    for file in sorted(file for room in ROOMS for file in (part / room).glob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
 def cached(
     reduce: Callable[..., Reduced],
     options: Piston | Block,
@@ -496,7 +508,7 @@ def cached(
     training: Training | None = None,
 ) -> Path:
     """Path of the reduced body's .npz, made unless one of the same file contents, options, training
-    and code version lies in `folder`.
+    and code (`code_digest`) lies in `folder`.
 
     The file is written under another name and moved into place, so that an interrupted run leaves
     nothing half-written; its solutions wait in `folder` for the next try.
@@ -516,7 +528,7 @@ def cached(
     for key in FILES:
         if decided[key]:
             decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
-    decided |= {"grid": list(grid), "version": VERSION, "of": reduce.__name__}
+    decided |= {"grid": list(grid), "code": code_digest(), "of": reduce.__name__}
     if training:
         decided["training"] = training.digest()
     digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]

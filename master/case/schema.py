@@ -125,8 +125,14 @@ class ParticipantTable(Table):
     """
     isolated: bool = False
     """The FMU runs in a process of its own."""
+    host: str | None = Field(None, pattern="^tls://.+:[0-9]+$")
+    """Scheduler of a Dask cluster, tls://NAME:PORT: the FMU runs on one of its workers."""
     timeout: str = "120 s"
-    """Of an isolated FMU: longest time for any one answer."""
+    """Of an isolated FMU or one on a host: longest time for any one answer."""
+    clones: int = Field(0, ge=0, le=256)
+    """Of an isolated FMU: copies of it, in processes of their own, that take the difference probes
+    of Newton at the same time, one for each element of its inputs.
+    """
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -135,8 +141,12 @@ class ParticipantTable(Table):
                 "give one of package, file (FILE.py:CLASS; both build an FMU), fmu (a file), "
                 "table (a CSV file) and plugin"
             )
-        if (self.table or self.plugin) and (self.isolated or self.step):
+        if (self.table or self.plugin) and (self.isolated or self.step or self.host):
             raise ValueError("only an FMU has a process or a step of its own")
+        if self.host and self.isolated:
+            raise ValueError("an FMU is isolated on this machine or on a host, not both")
+        if self.clones and not self.isolated:
+            raise ValueError("clones are those of an isolated FMU; write isolated = true")
         if self.interpolation and not self.table:
             raise ValueError("interpolation is that of a table; that of an input is its wire's")
         return self

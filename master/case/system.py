@@ -16,12 +16,14 @@ from ..fmi.errors import BadInput
 from ..fmi.fields import NO_NUMBERS
 from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
+from ..participants.clones import ClonedParticipant
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.interpolated import InterpolatedParticipant, slope_of
 from ..participants.isolated import IsolatedParticipant
 from ..participants.one_way import OneWayParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import made, plugin
+from ..participants.remote import RemoteParticipant
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
 from .given import build_options, masks
@@ -241,9 +243,19 @@ def _participant(name, table, build, folder, progress):
     path = _fmu(table, build, folder, progress)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
-    if table.isolated:
-        return IsolatedParticipant(participant, duration("timeout", table.timeout))
-    return participant
+    timeout = duration("timeout", table.timeout)
+    if table.host:
+        return RemoteParticipant(participant, timeout, table.host)
+    if not table.isolated:
+        return participant
+    apart = IsolatedParticipant(participant, timeout)
+    if not table.clones:
+        return apart
+    if not (apart.can_redo and apart.can_serialise):
+        raise BadInput(f"clones: {path.name} cannot save and serialise its state")
+    return ClonedParticipant(
+        apart, [IsolatedParticipant(participant, timeout) for _ in range(table.clones)]
+    )
 
 
 def _own_step(table):
@@ -326,12 +338,15 @@ def _value(field, text):
                 f"{text!r}: allowed are {', '.join(field.choices)}{near(text, field.choices)}"
             )
         return field.choices[text]
-    value = _quantity(text, field)
-    low = float("-inf") if field.minimum is None else field.minimum
-    high = float("inf") if field.maximum is None else field.maximum
+    is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
+    value = text if is_whole else _quantity(text, field)  # 2^53 + 1 is no float
+    fits = getattr(field, "whole_numbers", None) or (-inf, inf)
+    low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
+    high = fits[1] if field.maximum is None else min(fits[1], field.maximum)
     if not low <= value <= high:
         unit = "" if field.unit == "1" else f" {field.unit}"
-        raise ValueError(f"{text} is {value:g}{unit}, allowed is {low:g} to {high:g}{unit}")
+        ends = " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (low, high))
+        raise ValueError(f"{text} is {value:g}{unit}, allowed is {ends}{unit}")
     if field.type in ("Integer", "Enumeration") and value != int(value):
         raise ValueError(f"{text} must be a whole number")
     return value if field.type == "Real" else int(value)
@@ -562,6 +577,8 @@ def _interpolating(case, participants, faults):
             continue
         kinds.setdefault(target, {})[inlet] = wire.interpolation
         where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
+        if case.participants[target].clones:
+            faults.append(f"{where}: clones probe held inputs alone")
         if not participants[target].can_interpolate:
             faults.append(
                 f"{where}: {participants[target].path.name} cannot follow inputs over a step "

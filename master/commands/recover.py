@@ -32,7 +32,8 @@ def command(
     file
         Results file of a run with flexible bodies.
     time
-        The recorded instant nearest to this time or crank angle; several allowed.
+        The recorded instant nearest to this time, crank angle or extreme ("max
+        ehd.maximum_pressure"); several allowed.
     case
         Case whose folder the paths of meshes start from; default the case named as the folder of
         the results.

@@ -28,8 +28,8 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
     output
         JSON file: outputs by name, SI.
     time
-        The recorded instant nearest to this time or crank angle; without it the last one at which
-        fields were recorded.
+        The recorded instant nearest to this time, crank angle or extreme ("max
+        ehd.maximum_pressure"); without it the last one at which fields were recorded.
     """
     try:
         results = Results(file)

@@ -87,6 +87,16 @@ class Field:
         return int(np.prod(self.shape))
 
     @property
+    def whole_numbers(self) -> tuple[int, int] | None:
+        """Least and largest whole number that fits its type; None of one that is no integer."""
+        if self.type not in ("Integer", "Enumeration"):
+            return None
+        kind = {None: "Int32", "Enumeration": "Int64"}.get(self.native, self.native)
+        bits = int(re.sub(r"\D", "", str(kind)))
+        half = 2 ** (bits - 1)
+        return (0, 2 * half - 1) if str(kind).startswith("U") else (-half, half - 1)
+
+    @property
     def is_double(self):
         """Whether it is made of the numbers of 64 bits that move by pointer."""
         return self.type == "Real" and self.native != "Float32"

@@ -4,7 +4,10 @@ participant   what the master asks of each
 open          an FMU of either version
 fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
 local         a slave of this process, without FMI
+clocks        an FMI 3.0 FMU whose clocks tick (P7, P8)
 isolated      in a process of its own
+clones        difference probes on copies of one (P9)
+remote        on a worker of a Dask cluster
 interpolated  inputs that move inside a step
 substeps      a step of its own, several to a macro step
 table         a CSV file of signals

@@ -81,7 +81,7 @@ def difference(
     dict of str to ndarray
     """
     before = {name: participant.get(name) for name in (*seeds, *products)}
-    scale = _scales(participant, before, seeds)
+    scale = scales(participant, before, seeds)
     largest = max(
         (float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items()), default=0.0
     )
@@ -102,7 +102,7 @@ def difference(
         participant.free(end)
 
 
-def _scales(
+def scales(
     participant: Participant, values: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, float]:
     """Nominal of each field, else its largest value, else 1."""
@@ -212,7 +212,7 @@ def _tried(
     begin = participant.save()
     try:
         start = {name: participant.get(name) for name in inputs}
-        scale = _scales(participant, start, inputs)
+        scale = scales(participant, start, inputs)
         unit = {name: scale[name] * _pattern(participant, name) for name in inputs}
         participant.restore(begin)
         for name in inputs if moved else ():

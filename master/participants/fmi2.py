@@ -231,7 +231,20 @@ class FmuParticipant:
             values = (
                 np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
             )
+            self._check_fit(field, values)
             self._access()[field.native or field.type][1](list(field.references), values)
+
+    def _check_fit(self, field, values):
+        """ParticipantFault where a whole number does not fit the type: C would cut it short."""
+        if field.whole_numbers:
+            low, high = field.whole_numbers
+            for value in values:
+                if not low <= value <= high:
+                    kind = field.native or field.type
+                    raise ParticipantFault(
+                        f"{self.name}: {field.name}: {value} does not fit its type, {kind}, "
+                        f"{low} to {high}"
+                    )
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step.

@@ -215,6 +215,10 @@ class IsolatedParticipant:
                 self._receive()
         queue, self._queue = [*self._queue, (method, arguments)], []
         self._awaited = method, arguments
+        self._post(queue)
+
+    def _post(self, queue):
+        """Send commands to the other process."""
         try:
             self._pipe.send(queue)
         except OSError:
@@ -223,20 +227,25 @@ class IsolatedParticipant:
     def _receive(self):
         """Answer to the command that was sent last, or what it raised in the other process."""
         try:
+            raised, answer = self._fetch()
+        finally:
+            self._awaited = None
+        if raised:
+            raise answer
+        return answer
+
+    def _fetch(self):
+        """Whether the other process raised something, and its answer or what it raised."""
+        try:
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
                 raise ParticipantFault(
                     f"{self.name}: no answer to {self._awaited[0]} within {self.timeout:g} s; "
                     "its process has been ended"
                 )
-            raised, answer = self._pipe.recv()
+            return self._pipe.recv()
         except (EOFError, OSError):
             raise self._ended() from None
-        finally:
-            self._awaited = None
-        if raised:
-            raise answer
-        return answer
 
     def _ended(self):
         """Fault of a process that is gone."""
@@ -268,7 +277,7 @@ def _views(memory, fields):
     return values, changes
 
 
-class _Server:
+class Server:
     """The other end: runs commands on the real participant."""
 
     def __init__(self, participant, memory):
@@ -318,20 +327,26 @@ def _serve(pipe, memory, recipe):
     """Answer commands until the pipe closes or `close` is done; Ctrl-C is the master's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, daemon=True).start()
-    server = _Server(open_fmu(*recipe), memory)
+    server = Server(open_fmu(*recipe), memory)
     while True:
         queue = pipe.recv()
-        answer = False, None
-        try:
-            for command in queue:
-                answer = False, server.run(*command)
-        except (Discard, BadInput, Finished, ParticipantFault) as error:
-            answer = True, error
-        except Exception:
-            answer = True, ParticipantFault(f"{recipe[0]}: {traceback.format_exc()}")
-        pipe.send(answer)
+        pipe.send(answered(server, queue))
         if queue[-1][0] == "close":
             return
+
+
+def answered(server, queue):
+    """Run commands; whether one raised, and the answer of the last or what was raised."""
+    answer = False, None
+    try:
+        for command in queue:
+            answer = False, server.run(*command)
+    except (Discard, BadInput, Finished, ParticipantFault) as error:
+        answer = True, error
+    except Exception:
+        name = server.participant.name
+        answer = True, ParticipantFault(f"{name}: {traceback.format_exc()}")
+    return answer
 
 
 def _follow():

@@ -4,7 +4,14 @@ other beside that of the same steps at once, same bits.
 Jacobi order: all read what the others said before. Participants that wait, which needs no core, say
 what the schedule is worth on a machine with a core for each; participants that compute say it for
 this machine, and mean something only where as many cores are idle. Branches: two chains of two that
-meet nowhere, in sequential order, where each pair of the same depth steps at once.
+meet nowhere, in sequential order, where each pair of the same depth steps at once. Clones: the
+difference probes of Newton, one after the other on one clone, at the same time on three.
+
+A schedule for more cores than there are is played through: what the master does for each
+participant of a macro step, one after the other, is measured on participants whose step takes no
+time, half of it counted before a step is sent away and half after its end; the steps between run on
+the cores that the master leaves. The same play for the participants that wait stands beside what
+was measured.
 
 Run: python tests/bench/parallel.py
 """
@@ -13,6 +20,7 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
+import heapq
 import subprocess
 import sys
 import tempfile
@@ -27,6 +35,7 @@ from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import Stepper
 from piston_cosim.master.fmi.compiler import compiler
+from tests.fmu import vectors
 from tests.fmu.counter import SOURCE, make
 
 STEP_TAKES = 150_000
@@ -61,15 +70,20 @@ def run(folder, names, wires, isolated, parallel):
         return spent / STEPS, [one.get("x") for one in system.participants.values()]
 
 
-def gain(what, flag, count, shape=RING):
-    """Print how much faster steps at once are; flag: what a step does, for the compiler."""
-    folder = Path(tempfile.mkdtemp())
+def counters(folder, flag, takes, count):
+    """An FMU whose step takes so long [us]; names of participants and the wires of a ring."""
     library = folder / "counter.so"
-    command = [compiler(), "-O1", "-shared", "-fPIC", f"-D{flag}={STEP_TAKES}", SOURCE]
+    command = [compiler(), "-O1", "-shared", "-fPIC", f"-D{flag}={takes}", SOURCE]
     subprocess.run([*command, "-o", library], check=True)
     make(folder / "model.fmu", library)
     names = [f"p{k}" for k in range(count)]
-    wires = [(names[k], names[(k + 1) % count]) for k in range(count)]
+    return names, [(names[k], names[(k + 1) % count]) for k in range(count)]
+
+
+def gain(what, flag, count, shape=RING):
+    """Print how much faster steps at once are; flag: what a step does, for the compiler."""
+    folder = Path(tempfile.mkdtemp())
+    names, wires = counters(folder, flag, STEP_TAKES, count)
     if shape == BRANCHES:
         wires = [(names[0], names[2]), (names[1], names[3])]
     serial, parallel = [], []
@@ -86,10 +100,75 @@ def gain(what, flag, count, shape=RING):
     )
 
 
+def overhead(count):
+    """What the master does for a participant of a macro step [s], of so many."""
+    folder = Path(tempfile.mkdtemp())
+    names, wires = counters(folder, "WAIT", 0, count)
+    return min(run(folder, names, wires, True, True)[0] for _ in range(ROUNDS)) / count
+
+
+def played(durations, each, cores):
+    """Length of a macro step [s] of participants that take so long, by the schedule of
+    `Interface._step`: sent away one after the other, waited for in the same order.
+    """
+    free = [0.0] * (cores - 1)  # one core is the master's
+    ends, now = [], 0.0
+    for duration in durations:
+        now += each / 2
+        heapq.heappush(free, end := max(now, heapq.heappop(free)) + duration)
+        ends.append(end)
+    for end in ends:
+        now = max(now, end) + each / 2
+    return now
+
+
+def schedule(count, cores):
+    """Print what the schedule is worth with so many participants and cores."""
+    each = overhead(count)
+    print(f"the master's own work: {1e3 * each:.3f} ms a participant and macro step")
+    for takes in (STEP_TAKES / 1e6, 1e-2, 1e-3):
+        even = [takes] * count
+        uneven = [takes * (1 + 0.1 * k / (count - 1)) for k in range(count)]
+        gains = [sum(steps) / played(steps, each, cores) for steps in (even, uneven)]
+        print(
+            f"{count} participants on {cores} cores, played: steps of {1e3 * takes:5.1f} ms "
+            f"{gains[0]:.2f} times faster, of up to a tenth more {gains[1]:.2f}",
+            flush=True,
+        )
+
+
+def probes():
+    """Print what clones are worth to Newton."""
+    folder = Path(tempfile.mkdtemp())
+    vectors.make(folder, wait=STEP_TAKES // 3)
+    spent, found = [], []
+    for clones in (1, 3):
+        more = f"isolated = true\nclones = {clones}"
+        text = vectors.CASE.format(stop=STEPS / 10, more=more)
+        case = check_case(tomllib.loads(text), "")
+        system = open_system(case, folder, lambda _: None)
+        with closing(system.participants.values()):
+            start(system)
+            stepper = Stepper(system, method_of(case.coupling), 6, order=0)
+            begin = perf_counter()
+            for k in range(STEPS):
+                stepper.advance(k / 10, 0.1)
+            spent.append(perf_counter() - begin)
+            found.append(system.participants["bent"].get("x").tobytes())
+    assert found[0] == found[1], "not the same bits"
+    print(
+        f"Newton, a participant with three inputs: {1e3 * spent[0] / STEPS:.1f} ms a step with one "
+        f"clone, {1e3 * spent[1] / STEPS:.1f} with three: {spent[0] / spent[1]:.2f} times faster",
+        flush=True,
+    )
+
+
 def main():
     gain("waiting", "WAIT", 2)
     gain("waiting", "WAIT", 4, BRANCHES)
     gain("waiting", "WAIT", 8)
+    probes()
+    schedule(8, 16)
     gain("computing", "BURN", 2)
 
 

@@ -28,7 +28,7 @@ from piston_cosim.master.coupling.stepping import Stepper
 from piston_cosim.master.fmi.compiler import compiler
 from tests.fmu.counter import SOURCE, case_text, make
 
-STEPS, STEP, ROUNDS = 4000, 1e-3, 5
+STEPS, STEP, ROUNDS = 1000, 1e-3, 20
 K, U, X = 0, 1, 2
 """Value references of the lag: its constant, input and output."""
 

@@ -1,5 +1,6 @@
 """The offline part: options, cache, interpolation, splines."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows,
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
+from piston_cosim.fmu_mfbd.reduction import reduce as reduction
 from piston_cosim.fmu_mfbd.reduction.interpolation import interpolation
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -260,3 +262,16 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
         == "set()"
     )
+
+
+def test_whoever_changes_how_bodies_are_reduced_gets_new_ones(tmp_path, monkeypatch):
+    part = tmp_path / "fmu_mfbd"
+    for room in reduction.ROOMS:
+        shutil.copytree(Path(reduction.__file__).parents[1] / room, part / room)
+    shipped = reduction.code_digest.__wrapped__()
+    monkeypatch.setattr(reduction, "__file__", str(part / "reduction" / "reduce.py"))
+    assert reduction.code_digest.__wrapped__() == shipped
+    for room in reduction.ROOMS:
+        before = reduction.code_digest.__wrapped__()
+        (part / room / "__init__.py").write_text("CHANGED = 1\n")
+        assert reduction.code_digest.__wrapped__() != before

@@ -580,6 +580,27 @@ def test_modes_move_the_film_and_forces_the_modes(bodies, tmp_path):
     assert change == near(expected, rel=1e-3)  # digits of the velocity, place of the bore
 
 
+def test_gas_widens_the_bore(bodies, tmp_path):
+    """As before, at rest: f = int p phi R dtheta dy over the wall, 0.2 MPa of the table and input
+    above the top ring, 0.05 MPa between the rings; phi linear in height, so each band counts with
+    its middle.
+    """
+    piston, block, at, slope = flexible()
+    moving(tmp_path, modal_coordinate=[0.0] * 4, modal_velocity=[0.0] * 4)
+    rings = dict(top_ring_height=16e-3, second_ring_height=12e-3, land_pressure=5e4)
+    slave = bodies({"start": "start.json"}, piston=piston, block=block, gas_pressure=2e5, **rings)
+    o = seen(slave)
+    ring, second = o["piston_position"] + np.array([16e-3, 12e-3])
+    mean_at, mean_slope = at[0].mean(axis=(0, 1)), slope[0].mean(axis=(0, 1))
+    expected = np.zeros(2)
+    for pressure, low, high in ((2e5, ring, TOP), (5e4, second, ring)):
+        area = 2.0 * pi * BORE * (high - low)
+        expected += pressure * area * (mean_at + mean_slope * (low + high) / 2.0)
+    assert slave.do_step(0.0, 1e-10)
+    change = seen(slave)["modal_velocity"][2:] / 1e-10
+    assert change == near(expected, rel=1e-3)  # digits of the velocity, place of the bore
+
+
 def test_damping_bands_of_the_build_table(bodies, tmp_path):
     piston, block, *_ = flexible()
     rate = np.array([0.02, -0.01, -0.03, 0.04])

@@ -1,8 +1,17 @@
 /* Three Dahlquist equations dx/dt = -k x + u by backward Euler as an FMI 2.0 FMU, in the manner of the Reference-FMUs:
-   no serialisation, no derivatives, no logging; what is not offered answers fmi2Error. */
+   no derivatives, no logging, no serialisation unless SERIALISES is defined; what is not offered answers fmi2Error.
+   A step waits WAIT microseconds, 0 unless defined, and is bent by BEND. */
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+#ifndef WAIT
+#define WAIT 0
+#endif
+#ifndef BEND
+#define BEND 0
+#endif
 
 typedef struct { double k, u[3], x[3]; } Model;
 typedef unsigned Reference;
@@ -18,8 +27,11 @@ void *fmi2Instantiate(const char *a, int b, const char *c, const char *d, const 
 int fmi2DoStep(Model *m, double time, double step, int last)
 {
     (void)time, (void)last;
+    if (WAIT)
+        usleep(WAIT);
+    double u = m->u[0] * m->u[1] * m->u[2];
     for (int i = 0; i < 3; i++)
-        m->x[i] = (m->x[i] + step * m->u[i]) / (1 + step * m->k);
+        m->x[i] = (m->x[i] + step * (m->u[i] + BEND * u)) / (1 + step * m->k);
     return 0;
 }
 
@@ -58,7 +70,17 @@ const char *fmi2GetVersion(void) { return "2.0"; }
 
 #define NOT_OFFERED(name) int fmi2##name(void *m) { (void)m; return 3; }
 NOT_OFFERED(Reset) NOT_OFFERED(SetDebugLogging) NOT_OFFERED(SetInteger) NOT_OFFERED(GetInteger) NOT_OFFERED(SetBoolean)
-NOT_OFFERED(SetString) NOT_OFFERED(GetString) NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate)
-NOT_OFFERED(DeSerializeFMUstate) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetRealInputDerivatives)
+#ifdef SERIALISES
+int fmi2SerializedFMUstateSize(void *m, void *s, size_t *n) { (void)m, (void)s; *n = sizeof(Model); return 0; }
+int fmi2SerializeFMUstate(void *m, void *s, char *b, size_t n) { (void)m; memcpy(b, s, n); return 0; }
+int fmi2DeSerializeFMUstate(void *m, const char *b, size_t n, void **s)
+{
+    (void)m; *s = malloc(n); memcpy(*s, b, n);
+    return 0;
+}
+#else
+NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate) NOT_OFFERED(DeSerializeFMUstate)
+#endif
+NOT_OFFERED(SetString) NOT_OFFERED(GetString) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetRealInputDerivatives)
 NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep) NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus)
 NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus) NOT_OFFERED(GetStringStatus)

@@ -1,0 +1,122 @@
+"""Gas that widens the bore: modal forces of the chamber's pressure above the top ring and of the
+land's between the rings.
+
+Pressure stands on the whole wall above a ring's middle and ends there; it is even around, and the
+rings' own push on the wall is left out. Where a ring is goes by the crank alone, as the bore is
+read where A stands when x_A = 0: 1 um aside is worth 0.3 um of height. The force on the head goes
+through its studs to where the block is held: the deck has no part in it. On the piston an even
+pressure in a land has no resultant: it pushes both rings, and so the piston, along the bore's axis
+with equal and opposite forces (Eq. (D8)). An uneven one belongs in `ring_side_force` and
+`ring_moment`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ...master.fmi.compiled import compiled
+
+
+class WallPressures(NamedTuple):
+    """Gauge pressures on the bore above the top ring and between the rings [Pa]."""
+
+    chamber: float
+    land: float
+
+
+class BoreWall(NamedTuple):
+    """The bore as gas pushes it, k modes.
+
+    Parameters
+    ----------
+    lowest, spacing : float
+        First height of the table above the crank axis, and its step [m].
+    above, at : ndarray, shape (s, k)
+        W of Eq. (D17) at the heights of the table, and its slope [kg^-1/2 m2], [kg^-1/2 m].
+    top_ring, second_ring : float
+        Heights above A [m].
+    """
+
+    lowest: float
+    spacing: float
+    above: np.ndarray
+    at: np.ndarray
+    top_ring: float
+    second_ring: float
+
+
+def bore_wall(
+    heights: np.ndarray,
+    radial: np.ndarray,
+    radius: float,
+    top_ring: float,
+    second_ring: float,
+) -> BoreWall:
+    """What gas needs to know of the bore's modes.
+
+    Eq. (D17):  W_k(y) = int_y^top int_0^2pi phi_k R dtheta dy
+
+    by the mean over the angles of the table and its natural cubic spline in height.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (s,)
+        Equally spaced, above the crank axis [m].
+    radial : ndarray, shape (c, s, k)
+        phi, outwards [kg^-1/2].
+    radius : float
+        R [m].
+    top_ring, second_ring : float
+        Heights above A [m]; no gas on the wall where `top_ring` is 0.
+    """
+    around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
+    below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
+    return BoreWall(
+        lowest=float(heights[0]),
+        spacing=float(heights[1] - heights[0]),
+        above=np.ascontiguousarray(below[-1] - below),  # Eq. (D17)
+        at=np.ascontiguousarray(-around),
+        top_ring=top_ring,
+        second_ring=second_ring,
+    )
+
+
+@compiled
+def wall_forces(wall: BoreWall, height_of_A: float, pressures: WallPressures) -> np.ndarray:
+    """Modal forces of gas on the bore, (k,) [kg^-1/2 N].
+
+    Eq. (D18):  f_k = p_chamber W_k(Y + y_1) + p_land (W_k(Y + y_2) - W_k(Y + y_1))
+
+    Parameters
+    ----------
+    wall : BoreWall
+    height_of_A : float
+        Y [m]; y_1, y_2 the rings' heights above it.
+    pressures : WallPressures
+    """
+    out = np.zeros(wall.above.shape[1])
+    # Eq. (D18)
+    _add_above(out, wall, height_of_A + wall.top_ring, pressures.chamber - pressures.land)
+    _add_above(out, wall, height_of_A + wall.second_ring, pressures.land)
+    return out
+
+
+@compiled
+def _add_above(out, wall, height, pressure):
+    """Add a pressure's forces on the wall above a height: cubic between the table's heights."""
+    if pressure == 0.0:
+        return
+    last = len(wall.above) - 1
+    place = (height - wall.lowest) / wall.spacing
+    place = min(max(place, 0.0), float(last))
+    i = min(int(place), last - 1)
+    t = place - i
+    rest = 1 - t
+    for k in range(len(out)):
+        out[k] += pressure * (
+            rest * rest * (1 + 2 * t) * wall.above[i, k]
+            + t * t * (3 - 2 * t) * wall.above[i + 1, k]
+            + t * rest * rest * wall.spacing * wall.at[i, k]
+            - t * t * rest * wall.spacing * wall.at[i + 1, k]
+        )

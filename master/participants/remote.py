@@ -1,0 +1,158 @@
+"""An FMU on another machine: a worker of an existing Dask cluster holds it, the master talks to it
+as to an isolated one.
+
+Commands go to a Dask actor, as many as possible in one message, values with them; the connection is
+TLS's, by certificates that Dask's own configuration names (distributed.comm.tls), on both sides.
+The FMU itself is sent along; workers need this package and dask[distributed].
+"""
+
+import tempfile
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..fmi.errors import BadInput, ParticipantFault
+from .isolated import IsolatedParticipant, Server, answered
+from .open import open_fmu
+
+CONNECTED = 20.0
+"""Longest wait for a scheduler [s]."""
+BUSY: Counter[str] = Counter()
+"""Participants of this process by worker: an actor has one thread there, so that the next goes to
+the worker with the fewest.
+"""
+
+
+class RemoteParticipant(IsolatedParticipant):
+    """A participant whose FMU runs on a worker of a Dask cluster; same methods and same bits as the
+    participant it stands for.
+
+    Parameters
+    ----------
+    participant : FmuParticipant
+        Not started.
+    timeout : float
+        Longest wait for any one answer [s].
+    host : str
+        Of the cluster's scheduler, tls://NAME:PORT.
+
+    Raises
+    ------
+    BadInput
+        By `launch`, if dask is not installed, nobody answers there with a certificate that is
+        trusted, or there is no worker.
+    ParticipantFault
+        By every method, after a time-out or when the worker has gone.
+    """
+
+    def __init__(self, participant, timeout, host):
+        super().__init__(participant, timeout)
+        self.host = host
+        self._worker = ""
+        self._actor: Any = None
+        self._kept: Any = None
+
+    def launch(self):
+        """Send the FMU to the worker with the fewest participants."""
+        try:
+            from dask.distributed import Client
+        except ImportError:
+            raise BadInput(f"{self.name}: host: install dask[distributed] first") from None
+        try:
+            self._process = Client(self.host, timeout=CONNECTED, set_as_default=False)
+            workers = sorted(self._process.ncores())
+        except (OSError, TypeError, ValueError, RuntimeError) as error:
+            raise BadInput(f"{self.name}: host = {self.host!r}: {error}") from None
+        if not workers:
+            self._process.close()
+            raise BadInput(f"{self.name}: host = {self.host!r}: there is no worker")
+        self._worker = min(workers, key=lambda worker: BUSY[worker])
+        BUSY[self._worker] += 1
+        self._values = {}
+        described = self.described
+        recipe = described.sizes, getattr(described, "length", None)
+        data = Path(self.path).read_bytes()
+        made = (RemoteFmu, self.name, Path(self.path).name, data, recipe)
+        place = {"workers": [self._worker], "actor": True, "pure": False}
+        self._kept = self._process.submit(*made, **place)  # the actor lives as long as this does
+        self._actor = self._found(self._kept)
+
+    def set(self, name, value):
+        """Set a field (array of its shape), or a scalar of any type."""
+        self._fresh = set()  # an output may follow its input at once
+        kept = value.copy() if isinstance(value, np.ndarray) else value
+        self._queue.append(("set", (name, kept)))
+
+    def derivative(self, seeds, products):
+        """Directional derivative of the last step; see `FmuParticipant.derivative`."""
+        return self._ask("derivative", dict(seeds), list(products))
+
+    def close(self):
+        """Terminate the FMU, and let go of the worker."""
+        if self._process is None:
+            return
+        try:
+            self._ask("close")
+        finally:
+            client, self._process, self._actor, self._kept = self._process, None, None, None
+            BUSY[self._worker] -= 1
+            client.close(timeout=self.timeout)
+
+    def _post(self, queue):
+        with self._process.as_current():  # an actor asks for its client so
+            self._coming = self._actor.run(queue)
+
+    def _fetch(self):
+        raised, answer, said = self._found(self._coming)
+        self._values |= {name: np.asarray(value) for name, value in said.items()}
+        return raised, answer
+
+    def _found(self, future: Any):
+        """What Dask answers; ParticipantFault where it does not."""
+        try:
+            return future.result(timeout=self.timeout)
+        except TimeoutError:
+            words = f"no answer within {self.timeout:g} s"
+        except Exception as error:  # of Dask's own, or what broke on the way
+            words = f"{type(error).__name__}: {error}"
+        awaited = self._awaited[0] if self._awaited else "launch"
+        raise ParticipantFault(f"{self.name}: on {self._worker}, {awaited}: {words}")
+
+
+class RemoteFmu:
+    """The other end, on a worker."""
+
+    def __init__(self, name, file, data, recipe):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / file
+            path.write_bytes(data)
+            self.server = FarServer(open_fmu(name, path, *recipe))
+
+    def run(self, queue):
+        """Run commands; whether one raised, the last answer or what was raised, and what was
+        read.
+        """
+        self.server.said = {}
+        return (*answered(self.server, queue), self.server.said)
+
+
+class FarServer(Server):
+    """Runs commands on the real participant, where nothing is shared with the master."""
+
+    def __init__(self, participant):
+        self.participant, self.saved, self.read_ahead = participant, {}, set()
+        self.said: dict[str, Any] = {}
+
+    def read(self, name):
+        self.said[name] = self.participant.get(name)
+        self.read_ahead.add(name)
+
+    def step(self, time, step):
+        self.participant.step(time, step)
+        self.said |= {name: self.participant.get(name) for name in self.read_ahead}
+        return self.participant.ended
+
+    def derivative(self, seeds, products):
+        return self.participant.derivative(seeds, products)

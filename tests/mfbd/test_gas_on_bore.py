@@ -1,0 +1,106 @@
+"""Gas on the bore's wall: closed forms, sums over the faces of a mesh, effect on a run."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, bore_wall, wall_forces
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.options import read_options
+from piston_cosim.fmu_mfbd.reduction.reduce import reduce_block
+
+RADIUS = 36.5e-3
+LOW, HIGH = 60e-3, 166e-3
+
+
+def test_pressure_times_projected_area():
+    """Fields by hand. phi = 1: p times the wall's area, 2 pi 36.5 mm x 26 mm = 5.9627e-3 m2 of
+    4 MPa above the top ring and 9 mm, 2.0640e-3 m2, of 0.5 MPa between the rings; phi = y - 60 mm:
+    with the middles of both bands 93 and 75.5 mm above the table's foot; phi = cos(theta): nothing.
+    Between the table's heights too: a cubic holds the quadratic W.
+    """
+    theta = 2 * np.pi * np.arange(16)[:, None, None] / 16
+    heights = np.linspace(LOW, HIGH, 12)
+    y = heights[None, :, None]
+    radial = np.concatenate(
+        [1 + 0 * (theta + y), y - LOW + 0 * theta, np.cos(theta) + 0 * y], axis=2
+    )
+    wall = bore_wall(heights, radial, RADIUS, top_ring=24e-3, second_ring=15e-3)
+    found = wall_forces(wall, 116e-3, WallPressures(4e6, 0.5e6))
+    first = 4e6 * 5.962743e-3
+    land = 0.5e6 * 2.064026e-3
+    expected = [first + land, first * 93e-3 + land * 75.5e-3, 0.0]
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_no_wall_above_the_rings_and_none_below_the_bore():
+    """With the top ring out of the bore nothing stands above it; far below, all of the wall."""
+    heights = np.linspace(LOW, HIGH, 12)
+    wall = bore_wall(heights, np.ones((16, 12, 1)), RADIUS, top_ring=24e-3, second_ring=15e-3)
+    assert wall_forces(wall, 0.160, WallPressures(4e6, 0.5e6)).item() == 0.0
+    everywhere = wall_forces(wall, 0.0, WallPressures(4e6, 0.0)).item()
+    assert everywhere == pytest.approx(4e6 * 2 * np.pi * RADIUS * (HIGH - LOW), rel=1e-12)
+
+
+def test_virtual_work_is_that_of_the_mesh(bodies):
+    """Modal forces from the table of the bore against nodal forces of the pressure on the faces of
+    the mesh above a ring that stands at an edge of faces. 2 %: modes are peaked at the thrust line,
+    which 16 angles would miss by 5 %, and fast modes bend within a ring of faces.
+    """
+    folder, build = bodies
+    block = read_options(build, folder).block
+    reduced = reduce_block(block, (48, 12), lambda text: None)
+    mesh = read_mesh(folder / "block.msh", {"bore": None})
+    faces = mesh.faces["bore"]
+    for layer in (0, 4, 8):
+        edge = 50e-3 + layer * 10.5e-3
+        above = faces[mesh.points[faces, 1].min(axis=1) > edge - 1e-6]
+        nodal = face_load(mesh.points, above)
+        expected = np.einsum("na,nak->k", nodal, reduced.anatomy.shapes)
+        wall = bore_wall(reduced.body.heights, reduced.body.radial, reduced.body.radius, 1e-9, 1e-9)
+        found = wall_forces(wall, edge, WallPressures(1.0, 1.0))
+        assert np.abs(found - expected).max() <= 0.02 * np.abs(expected).max()
+
+
+def test_gas_widens_the_bore_of_a_running_model(reduced):
+    """A crank at rest, modes damped critically: after 5 ms each holds f/omega^2, to 1e-6: the
+    slowest, 4 kHz, forgets by exp(-125). A rigid block and rings that are not given stay as they
+    were.
+    """
+    options, piston, block = reduced
+    nothing = np.zeros((16, 12))
+    rings = dict(top_ring_height=16e-3, second_ring_height=12e-3)
+    calm = dict(damping_ratio=1.0, high_frequency_damping_ratio=1.0, pin_friction_coefficient=0.0)
+
+    def held(block, **values):
+        model = assemble(piston, block, options, Parameters(**calm, **values))
+        state, _ = model.start(0.0, 0.0, 0.0, Inputs(0.0, 0.0, nothing, nothing))
+        pressed = Inputs(0.0, 6e6, nothing, nothing, land_pressure=1e6)
+        for _ in range(100):
+            state, out = model.advance(state, pressed, 5e-5)
+        return model, out
+
+    (model, with_gas), (_, without) = held(block, **rings), held(block)
+    # A stands 124.75 mm above the crank, less than 1 nm of it by the modes
+    force = wall_forces(model.system.wall, 24.75e-3 + 0.1, WallPressures(6e6, 1e6))
+    q = with_gas["modal_coordinate"][12:]
+    assert np.abs(q - force / block.omega**2).max() <= 1e-6 * np.abs(q).max()
+    assert not without["modal_coordinate"][12:].any()
+    last = ("radial", "axial", "omega", "kind")
+    rigid = dataclasses.replace(block, **{name: getattr(block, name)[..., :0] for name in last})
+    np.testing.assert_array_equal(
+        held(rigid, **rings)[1]["film_thickness"], held(rigid)[1]["film_thickness"]
+    )
+
+
+def test_rings_beside_one_another_are_refused(reduced):
+    options, piston, block = reduced
+    for second in (5e-3, 17e-3):
+        wrong = Parameters(top_ring_height=16e-3, second_ring_height=second)
+        (text,) = faults(piston, block, options, wrong)
+        assert f"second_ring_height = {second:g} m" in text and "0.016 m" in text
