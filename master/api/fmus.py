@@ -87,6 +87,7 @@ def compile_code(path: Path, say: Callable[[str], object]) -> None:
     """
     say(f"starting {path.name} once: code that is new here is compiled, about a minute")
     usual = read_model_description(str(path)).defaultExperiment
+    assert usual.stopTime is not None and usual.stepSize is not None  # the builder writes both
     one = opening.open_fmu("fmu", path)
     try:
         one.start({}, 0.0, float(usual.stopTime))

@@ -304,10 +304,10 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     offered = {name: one for name, one in IMPORTERS.items() if version in one.versions}
     absent = dict.fromkeys(offered)
     for python in pythons:
-        release = _ask(python, "import platform; print(platform.python_version())")
+        release = str(_ask(python, "import platform; print(platform.python_version())"))
         for name, importer in offered.items():
             asked = f"import importlib.metadata as m; print(m.version({importer.package!r}))"
-            installed = _ask(python, asked) if importer.package else "-"
+            installed = str(_ask(python, asked)) if importer.package else "-"
             if not installed.startswith(FAILED):
                 absent.pop(name, None)
                 seen = _ask(python, COMMON + importer.script, *arguments)
@@ -320,7 +320,7 @@ def _ask_host(folder, count, step):
     """Rows that host.c prints, compiled here; words where it fails."""
     from ..fmi.compiler import compiler
 
-    if not compiler():
+    if not (cc := compiler()):
         return f"{NOT_INSTALLED}: a C compiler (cc, or $CC)"
     root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
     third = root.attrib["fmiVersion"].startswith("3")
@@ -333,7 +333,7 @@ def _ask_host(folder, count, step):
     with tempfile.TemporaryDirectory() as scratch:
         program = Path(scratch) / "host"
         source = Path(__file__).with_name("host.c")
-        subprocess.run([compiler(), "-o", program, source, "-ldl"], check=True)
+        subprocess.run([cc, "-o", program, source, "-ldl"], check=True)
         location = Path(folder) / "resources"
         words = [program, root.get("fmiVersion"), library, token]
         words += [location if third else location.as_uri(), repr(step), count]
