@@ -6,10 +6,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+from fmpy import read_model_description
+
+from ..case.export import experiment_ahead
 from ..case.given import build_options
 from ..case.schema import check_case
 from ..fmi import builder
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Discard
 from ..participants import open as opening
 from .cases import Case, open_case
 
@@ -63,9 +66,36 @@ def build_fmu(
     else:
         case = source if isinstance(source, Case) else open_case(source)
         built = _of_case(case, participant, options or {}, fmi, say)
+    compile_code(built, say)
     if output is None:
         return built
     return Path(shutil.copyfile(built, output))
+
+
+def compile_code(path: Path, say: Callable[[str], object]) -> None:
+    """Start an FMU once and take a step of its default experiment, so that what its code compiles
+    is kept for this user: whoever loads it here, or another of the same code, need not wait.
+
+    One that does not start by its own values is left as it is.
+
+    Parameters
+    ----------
+    path : Path
+        An FMU that this tool has built.
+    say : callable
+        Told a line of text before.
+    """
+    say(f"starting {path.name} once: code that is new here is compiled, about a minute")
+    usual = read_model_description(str(path)).defaultExperiment
+    assert usual.stopTime is not None and usual.stepSize is not None  # the builder writes both
+    one = opening.open_fmu("fmu", path)
+    try:
+        one.start({}, 0.0, float(usual.stopTime))
+        one.step(0.0, float(usual.stepSize))
+    except (BadInput, Discard):
+        log.info("%s does not start by its own values: its code is not compiled yet", path.name)
+    finally:
+        one.close()
 
 
 def _of_case(
@@ -85,7 +115,9 @@ def _of_case(
         table.build |= {key: options[key] for key in shared}
     build = build_options(checked, folder, say)[participant]
     package: Any = checked.participants[participant].package
-    return builder.build_fmu(package, build, folder, say, fmi)
+    return builder.build_fmu(
+        package, build, folder, say, fmi, experiment=experiment_ahead(checked, folder)
+    )
 
 
 def open_fmu(path: str | Path, name: str = "fmu") -> Any:

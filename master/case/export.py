@@ -9,12 +9,12 @@ from dataclasses import asdict, replace
 from math import inf, isfinite
 from pathlib import Path
 
-from ..fmi.builder import pack_fmu, slave_of
+from ..fmi.builder import code_of, pack_fmu, slave_of
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
 from .given import build_options
-from .system import open_system
+from .system import open_system, run_ahead
 
 COUPLED = "master.coupling.coupled"
 """The part of the master that goes inside, with all that it imports."""
@@ -24,7 +24,8 @@ def export_fmu(case, folder, progress, version="2.0"):
     """FMU of the coupled case.
 
     Outside it has the inputs that no wire feeds, all parameters with the case's values as start
-    values, and all scalar outputs. A name that two participants share is written participant.name.
+    values, all scalar outputs, and in FMI 3.0 all fields. A name that two participants share is
+    written participant.name.
 
     Parameters
     ----------
@@ -78,12 +79,12 @@ def export_fmu(case, folder, progress, version="2.0"):
     exposed = _exposed(
         {name: _variables(packages[name], options) for name, (options, _) in prepared.items()},
         system,
+        fields=version == "3.0",
     )
     name = re.sub(r"\W", "_", Path(folder).resolve().name, flags=re.ASCII)
     options = {
         "name": name if name.isidentifier() else f"engine_{name}",
         "title": case.title,
-        "experiment": asdict(experiment(system)),
         "participants": {name: slave_of(package) for name, package in packages.items()},
         "order": list(system.order),
         "step": system.step,
@@ -98,21 +99,36 @@ def export_fmu(case, folder, progress, version="2.0"):
     return pack_fmu(
         options["name"],
         f"{COUPLED}:Coupled",
-        [*packages.values(), COUPLED],
+        [*map(code_of, packages.values()), COUPLED],
         options,
         _resources(prepared),
         progress,
         version,
+        experiment=experiment(system.stop, system.step, system.wires),
     )
 
 
-def experiment(system):
-    """The case's own run: its stop, its longest step, and the tightest wire's tolerance over its
+def experiment(stop, step, wires):
+    """A case's own run: its stop, its longest step, and the tightest wire's tolerance over its
     nominal value.
     """
-    shares = [wire.tolerance / wire.nominal for wire in system.wires if wire.tolerance > 0.0]
+    shares = [wire.tolerance / wire.nominal for wire in wires if wire.tolerance > 0.0]
     tightest = min(shares, default=inf)
-    return Experiment(system.stop, system.step, tightest if isfinite(tightest) else None)
+    return Experiment(stop, step, tightest if isfinite(tightest) else None)
+
+
+def experiment_ahead(case, folder):
+    """The same before anything is built, for the FMU of one participant; None where the case does
+    not say it of what its parts declare.
+
+    Parameters
+    ----------
+    case : Case
+    folder : Path
+        Of the case.
+    """
+    clock, wires = run_ahead(case, folder)
+    return experiment(clock.stop, clock.step, wires) if clock else None
 
 
 def _variables(package, options):
@@ -120,14 +136,14 @@ def _variables(package, options):
     return getattr(import_part(module), slave).variables(options)
 
 
-def _exposed(tables, system):
+def _exposed(tables, system, fields):
     """Pairs (variable as seen from outside, (participant, name inside))."""
     fed = {wire.target for wire in system.wires}
     chosen = [
         (owner, v)
         for owner, table in tables.items()
         for v in table
-        if _is_exposed(v, (owner, v.name) in fed)
+        if _is_exposed(v, (owner, v.name) in fed, fields)
     ]
     shared = Counter(v.name for _, v in chosen)
     exposed = []
@@ -139,9 +155,9 @@ def _exposed(tables, system):
     return exposed
 
 
-def _is_exposed(variable, is_fed):
+def _is_exposed(variable, is_fed, fields):
     if variable.causality == "output":
-        return not variable.shape
+        return fields or not variable.shape
     return variable.causality != "constant" and not is_fed
 
 

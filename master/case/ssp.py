@@ -1,13 +1,17 @@
 """A case as a System Structure and Parameterization package (SSP), and back.
 
-Components are the built FMUs, connectors what crosses the interface, parameters one SSV a
-component. FMI 2.0 FMUs make an SSP 1.0 with a connector for every scalar; with an FMI 3.0 FMU it is
-an SSP 2.0, whose connectors are arrays with dimensions. What SSP has no words for (tolerances,
-coupling, macro step, records) travels in an annotation that other tools pass over.
+Components are the built FMUs, connectors what crosses the interface and all scalar inputs and
+outputs, parameters one SSV a component. Inputs that no wire feeds and scalar outputs are connectors
+of the system too; where those inputs start stands in the system's own SSV. FMI 2.0 FMUs make an SSP
+1.0 with a connector for every scalar; with an FMI 3.0 FMU it is an SSP 2.0, whose connectors are
+arrays with dimensions. SSP has no words for the step, which OMSimulator reads in an annotation of
+its own, nor for tolerances, coupling and records, which travel in one of ours. Both stand in the
+system: OMSimulator refuses annotations of the root, and reads the first of the system alone.
 """
 
 import json
 import zipfile
+from collections import Counter
 from hashlib import sha256
 from pathlib import Path
 from xml.etree import ElementTree
@@ -26,6 +30,12 @@ SPACE = {
     part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
     for part, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
 }
+
+OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
+"""Namespace of OMSimulator's annotations."""
+
+SYSTEM = "case"
+"""Name of the system and of its own parameters."""
 
 LEFT = ("participants", "variants", "beside")
 """Tables of a case that an SSP says otherwise, or does not have."""
@@ -72,8 +82,17 @@ def export_ssp(tree, system, path):
     for name, participant in system.participants.items():
         members[f"resources/{name}.fmu"] = participant.path.read_bytes()
         members[f"resources/{name}.ssv"] = _xml(
-            _parameters(participant, system.parameters[name], version)
+            _parameters(
+                name,
+                {
+                    key: (participant.fields[key], value)
+                    for key, value in system.parameters[name].items()
+                },
+                participant,
+                version,
+            )
         )
+    members[f"resources/{SYSTEM}.ssv"] = _xml(_starts(system, version))
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
@@ -94,12 +113,15 @@ TYPES_3 = {
 
 def _type(participant, field):
     """Name of a variable's type in the FMU's version of FMI."""
-    return TYPES_3[field.type] if _has_arrays(participant) else field.type
+    if not _has_arrays(participant):
+        return field.type
+    return field.native or TYPES_3[field.type]
 
 
 def _xml(root):
     for part, space in SPACE.items():
         ElementTree.register_namespace(part, space)
+    ElementTree.register_namespace("oms", OMS)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
 
@@ -107,16 +129,19 @@ def _xml(root):
 def _structure(tree, system, version):
     root = Element(
         _q("ssd:SystemStructureDescription"),
-        {"name": "case", "version": version, "generationTool": VENDOR},
+        {"name": SYSTEM, "version": version, "generationTool": VENDOR},
     )
-    top = SubElement(root, _q("ssd:System"), {"name": "case", "description": tree["title"]})
+    top = SubElement(root, _q("ssd:System"), {"name": SYSTEM, "description": tree["title"]})
+    ports = _system_ports(system)
+    connectors = SubElement(top, _q("ssd:Connectors"))
+    for shown, (owner, name) in ports.items():
+        participant = system.participants[owner]
+        _connector(connectors, participant, participant.fields[name], shown)
+    _binding(top, SYSTEM)
     elements = SubElement(top, _q("ssd:Elements"))
     for name, participant in system.participants.items():
-        _component(
-            elements,
-            participant,
-            {end[1] for c in system.wires for end in (c.source, c.target) if end[0] == name},
-        )
+        wired = {end[1] for c in system.wires for end in (c.source, c.target) if end[0] == name}
+        _component(elements, participant, wired | set(_scalars(participant)))
     joined = SubElement(top, _q("ssd:Connections"))
     for c in system.wires:
         for index in [""] if _has_arrays(system.participants[c.source[0]]) else _indices(c.shape):
@@ -130,23 +155,96 @@ def _structure(tree, system, version):
                     "endConnector": c.target[1] + index,
                 },
             )
-    units = SubElement(root, _q("ssd:Units"))
-    for unit in sorted({c.unit for c in system.wires} - {"1"}):
-        SubElement(
-            SubElement(units, _q("ssc:Unit"), {"name": unit}),
-            _q("ssc:BaseUnit"),
-            {base: str(power) for base, power in BASE_UNITS[unit].items()},
-        )
+    for shown, (owner, name) in ports.items():
+        inside = {"Element": owner, "Connector": name}
+        enters = system.participants[owner].fields[name].causality == "input"
+        near, far = ("end", "start") if enters else ("start", "end")
+        ends = {near + key: value for key, value in inside.items()} | {f"{far}Connector": shown}
+        SubElement(joined, _q("ssd:Connection"), ends)
+    _annotations(top, tree, system)
+    _units(root, "ssd", {c.get("unit") for c in root.iter()})
     SubElement(
-        root, _q("ssd:DefaultExperiment"), {"startTime": "0.0", "stopTime": repr(system.stop)}
-    )
-    annotation = SubElement(
-        SubElement(root, _q("ssd:Annotations")), _q("ssc:Annotation"), {"type": VENDOR}
-    )
-    SubElement(annotation, "case").text = json.dumps(
-        {key: value for key, value in tree.items() if key not in LEFT}
+        root,
+        _q("ssd:DefaultExperiment"),
+        {"startTime": repr(system.begin), "stopTime": repr(system.stop)},
     )
     return root
+
+
+def _annotations(parent, tree, system):
+    """Step and kind of system as OMSimulator reads them; then the case, as this tool does."""
+    annotations = SubElement(parent, _q("ssd:Annotations"))
+    node = SubElement(annotations, _q("ssc:Annotation"), {"type": "org.openmodelica"})
+    for name in ("Annotations", "SimulationInformation"):
+        node = SubElement(node, f"{{{OMS}}}{name}")
+    master = {"description": "oms-ma", "stepSize": repr(system.step)}
+    tolerances = {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"}
+    SubElement(node, f"{{{OMS}}}FixedStepMaster", master | tolerances)
+    own = SubElement(annotations, _q("ssc:Annotation"), {"type": VENDOR})
+    kept = {key: value for key, value in tree.items() if key not in LEFT}
+    SubElement(own, "case").text = json.dumps(kept)
+
+
+def _units(parent, part, names):
+    """Declares the units of those names."""
+    known = sorted(name for name in names if name in BASE_UNITS)
+    if not known:
+        return
+    units = SubElement(parent, _q(f"{part}:Units"))
+    for name in known:
+        powers = {base: str(power) for base, power in BASE_UNITS[name].items()}
+        SubElement(SubElement(units, _q("ssc:Unit"), {"name": name}), _q("ssc:BaseUnit"), powers)
+
+
+def _unit(field):
+    """A field's unit where it has one that this tool can declare."""
+    is_known = field.type == "Real" and field.unit in BASE_UNITS
+    return {"unit": field.unit} if is_known else {}
+
+
+def _scalars(participant):
+    """Names of the scalar inputs and outputs that are numbers."""
+    return [
+        name
+        for name, field in participant.fields.items()
+        if field.causality in ("input", "output")
+        and not field.shape
+        and field.type in ("Real", "Integer")
+    ]
+
+
+def _system_ports(system):
+    """Connectors of the system: name -> (participant, variable) of every scalar output, and of
+    every scalar input that no wire feeds; with the participant's name before it where two share it.
+    """
+    fed = {wire.target for wire in (*system.wires, *system.held)}
+    ports = [
+        (owner, name)
+        for owner, participant in system.participants.items()
+        for name in _scalars(participant)
+        if (owner, name) not in fed
+    ]
+    shared = Counter(name for _, name in ports)
+    return {
+        (name if shared[name] == 1 else f"{owner}_{name}"): (owner, name) for owner, name in ports
+    }
+
+
+def _starts(system, version):
+    """Where the system's inputs start: at what the case gives them, else at the FMU's own value."""
+    values = {}
+    anyone = next(iter(system.participants.values()))
+    for shown, (owner, name) in _system_ports(system).items():
+        field = system.participants[owner].fields[name]
+        if field.causality == "input":
+            values[shown] = field, system.parameters[owner].get(name, field.start or 0.0)
+    return _parameters(SYSTEM, values, anyone, version)
+
+
+def _binding(parent, name):
+    """The SSV of that name as the element's parameters."""
+    bindings = SubElement(parent, _q("ssd:ParameterBindings"))
+    SubElement(bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{name}.ssv"})
 
 
 def _indices(shape):
@@ -170,33 +268,31 @@ def _component(parent, participant, names):
     )
     connectors = SubElement(node, _q("ssd:Connectors"))
     for name in sorted(names):
-        field, arrays = participant.fields[name], _has_arrays(participant)
-        for index in [""] if arrays else _indices(field.shape):
-            connector = SubElement(
-                connectors, _q("ssd:Connector"), {"name": name + index, "kind": field.causality}
-            )
-            SubElement(
-                connector,
-                _q(f"ssc:{_type(participant, field)}"),
-                {} if field.unit == "1" else {"unit": field.unit},
-            )
-            for size in field.shape if arrays else ():
-                SubElement(connector, _q("ssc:Dimension"), {"size": str(size)})
-    bindings = SubElement(node, _q("ssd:ParameterBindings"))
-    SubElement(
-        bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{participant.name}.ssv"}
-    )
-
-
-def _parameters(participant, values, version):
-    root = Element(_q("ssv:ParameterSet"), {"version": version, "name": participant.name})
-    parameters = SubElement(root, _q("ssv:Parameters"))
-    for name, value in values.items():
         field = participant.fields[name]
-        node = SubElement(parameters, _q("ssv:Parameter"), {"name": name})
-        unit = {"unit": field.unit} if field.type == "Real" and field.unit != "1" else {}
-        shown = _item(field, value) if field.choices else str(value)
-        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": shown, **unit})
+        for index in [""] if _has_arrays(participant) else _indices(field.shape):
+            _connector(connectors, participant, field, name + index)
+    _binding(node, participant.name)
+
+
+def _connector(parent, participant, field, shown):
+    """A connector for a field, or for a scalar of it."""
+    node = SubElement(parent, _q("ssd:Connector"), {"name": shown, "kind": field.causality})
+    SubElement(node, _q(f"ssc:{_type(participant, field)}"), _unit(field))
+    for size in field.shape if _has_arrays(participant) else ():
+        SubElement(node, _q("ssc:Dimension"), {"size": str(size)})
+
+
+def _parameters(name, values, participant, version):
+    """SSV of that name; `values` are (field, value) by name, of types as the participant's FMU has
+    them.
+    """
+    root = Element(_q("ssv:ParameterSet"), {"version": version, "name": name})
+    parameters = SubElement(root, _q("ssv:Parameters"))
+    for shown, (field, value) in values.items():
+        node = SubElement(parameters, _q("ssv:Parameter"), {"name": shown})
+        said = _item(field, value) if field.choices else str(value)
+        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": said, **_unit(field)})
+    _units(root, "ssv", {node.get("unit") for node in root.iter()})
     return root
 
 
@@ -238,9 +334,10 @@ def read_ssp(path):
             f"{c.get('endElement')}.{_base(c.get('endConnector'))}",
         )
         for c in root.iter(_q("ssd:Connection"))
+        if c.get("startElement") and c.get("endElement")  # else a connector of the system itself
     )
     experiment = root.find(_q("ssd:DefaultExperiment"))
-    own = root.find(f"{_q('ssd:Annotations')}/{_q('ssc:Annotation')}[@type='{VENDOR}']/case")
+    own = root.find(f".//{_q('ssc:Annotation')}[@type='{VENDOR}']/case")
     tree = (
         json.loads(own.text or "{}")
         if own is not None

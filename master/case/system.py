@@ -71,6 +71,27 @@ def faults_ahead(case, folder):
     return faults
 
 
+def run_ahead(case, folder):
+    """Clock of the run and its wires of real numbers, as far as they show before anything is built:
+    (None, wires) where a participant that turns angles into times is no part that declares its
+    variables.
+    """
+    unheard = []
+    declared = declared_participants(case, folder, unheard)
+    parameters = parameters_ahead(case, declared, unheard)
+    joined = [
+        _wire(table, declared, case.coupling, unheard)
+        for table in case.wires
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys()
+    ]
+    wires = [wire for wire in joined if isinstance(wire, Wire)]
+    turning = case.time.angular_speed
+    if turning and port_of(turning)[0] not in declared:
+        return None, wires
+    clock, _ = _check_time(case, parameters, unheard)
+    return clock, wires
+
+
 def declared_participants(case, folder, faults):
     """Participants whose parts declare their variables, by name; faults of their build options
     are appended.

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Literal
 
-from ..case.export import export_fmu
+from ..api.fmus import compile_code
+from ..case.export import experiment_ahead, export_fmu
 from ..case.given import build_options
 from ..case.schema import check_case, find_case, read_tree
 from ..case.ssp import export_ssp
@@ -43,21 +44,25 @@ def command(
     tree = read_tree(path, [parse_change(text) for text in set_])
     checked = check_case(tree, path)
     if kind == "fmu":
-        output.write_bytes(export_fmu(checked, path.parent, say, fmi).read_bytes())
+        fmus = [export_fmu(checked, path.parent, say, fmi)]
+        output.write_bytes(fmus[0].read_bytes())
     else:
-        export_ssp(
-            tree,
-            open_system(built(checked, path.parent) if fmi == "3.0" else checked, path.parent, say),
-            output,
-        )
+        system = open_system(built(checked, path.parent, fmi), path.parent, say)
+        export_ssp(tree, system, output)
+        fmus = [participant.path for participant in system.participants.values()]
+    for fmu in fmus:
+        compile_code(fmu, say)
     console.print(str(output), soft_wrap=True, highlight=False)
 
 
-def built(case, folder):
-    """The case with FMI 3.0 FMUs in the place of the packages it builds."""
+def built(case, folder, fmi):
+    """The case with FMUs of that version in the place of the packages it builds; they say the
+    case's own run.
+    """
+    usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)
     fmus = {
-        name: build_fmu(table.package, options[name], folder, say, "3.0")
+        name: build_fmu(table.package, options[name], folder, say, fmi, experiment=usual)
         for name, table in case.participants.items()
         if table.package
     }

@@ -1,6 +1,6 @@
 """The coupled system as one slave: participants, wires and iteration inside, scalars outside."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from math import ceil
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard
-from ..fmi.slave import Experiment, FieldSlave
+from ..fmi.slave import FieldSlave
 from ..fmi.tree import slave_class
 from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
@@ -51,7 +51,6 @@ class Options:
 
     name         : model identifier
     title        : the case's
-    experiment   : the case's run
     participants : slave ("module:class") by name, in the order of their start
     order        : stepping order
     step         : macro step [s]
@@ -63,7 +62,6 @@ class Options:
 
     name: str
     title: str
-    experiment: Experiment
     participants: dict[str, str]
     order: tuple[str, ...]
     step: float
@@ -80,7 +78,6 @@ class Options:
         return Options(
             tree["name"],
             tree["title"],
-            Experiment(**tree["experiment"]),
             tree["participants"],
             tuple(tree["order"]),
             tree["step"],
@@ -103,10 +100,30 @@ def _read_ports(entries: Mapping[str, Any]) -> dict[str, Port]:
     return {name: (owner, variable) for name, (owner, variable) in entries.items()}
 
 
+def _size(variable: Variable, value: Any) -> float:
+    """What an input is large against: its nominal value, its own, or 1."""
+    return max(variable.nominal or 0.0, float(np.max(np.abs(value)))) or 1.0
+
+
 LENIENCE = 0.01
 """Share by which a macro step may be longer than the case's; clocks that count whole nanoseconds
 are off by 1e-5, errors of second order in time grow by 2 %.
 """
+
+
+NUDGE = 1e-3
+"""Of an input, as a share of its size: a macro step agrees to some 1e-6 of the nominal values, so
+that differences over it are good to 1e-3.
+"""
+
+
+@dataclass(frozen=True)
+class Last:
+    """The last step, or the start: what it was given, what came out, and how to take it again."""
+
+    values: Mapping[str, Any]
+    outputs: Mapping[str, Any]
+    again: Callable[[Mapping[str, Any]], tuple[State, dict[str, Any]]]
 
 
 class Coupled(FieldSlave):
@@ -115,7 +132,8 @@ class Coupled(FieldSlave):
 
     A communication step is cut into equal macro steps, as few as are at most LENIENCE longer than
     the case's: an importer's clock may round, and steps of half the length are another run. Inputs
-    are held over it. What build.json holds is written by `case.export`.
+    are held over it. What build.json holds is written by `case.export`. The directional derivative
+    is that of the step, of all real outputs for all real inputs.
     """
 
     name = "coupled"
@@ -127,7 +145,17 @@ class Coupled(FieldSlave):
         self.inside = Options.read(self.options)
         self.name = self.modelName = self.inside.name
         self.description = self.inside.title
-        self.experiment = self.inside.experiment
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """All real inputs."""
+        return tuple(v.name for v in self.inputs if v.type == "Real")
+
+    @property
+    def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """All real outputs, where there are inputs."""
+        real = [v.name for v in self.table if v.causality == "output" and v.type == "Real"]
+        return tuple(real) if self.derivative_inputs else ()
 
     @staticmethod
     def variables(options):
@@ -158,8 +186,7 @@ class Coupled(FieldSlave):
         self.stepper = Stepper(
             self.system, method_of(coupling), coupling.halvings, order=coupling.predictor
         )
-        self.standing = self._state()
-        return self.standing, self._outputs()
+        return self._reached(values, self.start)
 
     def _slave(self, name, path):
         return slave_class(path)(instance_name=name, resources=str(self.resources / name))
@@ -179,8 +206,50 @@ class Coupled(FieldSlave):
                 self.stepper.advance(before, after - before)
         except StepFailed as failure:
             raise Discard(str(failure)) from None
+        return self._reached(values, lambda given: self.advance(state, given, time, step))
+
+    def _reached(self, values, again):
+        """State and outputs where the participants stand now, noted with how to come here again."""
         self.standing = self._state()
-        return self.standing, self._outputs()
+        outputs = self._outputs()
+        self.last = Last(values, outputs, again)
+        return self.standing, outputs
+
+    def directional_derivative(self, seeds):
+        """Change of all real outputs at the end of the last step, or at the start, for inputs
+        changed in a direction: the step is taken again.
+
+        Eq. (Y4):  dy = (y(u + e v) - y(u)) / e,   e = NUDGE / max |v| / size(u)
+
+        Parameters
+        ----------
+        seeds : dict of str to ndarray
+            v, by input [its unit].
+
+        Returns
+        -------
+        dict of str to ndarray
+            dy, by output [its unit].
+        """
+        last = self.last
+        shares = [
+            np.max(np.abs(seeds[v.name])) / _size(v, last.values[v.name])
+            for v in self.inputs
+            if v.name in seeds
+        ]
+        largest = max(shares)
+        if largest == 0.0:
+            return {name: np.zeros(self.views[name].shape) for name in self.derivative_outputs}
+        length = NUDGE / largest
+        moved = {name: last.values[name] + length * seed for name, seed in seeds.items()}
+        try:
+            _, outputs = last.again({**last.values, **moved})
+        finally:
+            self.last = last
+        return {  # Eq. (Y4)
+            name: (outputs[name] - np.asarray(last.outputs[name])) / length
+            for name in self.derivative_outputs
+        }
 
     def _outputs(self):
         return {

@@ -20,6 +20,7 @@ believed is taken back and halved, as one that does not converge.
 from collections.abc import Mapping
 
 from ..fmi.errors import BadInput
+from .stepping import EnergyCreated
 from .wiring import Port
 from .work import Exchange
 
@@ -29,10 +30,6 @@ back from a film faster than it came has a step with 0.2 or more (`tests/mfbd/te
 """
 REMEMBERED = 0.5
 """Of the size of a step, in the next one."""
-
-
-class EnergyCreated(RuntimeError):
-    """A macro step that converged, and in which energy came from nowhere."""
 
 
 class Ledger:

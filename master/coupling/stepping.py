@@ -10,7 +10,6 @@ import numpy as np
 from ..fmi.errors import Discard, Stopped, Ticked
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
-from .ledger import EnergyCreated
 from .methods import MacroStep, Method, NotConverged, Solution, step_length
 from .methods.explicit import Explicit
 from .step_control import StepControl
@@ -23,6 +22,10 @@ class StepFailed(Stopped):
     """
 
     headline = "a macro step did not converge, and no halving is left"
+
+
+class EnergyCreated(RuntimeError):
+    """A macro step that converged, and in which energy came from nowhere (`ledger`)."""
 
 
 @dataclass

@@ -33,6 +33,21 @@ from .tree import ROOT, import_part, reached
 EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
+OF_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
+"""Modules of pythonfmu that a running slave needs; the package's builder is none of them."""
+
+PYTHONFMU = '''"""The part of pythonfmu, under its own licence, that a running slave needs."""
+
+from ._version import __version__
+from .default_experiment import DefaultExperiment
+from .enums import Fmi2Causality, Fmi2Initial, Fmi2Variability
+from .fmi2slave import Fmi2Slave
+from .variables import Boolean, Integer, Real, String
+'''
+"""Its `__init__.py` inside an FMU: all names but the builder's, for FMUs of others in one process
+share it.
+"""
+
 PACKING = ("builder.py", "compiler.py", "description.py", "description3.py", "documentation.py")
 """What else has a say in an FMU's content."""
 
@@ -63,8 +78,11 @@ def code_folder():
     the next time.
     """
     here = Path(__file__).parent
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim") / "code"
+    named = os.environ.get("PISTON_COSIM_CACHE")
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if not named and not os.path.isabs(user):
+        return here  # no HOME, and a user without an entry
+    root = Path(named or Path(user, "piston-cosim")) / "code"
     try:
         if not (root / "{code}").exists():
             root.mkdir(parents=True, exist_ok=True)
@@ -103,7 +121,17 @@ def slave_of(package):
     return f"{package}.slave:{package.removeprefix('fmu_').capitalize()}"
 
 
-def build_fmu(package, options, folder, progress=lambda text: None, version="2.0"):
+def code_of(package):
+    """What a participant package's slave needs: of a part of this project the slave's module with
+    all that it imports, of one from elsewhere the whole package.
+    """
+    own = import_part(package).__name__.startswith(f"{ROOT}.")
+    return f"{package}.slave" if own else package
+
+
+def build_fmu(
+    package, options, folder, progress=lambda text: None, version="2.0", *, experiment=None
+):
     """FMU of a participant package, from the cache if the same was built before.
 
     Parameters
@@ -119,6 +147,8 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
         Told a line of text before long work.
     version : {"2.0", "3.0"}
         Of the standard; 3.0 needs a C compiler.
+    experiment : Experiment, optional
+        What the description says of a run, in place of the slave's own.
 
     Returns
     -------
@@ -134,11 +164,12 @@ def build_fmu(package, options, folder, progress=lambda text: None, version="2.0
     return pack_fmu(
         package,
         slave_of(package),
-        [package],
+        [code_of(package)],
         resolved,
         {f.name: f.read_bytes() for f in files},
         progress,
         version,
+        experiment=experiment,
     )
 
 
@@ -172,7 +203,7 @@ def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"
         sys.path.pop(0)
 
 
-def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
+def pack_fmu(name, slave, packages, options, files, progress, version="2.0", *, experiment=None):
     """FMU of a slave, from the cache if the same was packed before.
 
     Parameters
@@ -183,11 +214,13 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
         "module:class".
     packages : list of str
         What the slave's code needs: packages or modules, those of the project by their place in it
-        ("fmu_ehd", "master.coupling"); what it needs of `master.fmi` comes by itself.
+        ("fmu_ehd.slave", "master.coupling.coupled"); what it needs of `master.fmi` comes by itself.
     options : dict
         Becomes build.json.
     files : dict of str to bytes
         Further resources.
+    experiment : Experiment, optional
+        What the description says of a run, in place of the slave's own.
     """
     if version == "3.0" and not compiler():
         raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
@@ -197,6 +230,7 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
     front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
     packing["version"] = version_of("piston-cosim").encode()
+    packing["experiment"] = repr(experiment).encode()
     _remember_python()
     fmu = (
         cache_folder("fmus")
@@ -209,10 +243,11 @@ def pack_fmu(name, slave, packages, options, files, progress, version="2.0"):
         contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
         contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
         contents |= {
-            f"pythonfmu/{path.name}": path.read_bytes()
-            for path in Path(pythonfmu.__file__).parent.glob("*.py")
+            f"pythonfmu/{name}.py": (Path(pythonfmu.__file__).parent / f"{name}.py").read_bytes()
+            for name in OF_PYTHONFMU
         }
-        _pack(contents, f"{code}_entry", fmu, version)
+        contents |= {"pythonfmu/__init__.py": PYTHONFMU.encode()}
+        _pack(contents, f"{code}_entry", fmu, version, experiment)
     return fmu
 
 
@@ -261,7 +296,7 @@ def _digest(contents):
     return digest.hexdigest()[:16]
 
 
-def _pack(contents, entry, fmu, version):
+def _pack(contents, entry, fmu, version, experiment):
     """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU
     into place in one go.
     """
@@ -271,6 +306,7 @@ def _pack(contents, entry, fmu, version):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
         slave = _instance(entry, scratch)
+        slave.experiment = experiment or slave.experiment
         members = _members_3(slave) if version == "3.0" else _members_2(slave)
     members |= {f"resources/{name}": data for name, data in contents.items()}
     partial = fmu.with_suffix(f".{os.getpid()}.part")

@@ -9,8 +9,8 @@ def cache_folder(kind):
 
     The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
     """
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    root = Path(os.environ.get("PISTON_COSIM_CACHE") or user / "piston-cosim")
-    folder = root.absolute() / kind
+    if not (root := os.environ.get("PISTON_COSIM_CACHE")):
+        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "piston-cosim"
+    folder = Path(root).absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder

@@ -32,7 +32,20 @@ def compiled(kernel=None, **options):
     dispatcher: Any = njit(error_model="numpy", **options)(kernel)
     with suppress(RuntimeError):  # there is nowhere to keep it
         dispatcher._cache = KernelCache(kernel)
+        FOLDERS.add(Path(dispatcher._cache.cache_path))
     return dispatcher
+
+
+FOLDERS: set[Path] = set()
+"""Where kernels of this process are kept."""
+
+
+def first_start() -> str:
+    """What takes long at a start, for whoever waits; empty where kernels are kept already."""
+    if any(next(folder.glob("*.nbi"), None) for folder in FOLDERS):
+        return ""
+    kept = "kept for the starts to come" if FOLDERS else "again at each start: nothing can be kept"
+    return f"compiling the code of this FMU, which takes about a minute; {kept}"
 
 
 class KernelCache(FunctionCache):

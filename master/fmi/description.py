@@ -201,7 +201,7 @@ def _variables(parent, slave):
             node = SubElement(
                 parent,
                 "ScalarVariable",
-                {"name": name, "valueReference": str(slave.references[v.name] + k), **common},
+                {"name": name, "valueReference": str(slave.first_references[v.name] + k), **common},
             )
             SubElement(
                 node,

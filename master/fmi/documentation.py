@@ -29,9 +29,10 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 <p>{description}. By {author}, licence {licence}.</p>
 <h2>Needs</h2>
 <p>{hosts}; Python 3.11 or newer with {packages} on the machine. A host that is not Python starts
-the one that the environment variable PISTON_COSIM_PYTHON names, else the one that last built such
-an FMU on the machine, else python3. At the first start its code is compiled, which takes a minute;
-it is kept in PISTON_COSIM_CACHE, else in the user's cache.</p>
+the one that the environment variable PISTON_COSIM_PYTHON names, else that of VIRTUAL_ENV, else the
+one that last built such an FMU on the machine, else python3. At the first start its code is
+compiled, which takes a minute and is said in the log; it is kept in PISTON_COSIM_CACHE, else in the
+user's cache, and serves all FMUs of the same code.</p>
 <h2>Steps</h2>
 <p>Usual step {step:g} s. Inputs of a step hold the values at its end. A step that cannot be
 solved is discarded, with the reason in the log, and leaves the state as it was; a state can be

@@ -5,12 +5,14 @@ The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`
 derives from it and writes three: `start`, `advance` and `directional_derivative`. What is stored
 where:
 
-- `real`: one array [variables of type Real | courses | seeds | products]; a value reference is an
-  index into it, and each declared array is a view of it. Seeds and products are the reserved
+- `real`: one array [variables of type Real | courses | seeds | products]; each declared array is a
+  view of it. Seeds and products are the reserved
   references of the directional derivative. A course is what fmi2SetRealInputDerivatives said of an
   input, its first three derivatives at the beginning of the step to come.
 - `integer`, `string`: likewise for the other types; a choice is its number. The front reads and
-  writes `real` and `integer` in place: they are allocated once and stay where they are.
+  writes `real` and `integer` in place: they are allocated once and stay where they are. A value
+  reference counts through all three one after the other, so that none stands for two variables:
+  one that is taken for another type is refused.
 - `state`: the participant's own frozen dataclass. The FMU state is (real variables, texts and
   choices, state); Integer outputs count work done, which no rollback undoes, so they are not part
   of it.
@@ -21,6 +23,7 @@ discard (a bug: to error).
 """
 
 import json
+import sys
 import traceback
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -96,6 +99,7 @@ class FieldSlave(Fmi2Slave):
         self.initialising = False
         self.shown: Any = None
         self.status = Fmi2Status.ok
+        self.inputs = [v for v in self.table if v.causality == "input" and v.type != "String"]
         self._lay_out()
 
     # the participant's part
@@ -155,6 +159,13 @@ class FieldSlave(Fmi2Slave):
         self.string = [v.start for v in self.table if v.type == "String"]
         self.references |= {
             v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")
+        }
+        self.first_integer = len(self.real)
+        self.first_text = self.first_integer + len(self.integer)
+        firsts = {"Real": 0, "String": self.first_text}
+        self.first_references = {
+            v.name: firsts.get(v.type, self.first_integer) + self.references[v.name]
+            for v in self.table
         }
         for v in real + integer:
             self.views[v.name][...] = v.number(v.start)
@@ -230,6 +241,8 @@ class FieldSlave(Fmi2Slave):
             self.real_count,
             len(self.integer),
             len(self.string),
+            self.first_integer,
+            self.first_text,
             *map(len, blocks),
             len(entries),
         ]
@@ -263,7 +276,12 @@ class FieldSlave(Fmi2Slave):
     # what both call
 
     def enter_initialization_mode(self):
-        """From here to `exit_initialization_mode` outputs follow what is set."""
+        """From here to `exit_initialization_mode` outputs follow what is set. Says where code is
+        compiled next.
+        """
+        kernels: Any = sys.modules.get(f"{__package__}.compiled")
+        if kernels and (said := kernels.first_start()):
+            self.log(said, Fmi2Status.warning)
         self.initialising = True
         self.shown = None
 
@@ -339,18 +357,23 @@ class FieldSlave(Fmi2Slave):
         for v in self.table:
             if v.causality == "output" or v.type == "String":
                 continue
-            if v.choices:
-                faults += self._choice_faults(v)
-                continue
-            values = np.atleast_1d(self.views[v.name]).ravel()
-            low = -np.inf if v.minimum is None else v.minimum
-            high = np.inf if v.maximum is None else v.maximum
-            bad = np.flatnonzero(~((values >= low) & (values <= high)) | ~np.isfinite(values))
-            if bad.size:
-                faults.append(
-                    v.fault(values[bad[0]]) or f"{v.name} = {values[bad[0]]}: must be finite"
-                )
+            faults += self._choice_faults(v) if v.choices else self._number_faults(v)
         return faults
+
+    def _number_faults(self, v):
+        """A sentence where an element of a number is not finite or out of range."""
+        values = np.atleast_1d(self.views[v.name]).ravel()
+        low = -np.inf if v.minimum is None else v.minimum
+        high = np.inf if v.maximum is None else v.maximum
+        good = np.isfinite(values)
+        if low > -np.inf or high < np.inf:
+            good &= (values >= low) & (values <= high)
+        if good.all():
+            return []
+        k = int(np.argmin(good))
+        if np.isfinite(values[k]):
+            return [v.fault(values[k])]
+        return [f"{element_names(v)[k]} = {values[k]} {v.unit}: must be finite"]
 
     def _choice_faults(self, v):
         """A sentence where a choice has a number that none of them has."""
@@ -383,17 +406,9 @@ class FieldSlave(Fmi2Slave):
             raise Discard(f"not initialised: {self.fault}")
         if not 0 < step_size < np.inf:
             raise Discard(f"step size = {step_size:g} s: must be positive and finite")
-        for v in self.table:
-            if (
-                v.causality == "input"
-                and v.type == "Real"
-                and not np.isfinite(self.views[v.name]).all()
-            ):
-                k = int(np.flatnonzero(~np.isfinite(np.atleast_1d(self.views[v.name]).ravel()))[0])
-                raise Discard(
-                    f"{element_names(v)[k]} = {self.views[v.name].ravel()[k]} {v.unit}: "
-                    "must be finite"
-                )
+        for v in self.inputs:
+            if faults := self._choice_faults(v) if v.choices else self._number_faults(v):
+                raise Discard(faults[0])
 
     def set_real(self, vrs, values):
         first = vrs[0]
@@ -415,18 +430,26 @@ class FieldSlave(Fmi2Slave):
         return self.real[vrs].tolist()
 
     def set_integer(self, vrs, values):
-        self.integer[vrs] = values
+        self.integer[self._places(vrs, self.first_integer)] = values
 
     def get_integer(self, vrs):
         self.show_start()
-        return self.integer[vrs].tolist()
+        return self.integer[self._places(vrs, self.first_integer)].tolist()
 
     def set_string(self, vrs, values):
-        for reference, value in zip(vrs, values):
-            self.string[reference] = value
+        for place, value in zip(self._places(vrs, self.first_text), values):
+            self.string[place] = value
 
     def get_string(self, vrs):
-        return [self.string[reference] for reference in vrs]
+        return [self.string[place] for place in self._places(vrs, self.first_text)]
+
+    @staticmethod
+    def _places(references, first):
+        """Places in the storage of a type whose value references begin at `first`."""
+        places = [reference - first for reference in references]
+        if min(places, default=0) < 0:
+            raise IndexError(f"no variable of this type has value reference {min(references)}")
+        return places
 
     # state
 

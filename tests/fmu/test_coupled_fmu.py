@@ -112,6 +112,61 @@ def test_a_step_a_hair_too_long_is_one_macro_step(coupled, reference):
     np.testing.assert_allclose(watched(participant), values[-1], rtol=2e-4)
 
 
+def advanced(coupled, step, factor, end):
+    """Watched outputs at `end` macro steps by communication steps of `factor` macro steps."""
+    participant = started(coupled)
+    for k in range(round(end / factor)):
+        participant.step(k * factor * step, factor * step)
+    return np.array(watched(participant))
+
+
+def test_steps_between_a_tenth_and_ten_times_the_case_s(coupled, reference):
+    """All of them are as near to the run in tenths of the macro step as the run itself, half more
+    for what the first step from rest does: the error of that step; steps that are longer are cut
+    into whole macro steps, and those of ten and of two are the run's own values.
+    """
+    values, step = reference
+    end = 10
+    fine = advanced(coupled, step, 0.1, end)
+    error = np.abs(values[end] - fine)
+    assert np.all(error > 0)
+    for factor in (0.2, 0.4, 0.5, 1.25, 2.5):
+        assert np.all(np.abs(advanced(coupled, step, factor, end) - fine) <= 1.5 * error), factor
+    for factor in (1, 2, 5, 10):
+        np.testing.assert_allclose(advanced(coupled, step, factor, end), values[end], rtol=1e-6)
+
+
+def test_derivatives_are_those_of_the_step(coupled, reference):
+    """Products for a seed of both inputs beside central differences of the repeated step, ten times
+    as wide; nothing stays behind: the next step gives the same bits as without.
+    """
+    _, step = reference
+    one, two = started(coupled), started(coupled)
+    for participant in (one, two):
+        participant.step(0.0, step)
+        participant.step(step, step)
+    seeds = {"crank_speed": 1.0, "gas_pressure": 2e4}
+    products = one.derivative({k: np.array(v) for k, v in seeds.items()}, list(WATCHED))
+    values = {name: one.get(name) for name in seeds}
+    wide = 5.0
+    sides = []
+    for sign in (1.0, -1.0):
+        other = started(coupled)
+        other.step(0.0, step)
+        for name, seed in seeds.items():
+            other.set(name, values[name] + sign * wide * seed)
+        other.step(step, step)
+        sides.append(np.array(watched(other)))
+    expected = (sides[0] - sides[1]) / (2 * wide)
+    found = np.array([products[name] for name in WATCHED])
+    # agreement of a macro step to 1e-6, over a change of 1e-3: some 1e-3
+    np.testing.assert_allclose(found, expected, rtol=1e-2)
+    assert np.all(found != 0)
+    for participant in (one, two):
+        participant.step(2 * step, step)
+    assert watched(one) == watched(two)
+
+
 def test_state_is_whole(coupled, reference):
     """A step repeated from a saved, or a serialised, state gives the same bytes, in this instance
     and in another.
@@ -165,6 +220,10 @@ def test_fmi_3_gives_the_same_bits(tree, coupled, reference):
         pytest.skip("no C compiler")
     third = export_fmu(check_case(tree, PATH), PATH.parent, print, "3.0")
     assert validate_fmu(str(third)) == []
+    fields = {
+        v.name for v in fmpy.read_model_description(str(third)).modelVariables if v.dimensions
+    }
+    assert {"pressure", "film_thickness", "nodal_pressure_force"} <= fields
     _, step = reference
     seen = []
     for participant in (open_fmu("second", coupled), open_fmu("third", third)):

@@ -2,6 +2,7 @@
 machine it was built on.
 """
 
+import ast
 import getpass
 import re
 import sys
@@ -13,9 +14,12 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from piston_cosim.master.case.export import export_fmu
+import piston_cosim as pc
+from piston_cosim.master.case.export import experiment_ahead, export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.requirements import PACKAGES
+from piston_cosim.master.fmi.slave import Experiment
 
 PATH = find_case("numerical_example")
 SMALL = [
@@ -60,6 +64,113 @@ def test_engine_has_the_words_and_the_run_of_its_case(engine):
     assert float(usual.stopTime) == pytest.approx(0.02, rel=1e-12)
     assert float(usual.stepSize) == pytest.approx(1 / 36000, rel=1e-12)
     assert float(usual.tolerance) == pytest.approx(1e-6, rel=1e-12)
+
+
+def test_a_part_alone_says_the_run_of_its_case_too(tmp_path):
+    """The film built of a case by itself, before anything else is."""
+    case = pc.open_case("numerical_example", dict(SMALL))
+    film = pc.build_fmu(case, "ehd", output=tmp_path / "film.fmu")
+    usual = experiment_ahead(check_case(case.tree, case.path), case.path.parent)
+    assert usual == Experiment(pytest.approx(0.02), pytest.approx(1 / 36000), pytest.approx(1e-6))
+    said = fmpy.read_model_description(str(film)).defaultExperiment
+    told = [float(text) for text in (said.stopTime, said.stepSize, said.tolerance)]
+    assert told == [usual.stop, usual.step, usual.tolerance]
+
+
+def test_a_value_reference_stands_for_one_variable(any_fmu):
+    """Through all types: what is no Real cannot be reached as one."""
+    model = fmpy.read_model_description(str(any_fmu))
+    references = [v.valueReference for v in model.modelVariables]
+    assert len(set(references)) == len(references) > 50
+    assert {v.type for v in model.modelVariables} - {"Real", "Float64"}
+
+
+def test_an_integer_set_as_a_real_is_refused_and_nothing_is_changed(engine, outside):
+    code = """
+        reals = [v.valueReference for v in model.modelVariables if v.type == "Real"]
+        before = one.getReal(reals)
+        seen = []
+        for name in ("crank_free", "cavitation_model"):
+            for call in (lambda r: one.setReal([r], [1.0]), lambda r: one.getReal([r])):
+                try:
+                    call(references[name])
+                    seen.append("taken")
+                except Exception:
+                    seen.append("refused")
+        try:
+            one.setInteger([references["crank_inertia"]], [1])
+            seen.append("taken")
+        except Exception:
+            seen.append("refused")
+        free = one.getInteger([references["crank_free"]])
+        print(json.dumps([seen, one.getReal(reals) == before, list(free)]))
+        """
+    assert outside(PRELUDE, engine, code) == [["refused"] * 5, True, [0]]
+
+
+def test_only_the_code_that_runs_is_inside(any_fmu):
+    """No verification, oracle, builder or preview; and no package but those it says it needs."""
+    with zipfile.ZipFile(any_fmu) as archive:
+        code = {n: archive.read(n) for n in archive.namelist() if n.endswith(".py")}
+    names = {Path(name).stem for name in code}
+    assert not names & {"verification", "exudyn_reference", "builder", "build", "preview", "solver"}
+    assert {"slave", "fmi2slave"} <= names
+    allowed = {*PACKAGES, "pythonfmu", *sys.stdlib_module_names}
+    optional = {"pypardiso", "pythonfmu", "piston_cosim"}
+    for name, text in code.items():
+        for node in ast.walk(ast.parse(text)):
+            imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                imported = [node.module]
+            tops = {one.partition(".")[0] for one in imported} - optional
+            own = {top for top in tops if top.startswith("code_")}
+            assert tops - own <= allowed, name
+
+
+def test_an_input_out_of_its_range_is_refused_in_a_step(tmp_path, outside):
+    """The oil's temperature as an input, allowed from 233.15 to 573.15 K: 600 K is discarded with
+    the sentence, and the step goes on from where it was with 400 K.
+    """
+    film = build_fmu(
+        "fmu_ehd", {"grid": [12, 10], "inputs": ["oil_temperature_upper_edge"]}, Path(".")
+    )
+    code = """
+        one.setupExperiment()
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        seen = []
+        for value in (400.0, 600.0, 400.0):
+            one.setReal([references["oil_temperature_upper_edge"]], [value])
+            try:
+                one.doStep(0.0, 1e-5)
+                seen.append("taken")
+            except Exception:
+                seen.append("refused")
+        print(json.dumps(seen))
+        """
+    assert outside(PRELUDE, film, code) == ["taken", "refused", "taken"]
+
+
+def test_a_second_grid_compiles_nothing(fmu, outside):
+    """Code has its name of the sources alone, and kernels do not depend on sizes: the same files
+    lie there after another grid.
+    """
+    code = """
+        one.setupExperiment()
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        film = [v.valueReference for v in model.modelVariables if v.name.startswith("film_thick")]
+        one.setReal(film, [9e-6] * len(film))
+        one.doStep(0.0, 1e-4)
+        module = next(n for n in sys.modules if n.startswith("code_") and n.endswith(".reynolds"))
+        from pathlib import Path
+        home = Path(sys.modules[module].__file__).parents[1]
+        kept = sorted((str(p), p.stat().st_mtime) for p in home.rglob("*.nb[ci]"))
+        print(json.dumps(kept))
+        """
+    first = outside(PRELUDE, fmu, code)
+    second = outside(PRELUDE, build_fmu("fmu_ehd", {"grid": [16, 8]}, Path(".")), code)
+    assert second == first and len(first) > 20
 
 
 def test_constants_are_no_parameters(fmu, film_3):

@@ -1,44 +1,104 @@
-"""The importers that are installed here see the same result, each in a process of its own."""
+"""The importers that are installed here, and a host of plain C, give what `run` writes."""
+
+import numpy as np
+import pytest
 
 from piston_cosim.master.verification.importers import (
+    ALLOWED,
+    FAILED,
+    HOST,
+    IMPORTERS,
     NOT_INSTALLED,
-    REFERENCE,
-    SCRIPTS,
+    WATCHED,
+    Trial,
+    distance,
+    engine,
     judged,
     try_importers,
 )
 
+STEPS = 24
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", f"{STEPS} deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
 
-def test_importers_see_the_same(bodies_fmu):
-    rows = judged(try_importers(bodies_fmu, "lateral_displacement"))
-    assert {row[1] for row in rows} == set(SCRIPTS)
-    assert [row for row in rows if row[0] == "FAIL"] == []
-    verdicts = {importer: verdict for verdict, importer, *_ in rows}
-    assert {
-        verdicts[name] for name in ("fmpy in process", "fmpy simulate", "fmpy validate", REFERENCE)
-    } == {"ok"}
+
+@pytest.fixture(scope="module")
+def shipped(tmp_path_factory):
+    return engine(SMALL, ("2.0", "3.0"), print, tmp_path_factory.mktemp("run"))
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_every_importer_gives_what_run_writes(shipped, version):
+    """Row 0 included; those that are installed in any case must be among them."""
+    reference, fmus, step = shipped
+    assert reference.shape == (STEPS + 1, 1 + len(WATCHED))
+    trials = list(try_importers(fmus[version], version, STEPS, step))
+    verdicts = {trial.importer: judged(trial, reference) for trial in trials}
+    assert [name for name, (verdict, _) in verdicts.items() if verdict == "FAIL"] == [], verdicts
+    here = {HOST, "fmpy in process", "fmpy simulate", "fmpy validate"}
+    here |= {"Python alone (ctypes)"} if version == "2.0" else set()
+    assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
+    assert verdicts.keys() - {HOST} == {n for n, i in IMPORTERS.items() if version in i.versions}
+
+
+TIMES = np.arange(5) * 1e-5
+CURVE = np.array([TIMES, [0.0, 1.0, 4.0, 9.0, 10.0]]).T
+
+
+def test_distance_by_hand():
+    """A row off by 0.2 of a range of 10; the row 0 alone off by 1; a clock late by 1 % of a step is
+    held against the line between two rows, and what lies behind the last row is left out.
+    """
+    wrong = CURVE.copy()
+    wrong[2, 1] = 4.2
+    assert distance(wrong, CURVE) == pytest.approx(0.02, rel=1e-12)
+    zero = CURVE.copy()
+    zero[0, 1] = 1.0
+    assert distance(zero, CURVE) == pytest.approx(0.1, rel=1e-12)
+    late = CURVE.copy()
+    late[:, 0] += 1e-7
+    late[:, 1] = [0.01, 1.03, 4.05, 9.01, 77.0]
+    assert distance(late, CURVE) == pytest.approx(0.0, abs=1e-12)
+    late[1, 1] = 1.0
+    assert distance(late, CURVE) == pytest.approx(0.003, rel=1e-9)
+
+
+def test_rows_that_are_missing_are_infinitely_far():
+    assert distance(CURVE[1:], CURVE) == np.inf
+    assert distance(CURVE[:-1], CURVE) == np.inf
+    shifted = CURVE.copy()
+    shifted[:, 0] += 1e-5
+    assert distance(shifted, CURVE) == np.inf
 
 
 def test_what_differs_or_fails_is_no_success():
+    off = CURVE.copy()
+    off[3, 1] += 10 * 2 * ALLOWED
+    near = CURVE.copy()
+    near[3, 1] += 10 * 0.5 * ALLOWED
     seen = {
-        "fmpy in process": "1.5",
-        REFERENCE: "1.0",
-        "fmpy validate": "['x']",
-        "Ecos": "failed (1): no",
-        "PyFMI": NOT_INSTALLED,
-        "libcosim": "1.00000000000001",
-        "fmpy simulate": "refused: run: python -m pip install numpy",
+        "same": CURVE,
+        "near": near,
+        "off": off,
+        "short": CURVE[:2],
+        "valid": "no problem",
+        "problems": "['x']",
+        "died": f"{FAILED} (1): no",
+        "absent": f"{NOT_INSTALLED}: pip install it",
+        "refused": "refused: run: python -m pip install numpy",
     }
-    verdicts = {
-        importer: verdict
-        for verdict, importer, *_ in judged((name, "1", "3", what) for name, what in seen.items())
+    verdicts = {name: judged(Trial(name, "1", "3", what), CURVE) for name, what in seen.items()}
+    assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} == {
+        "same",
+        "near",
+        "valid",
     }
-    assert {name for name, verdict in verdicts.items() if verdict == "FAIL"} == {
-        "fmpy in process",
-        "fmpy validate",
-        "Ecos",
-    }
-    assert {name for name, verdict in verdicts.items() if verdict == "-"} == {
-        "PyFMI",
-        "fmpy simulate",
+    assert {name for name, (verdict, _) in verdicts.items() if verdict == "-"} == {
+        "absent",
+        "refused",
     }

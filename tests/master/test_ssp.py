@@ -1,10 +1,14 @@
 """A case written as an SSP and read back gives the same run, value for value."""
 
 import zipfile
+from importlib.util import find_spec
+from pathlib import Path
 from xml.etree import ElementTree
 
+import fmpy.ssp.ssd
 import numpy as np
 import pytest
+from lxml import etree
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.ssp import SPACE, export_ssp
@@ -53,7 +57,89 @@ def test_structure_names_units_and_every_scalar(package):
         assert {"resources/ehd.fmu", "resources/bodies.ssv"} <= set(archive.namelist())
     connectors = {c.get("name"): c for c in root.iter(f"{{{SPACE['ssd']}}}Connector")}
     assert connectors["film_thickness[12,10]"][0].get("unit") == "m"
-    assert len(list(root.iter(f"{{{SPACE['ssd']}}}Connection"))) == 4 * 120
+    inside = [c for c in root.iter(f"{{{SPACE['ssd']}}}Connection") if len(c.attrib) == 4]
+    assert len(inside) == 4 * 120
+
+
+def members(path):
+    """Name -> root of every XML file of an SSP."""
+    with zipfile.ZipFile(path) as archive:
+        return {
+            name: ElementTree.fromstring(archive.read(name))
+            for name in archive.namelist()
+            if name.endswith((".ssd", ".ssv"))
+        }
+
+
+def test_every_scalar_is_a_connector_of_its_component_and_of_the_system(package):
+    """Two inputs and the five of gas and rings, no wire feeds; each is joined to its component and
+    starts where the case has it: 6000 rpm = 200 pi rad/s.
+    """
+    files = members(package)
+    root = files["SystemStructure.ssd"]
+    (top,) = root.iter(f"{{{SPACE['ssd']}}}System")
+    own = {c.get("name"): c for c in top.find(f"{{{SPACE['ssd']}}}Connectors")}
+    inputs = {name for name, c in own.items() if c.get("kind") == "input"}
+    rings = {"ring_side_force", "ring_axial_force", "ring_moment"}
+    assert inputs == {"crank_speed", "gas_pressure"} | rings
+    assert own["minimum_film_thickness"].get("kind") == "output"
+    joined = [c for c in root.iter(f"{{{SPACE['ssd']}}}Connection") if len(c.attrib) == 3]
+    assert len(joined) == len(own)
+    (speed,) = [c for c in joined if c.get("startConnector") == "crank_speed"]
+    assert (speed.get("endElement"), speed.get("endConnector")) == ("bodies", "crank_speed")
+    values = {p.get("name"): p[0] for p in files["resources/case.ssv"].iter(PARAMETER)}
+    assert float(values["crank_speed"].get("value")) == pytest.approx(200 * np.pi, rel=1e-12)
+    assert values.keys() == inputs
+
+
+PARAMETER = f"{{{SPACE['ssv']}}}Parameter"
+
+
+def test_units_are_declared_where_they_are_used(package):
+    for name, root in members(package).items():
+        declared = {unit.get("name") for unit in root.iter(f"{{{SPACE['ssc']}}}Unit")}
+        assert {node.get("unit") for node in root.iter()} - {None} <= declared, name
+
+
+def test_omsimulator_finds_its_step_and_nothing_that_it_refuses(package):
+    """It reads the prefix as text, the first annotation of the system alone, and takes System,
+    Units, Enumerations and DefaultExperiment of the root and nothing else.
+    """
+    with zipfile.ZipFile(package) as archive:
+        text = archive.read("SystemStructure.ssd").decode()
+    root = ElementTree.fromstring(text)
+    assert {node.tag.split("}")[1] for node in root} == {"System", "Units", "DefaultExperiment"}
+    (top,) = root.iter(f"{{{SPACE['ssd']}}}System")
+    first, own = top.find(f"{{{SPACE['ssd']}}}Annotations")
+    assert (first.get("type"), own.get("type")) == ("org.openmodelica", "piston-cosim")
+    (master,) = first[0][0]
+    assert float(master.get("stepSize")) == pytest.approx(1 / 36000, rel=1e-12)
+    for tag in ("oms:Annotations", "oms:SimulationInformation", "oms:FixedStepMaster"):
+        assert f"<{tag}" in text
+
+
+def schemas(version):
+    """Folder of the standard's schemas: of SSP 1.0 FMPy carries them, of 2.0 pyssp-standard."""
+    if version == "1.0":
+        return Path(fmpy.ssp.ssd.__file__).parent / "schema"
+    carrier = find_spec("pyssp_standard")
+    if carrier is None:
+        pytest.skip("the schemas of SSP 2.0 come with pyssp-standard, of the extra test")
+    return Path(carrier.origin).parent / "resources" / "ssp2"
+
+
+FILES = {".ssd": "SystemStructureDescription.xsd", ".ssv": "SystemStructureParameterValues.xsd"}
+
+
+@pytest.mark.parametrize("kind, version", [("package", "1.0"), ("arrays", "2.0")])
+def test_valid_against_the_schemas(kind, version, request):
+    path = request.getfixturevalue(kind)
+    with zipfile.ZipFile(path) as archive:
+        for name in archive.namelist():
+            if (ending := Path(name).suffix) not in FILES:
+                continue
+            schema = etree.XMLSchema(etree.parse(str(schemas(version) / FILES[ending])))
+            schema.assertValid(etree.fromstring(archive.read(name)))
 
 
 def test_foreign_ssp_lacks_only_the_macro_step(package, tmp_path):
@@ -64,7 +150,8 @@ def test_foreign_ssp_lacks_only_the_macro_step(package, tmp_path):
             data = source.read(name)
             if name == "SystemStructure.ssd":
                 root = ElementTree.fromstring(data)
-                root.remove(root.find(f"{{{SPACE['ssd']}}}Annotations"))
+                (top,) = root.iter(f"{{{SPACE['ssd']}}}System")
+                top.remove(top.find(f"{{{SPACE['ssd']}}}Annotations"))
                 data = ElementTree.tostring(root)
             target.writestr(name, data)
     with pytest.raises(BadInput) as refusal:
@@ -85,10 +172,9 @@ def arrays(tmp_path_factory):
     if not compiler():
         pytest.skip("no C compiler")
     path = tmp_path_factory.mktemp("ssp3") / "case.ssp"
-    case = check_case(read_tree(PATH, SMALL), PATH)
-    export_ssp(
-        read_tree(PATH, SMALL), open_system(built(case, PATH.parent), PATH.parent, print), path
-    )
+    tree = read_tree(PATH, SMALL)
+    case = built(check_case(tree, PATH), PATH.parent, "3.0")
+    export_ssp(tree, open_system(case, PATH.parent, print), path)
     return path
 
 
@@ -112,7 +198,8 @@ def test_array_connectors_have_dimensions(arrays):
     kind, *sizes = connector
     assert (kind.tag, kind.get("unit")) == (f"{{{SPACE['ssc']}}}Float64", "m")
     assert [size.get("size") for size in sizes] == ["12", "10"]
-    assert len(list(root.iter(f"{{{SPACE['ssd']}}}Connection"))) == 4
+    inside = [c for c in root.iter(f"{{{SPACE['ssd']}}}Connection") if len(c.attrib) == 4]
+    assert len(inside) == 4
     assert {node[0].tag.split("}")[1] for node in values.iter(f"{{{SPACE['ssv']}}}Parameter")} <= {
         "Float64",
         "Int32",
@@ -124,7 +211,7 @@ def test_arrays_and_scalars_are_not_mixed(tmp_path):
     if not compiler():
         pytest.skip("no C compiler")
     case = check_case(read_tree(PATH, SMALL), PATH)
-    both = built(case, PATH.parent).participants
+    both = built(case, PATH.parent, "3.0").participants
     mixed = case.model_copy(update={"participants": case.participants | {"ehd": both["ehd"]}})
     with pytest.raises(BadInput, match="one side alone") as refusal:
         export_ssp(

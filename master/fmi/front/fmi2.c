@@ -93,34 +93,35 @@ EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
 
 static int unknown(Instance *I, const char *where, Reference reference)
 {
-    front_log(I, ERROR, "%s: there is no variable of value reference %u", where, reference);
+    front_log(I, ERROR, "%s: there is no variable of this type with value reference %u", where, reference);
     return ERROR;
 }
 
-/* A function that does `action` for each reference k, all below `limit`, after `before`. */
-#define EACH(name, constant, type, limit, before, action)                                     \
+/* A function that does `action` at each place in a storage whose `number` references begin at `first`, after `before`. */
+#define EACH(name, constant, type, first, number, before, action)                             \
     EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
     {                                                                                         \
         int status = before;                                                                  \
         for (size_t k = 0; k < count; k++) {                                                  \
-            if ((int64_t)vr[k] >= (limit))                                                    \
+            int64_t place = (int64_t)vr[k] - (first);                                         \
+            if (place < 0 || place >= (number))                                               \
                 return unknown(I, __func__, vr[k]);                                           \
             action;                                                                           \
         }                                                                                     \
         return status;                                                                        \
     }
-EACH(fmi2SetReal, const, double, I->reals, OK, I->real[vr[k]] = value[k])
-EACH(fmi2GetReal, , double, I->reals, front_show(I), value[k] = I->real[vr[k]])
-EACH(fmi2SetInteger, const, int, I->integers, OK, I->integer[vr[k]] = value[k])
-EACH(fmi2GetInteger, , int, I->integers, front_show(I), value[k] = (int)I->integer[vr[k]])
-EACH(fmi2SetBoolean, const, int, 0, OK, (void)value)
-EACH(fmi2GetBoolean, , int, 0, front_show(I), (void)value)
-EACH(fmi2SetString, const, char *const, I->strings, OK, front_set_text(I, vr[k], value[k]))
+EACH(fmi2SetReal, const, double, 0, I->reals, OK, I->real[place] = value[k])
+EACH(fmi2GetReal, , double, 0, I->reals, front_show(I), value[k] = I->real[place])
+EACH(fmi2SetInteger, const, int, I->first_integer, I->integers, OK, I->integer[place] = value[k])
+EACH(fmi2GetInteger, , int, I->first_integer, I->integers, front_show(I), value[k] = (int)I->integer[place])
+EACH(fmi2SetBoolean, const, int, 0, 0, OK, (void)value)
+EACH(fmi2GetBoolean, , int, 0, 0, front_show(I), (void)value)
+EACH(fmi2SetString, const, char *const, I->first_string, I->strings, OK, front_set_text(I, vr[k], value[k]))
 
 EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const char **value)
 {
     for (size_t k = 0; k < count; k++)
-        if ((int64_t)vr[k] >= I->strings)
+        if ((int64_t)vr[k] < I->first_string || (int64_t)vr[k] >= I->first_string + I->strings)
             return unknown(I, __func__, vr[k]);
     int status = front_show(I);
     return status == OK ? front_get_texts(I, vr, count, value) : status;

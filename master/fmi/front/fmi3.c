@@ -139,7 +139,7 @@ EXPORT int fmi3SetString(Instance *I, const Reference *vr, size_t count, const c
     if (!fits(I, __func__, TEXT, false, vr, count, values))
         return ERROR;
     for (size_t k = 0; k < count; k++)
-        front_set_text(I, (Reference)I->variable[vr[k]].offset, value[k]);
+        front_set_text(I, (Reference)(I->first_string + I->variable[vr[k]].offset), value[k]);
     return OK;
 }
 
@@ -149,7 +149,7 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
         return ERROR;
     Reference *offset = malloc(count * sizeof *offset + 1);
     for (size_t k = 0; k < count; k++)
-        offset[k] = (Reference)I->variable[vr[k]].offset;
+        offset[k] = (Reference)(I->first_string + I->variable[vr[k]].offset);
     int status = front_show(I);
     if (status == OK)
         status = front_get_texts(I, offset, count, value);

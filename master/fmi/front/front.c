@@ -115,19 +115,21 @@ static void record_of_python(char *path, size_t size)
         snprintf(path, size, "%s/.cache/piston-cosim/python.txt", home ? home : "");
 }
 
-/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, the one that last built an FMU on this
-   machine, python3. */
-static void *start_python(Instance *I)
+/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, that of $VIRTUAL_ENV, the one that last
+   built an FMU on this machine, python3. */
+static void *start_first_python(Instance *I)
 {
-    char recorded[4096] = "", path[8192], answer[8192], refusals[16384] = "";
+    char recorded[4096] = "", environment[8192] = "", path[8192], answer[8192], refusals[16384] = "";
     record_of_python(path, sizeof path);
     FILE *file = fopen(path, "r");
     if (file) {
         first_line(file, recorded, sizeof recorded);
         fclose(file);
     }
-    const char *candidates[] = {getenv("PISTON_COSIM_PYTHON"), recorded, "python3"};
-    for (int k = 0; k < 3; k++) {
+    if (getenv("VIRTUAL_ENV"))
+        snprintf(environment, sizeof environment, "%s/bin/python", getenv("VIRTUAL_ENV"));
+    const char *candidates[] = {getenv("PISTON_COSIM_PYTHON"), environment, recorded, "python3"};
+    for (int k = 0; k < 4; k++) {
         if (!candidates[k] || !candidates[k][0])
             continue;
         probe(candidates[k], I->resources, answer, sizeof answer);
@@ -151,6 +153,19 @@ static void *start_python(Instance *I)
     }
     front_log(I, ERROR, "this FMU needs a Python; set PISTON_COSIM_PYTHON to one, or mend one of these:%s", refusals);
     return NULL;
+}
+
+/* The same with PYTHONHOME out of the way: it is that of another Python, the host's, and a Python started under it does
+   not come up. */
+static void *start_python(Instance *I)
+{
+    char *home = getenv("PYTHONHOME") ? strdup(getenv("PYTHONHOME")) : NULL;
+    unsetenv("PYTHONHOME");
+    void *handle = start_first_python(I);
+    if (home)
+        setenv("PYTHONHOME", home, 1);
+    free(home);
+    return handle;
 }
 
 static int have_python(Instance *I)
@@ -291,8 +306,9 @@ static int read_layout(Instance *I)
     I->real = (double *)(intptr_t)cursor[0];
     I->integer = (int64_t *)(intptr_t)cursor[1];
     I->reals = cursor[2], I->integers = cursor[3], I->strings = cursor[4];
-    I->courses = cursor[5], I->seeds = cursor[6], I->products = cursor[7], I->variables = cursor[8];
-    cursor += 9;
+    I->first_integer = cursor[5], I->first_string = cursor[6];
+    I->courses = cursor[7], I->seeds = cursor[8], I->products = cursor[9], I->variables = cursor[10];
+    cursor += 11;
     forget_layout(I);
     I->course = take(&cursor, I->courses, 3);
     I->seed = take(&cursor, I->seeds, 3);

@@ -27,6 +27,7 @@ typedef struct Instance {
     double *real;
     int64_t *integer;
     int64_t reals, integers, strings;
+    int64_t first_integer, first_string;    /* value references of FMI 2 count through all types; those of reals from 0 */
     int64_t courses, seeds, products, variables;    /* lengths of the arrays below */
     Block *course, *seed, *product;         /* a course: three derivatives of an input, one after the other */
     Entry *variable;
@@ -44,7 +45,7 @@ int front_call(Instance *, const char *method, const char *format, ...);   /* ar
 int front_step(Instance *, double time, double step);
 int front_initialise(Instance *, int enters);                   /* into Initialization Mode, or out of it */
 int front_show(Instance *);                                     /* before values are read */
-int front_set_text(Instance *, Reference, const char *text);
+int front_set_text(Instance *, Reference, const char *text);    /* references from first_string on */
 int front_get_texts(Instance *, const Reference *, size_t count, const char **texts);
 int front_derivative(Instance *, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,
                      const double *seed, double *product);                      /* of the step map, Reals alone */
