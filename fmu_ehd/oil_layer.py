@@ -55,7 +55,7 @@ fewer edges than others has the rest above everything, where nothing happens.
 What a wall holds: a film lambda thick drains by its weight with q = rho g lambda^3 / (3 mu) a width
 [Nusselt1916]; q carries off a splash s over a length l of wall where
 
-Eq. (T29):  lambda = (3 mu s l / (rho g))^(1/3)
+    lambda = (3 mu s l / (rho g))^(1/3)
 
 0.30 mm for 5.6 mPa s, 850 kg/m3 and 0.1 mm/s over 0.14 m, the default. The draining itself is left
 out: in a cycle at 1680 rpm (71 ms) it moves such a film by 3 mm, one of 10 um by 4 um.

@@ -383,10 +383,10 @@ def test_splash_runs_off_a_layer_as_thick_as_the_wall_holds():
 
 
 def test_wall_film_of_nusselt():
-    """Eq. (T29) at the default: (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm; the
+    """What a wall holds: (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm; the
     default is that to 2 %.
     """
-    thickness = (3.0 * 5.6e-3 * 1e-4 * 0.14 / (850.0 * 9.81)) ** (1.0 / 3.0)  # Eq. (T29)
+    thickness = (3.0 * 5.6e-3 * 1e-4 * 0.14 / (850.0 * 9.81)) ** (1.0 / 3.0)
     assert Parameters().largest_oil_layer == pytest.approx(thickness, rel=0.02)
 
 
