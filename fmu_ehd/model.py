@@ -26,7 +26,7 @@ from .transport import Lift, Pace, PastTransport
 
 # where oil outside the film is not followed
 NOTHING = np.zeros((0, 0))
-NO_LAYER = OilLayer(NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_LAYER = OilLayer(NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 
 

@@ -39,7 +39,9 @@ W volume that came into the opening in the step, W_n in the one before [m3], w t
 
 With an oil ring the bore above the grid carries what the ring leaves there, whatever the skirt
 left: the difference comes from or goes to the ring. Splash adds to the bore below the lowest edge
-of a row. Both count as supplied, what falls off as the opposite, so that
+of a row, until the layer is as thick as the wall holds (`largest_oil_layer`): what is thrown on a
+thicker one runs off. Both count as supplied, what falls off as the opposite, and what was put on
+the bore between two steps (a run may set the layer to where it would stay), so that
 
 Eq. (T27):  oil in the film + on the bore + in the reservoirs - supplied
 
@@ -50,8 +52,17 @@ Arrays: n_b cells along the bore, from `stroke` below the start of the skirt to 
 n_e edges of a row from below, so lower and upper ones in turns (2 without openings). A row with
 fewer edges than others has the rest above everything, where nothing happens.
 
+What a wall holds: a film lambda thick drains by its weight with q = rho g lambda^3 / (3 mu) a width
+[Nusselt1916]; q carries off a splash s over a length l of wall where
+
+Eq. (T29):  lambda = (3 mu s l / (rho g))^(1/3)
+
+0.30 mm for 5.6 mPa s, 850 kg/m3 and 0.1 mm/s over 0.14 m, the default. The draining itself is left
+out: in a cycle at 1680 rpm (71 ms) it moves such a film by 3 mm, one of 10 um by 4 um.
+
 References
 ----------
+[Nusselt1916]
 [Ma1997] M.-T. Ma, I. Sherrington, E. H. Smith, Analysis of lubrication and friction for a complete
 piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J 211 (1997) 1-15
 (rings that live on the layer they meet, and oil that gathers before them).
@@ -83,6 +94,8 @@ class OilLayer(NamedTuple):
         V_n, V_{n-1} [m/s].
     supplied : float
         Volume that came from outside since the start [m3].
+    held : float
+        Volume on the bore and in the reservoirs at the end of the step [m3].
     """
 
     bore: Array
@@ -93,6 +106,7 @@ class OilLayer(NamedTuple):
     velocity: float
     velocity_before: float
     supplied: float
+    held: float
 
 
 class Passed(NamedTuple):
@@ -178,7 +192,10 @@ class Bore:
         """
         layer = self.parameters.initial_oil_layer * self._exposed(0.0).between.sum(axis=0)
         nothing = np.zeros(self._reservoirs)
-        return OilLayer(layer, nothing, np.zeros(self._film), 0.0, 0.0, velocity, velocity, 0.0)
+        held = float(layer.sum() * self.cell_area)
+        return OilLayer(
+            layer, nothing, np.zeros(self._film), 0.0, 0.0, velocity, velocity, 0.0, held
+        )
 
     def volume(self, layer: OilLayer) -> float:
         """Oil on the bore and at the edges of the skirt [m3]."""
@@ -218,7 +235,9 @@ class Bore:
         new = self._exposed(reached)
         bare = old.between.sum(axis=0)
         whole = np.where(bare > 0.0, bare, 1.0)
-        supply = splash * step * old.between[0]
+        below = old.between[0]
+        room = np.maximum(self.parameters.largest_oil_layer * below - layer.bore, 0.0)
+        supply = np.minimum(splash * step * below, room)
         if self.parameters.oil_supply == "bore_and_ring":
             above = self._above(layer.reached, self._length)
             scraped = layer.bore * (above / whole)
@@ -234,7 +253,9 @@ class Bore:
             bore=bore,
             reservoir=reservoir,
             reached=reached,
-            supplied=layer.supplied + supply.sum() * self.cell_area,
+            supplied=layer.supplied
+            + supply.sum() * self.cell_area
+            + (self.volume(layer) - layer.held),
         )
 
     def limit(self, covered: OilLayer, carried: Array, begin: EulerStep) -> Array:
@@ -300,15 +321,17 @@ class Bore:
             bore += thickness[:, None] * uncovered
         capacity = self.parameters.chamfer_capacity * self.cells.dx
         fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
+        left = reservoir - fallen
         return OilLayer(
             bore,
-            reservoir - fallen,
+            left,
             passed.spilled,
             covered.reached,
             before.height + 0.5 * step * (before.velocity + velocity),  # Eq. (T26)
             velocity,
             before.velocity,
             covered.supplied - fallen.sum(),
+            float(bore.sum() * self.cell_area + left.sum()),
         )
 
     def inflow(self, passed: Array) -> Array:

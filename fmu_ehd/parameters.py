@@ -108,6 +108,9 @@ class Parameters:
     chamfer_capacity: float = declared(
         "m2", 1e-7, 0.0, 1.0, "Cross-section of the oil that an edge of the skirt can push along"
     )
+    largest_oil_layer: float = declared(
+        "m", 3e-4, 1e-6, 1e-1, "Oil on the bore from which splash runs off: what a wall holds"
+    )
     oil_ring_layer: float = declared(
         "m", 2e-6, 0.0, 1e-3, "Oil that the oil ring leaves above the skirt", condition=True
     )

@@ -41,8 +41,8 @@ from .reduction.bases import (
     characteristic_constraint_modes,
     craig_bampton,
     expected_pressure,
+    modes_for_films,
     orthonormal_modes,
-    pressure_modes,
     static_answers,
 )
 from .reduction.interpolation import interpolation, radial_and_axial
@@ -524,7 +524,7 @@ def deflection_checks():
                 shapes = (
                     nested[basis][:, :modes]
                     if basis in nested
-                    else pressure_modes(
+                    else modes_for_films(
                         body,
                         read,
                         expected_pressure(angle, 40),

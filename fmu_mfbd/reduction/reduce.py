@@ -35,6 +35,7 @@ from .bases import (
     craig_bampton,
     expected_pressure,
     mean_conditions,
+    modes_for_films,
     of_unit_energy,
     orthonormal_modes,
     pressure_modes,
@@ -408,7 +409,7 @@ def _film_shapes(elastic, film, count, loads):
     reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
     first = static_answers(elastic, loads, count)
     if film.training is None:
-        return pressure_modes(elastic, reading.radial, film.weight, count, first)
+        return modes_for_films(elastic, reading.radial, film.weight, count, first)
     psi = of_unit_energy(elastic, first)
     spread = sp.hstack([reading.radial.T, -reading.axial.T], format="csr")
     trained = trained_shapes(elastic, spread, film.training, psi, count - psi.shape[1])

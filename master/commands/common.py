@@ -126,5 +126,7 @@ def draw_pictures(case, runs, folder):
 
     for picture, why in left_out(case, runs).items():
         say(f"picture  {picture} is left out: {why}")
-    for picture in draw(case, runs, folder):
+    with console.status("drawing"):
+        drawn = draw(case, runs, folder)
+    for picture in drawn:
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

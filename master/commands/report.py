@@ -46,10 +46,11 @@ def command(
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
-    answers = {label: answer(described, results) for label, results in runs.items()}
-    extra = special(described, runs, _skins(runs, case))
-    text = notes.read_text() if notes else ""
-    page = write_report(described, runs, output, text, study, answers, extra)
+    with console.status("drawing the page"):
+        answers = {label: answer(described, results) for label, results in runs.items()}
+        extra = special(described, runs, _skins(runs, case))
+        text = notes.read_text() if notes else ""
+        page = write_report(described, runs, output, text, study, answers, extra)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
 
 

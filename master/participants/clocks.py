@@ -20,13 +20,14 @@ from .plain import pack, unpack
 PERIODIC = ("constant", "fixed", "tunable")
 """Kinds of input clocks whose interval stays; tunable ones too, as no parameter changes in a run.
 """
+KINDS = (*PERIODIC, "changing", "countdown", "triggered")
 
 
 @dataclass(frozen=True)
 class Clock:
     """A clock as the model description has it: interval and shift [s], None where it is asked for.
 
-    kind : constant, fixed, tunable, changing, countdown or triggered.
+    kind : one of KINDS.
     """
 
     name: str
@@ -79,14 +80,21 @@ class ClockedFmu3(Fmu3Participant):
 
     def __init__(self, name, path, sizes=None):
         super().__init__(name, path, sizes)
-        described = [_clock(node) for node in self._model_description().iter("Clock")]
+        try:
+            described = [_clock(node) for node in self._model_description().iter("Clock")]
+        except (TypeError, ValueError, ArithmeticError) as error:
+            raise BadInput(f"participant {name}: {path}: a clock cannot be read: {error}") from None
         self.clocks = {clock.name: clock for clock in described}
-        by_reference = {clock.reference: clock.name for clock in self.clocks.values()}
-        self._clocks_of = {
-            v.name: {by_reference[clock.valueReference] for clock in v.clocks}
-            for v in self.description.modelVariables
-            if v.clocks
-        }
+        by_reference = {clock.reference: clock.name for clock in described}
+        self._clocks_of: dict[str, set[str]] = {}
+        for variable in self.description.modelVariables:
+            if variable.clocks:
+                references = {clock.valueReference for clock in variable.clocks}
+                if not references <= by_reference.keys():
+                    raise BadInput(
+                        f"participant {name}: {path}: {variable.name}: its clocks are no clocks"
+                    )
+                self._clocks_of[variable.name] = {by_reference[k] for k in references}
         self._timed = [c for c in self._inputs() if c.kind != "triggered"]
         self._announced = [c for c in self.clocks.values() if c.causality == "output"]
         self._stops: frozenset[str] = frozenset()
@@ -296,12 +304,15 @@ class ClockedFmu3(Fmu3Participant):
 
 
 def _clock(node):
-    """A clock of its element in the model description."""
+    """A clock of its element in the model description; ValueError if it is none."""
+    kind = node.get("intervalVariability")
+    if kind not in KINDS:
+        raise ValueError(f"intervalVariability = {kind!r}: allowed are {', '.join(KINDS)}")
     return Clock(
         str(node.get("name")),
         int(node.get("valueReference")),
         node.get("causality", "local"),
-        node.get("intervalVariability", "triggered"),
+        kind,
         _seconds(node, "interval"),
         _seconds(node, "shift"),
     )

@@ -363,6 +363,50 @@ def test_ring_and_splash():
     assert after.supplied == pytest.approx(2e-3 * (1e-6 - 8e-6))
 
 
+def test_splash_runs_off_a_layer_as_thick_as_the_wall_holds():
+    """10 um hold 12.5 um: of 3 steps with 1 um each two and a half stay, and none of it on 12.5 um;
+    the wall keeps what was there before.
+    """
+    bore = bore_by_hand(oil_supply="bore_and_ring", largest_oil_layer=12.5e-6)
+    layer = bore.start(0.0)
+    supplied = []
+    for _ in range(4):
+        layer = bore.covered(layer, 1e-3, 0.0, 10e-6, 1e-3)
+        layer = layer._replace(held=bore.volume(layer))
+        supplied.append(layer.supplied)
+    assert layer.bore[0, :2] == pytest.approx([12.5e-6, 12.5e-6], rel=1e-12)
+    assert supplied == pytest.approx([2e-9, 4e-9, 5e-9, 5e-9], rel=1e-9)
+    thick = bore_by_hand(
+        oil_supply="bore_and_ring", largest_oil_layer=5e-6
+    )  # thinner than the start
+    assert thick.covered(thick.start(0.0), 1e-3, 0.0, 10e-6, 1e-3).bore[0, 0] == 10e-6
+
+
+def test_wall_film_of_nusselt():
+    """Eq. (T29) at the default: (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm; the
+    default is that to 2 %.
+    """
+    thickness = (3.0 * 5.6e-3 * 1e-4 * 0.14 / (850.0 * 9.81)) ** (1.0 / 3.0)  # Eq. (T29)
+    assert Parameters().largest_oil_layer == pytest.approx(thickness, rel=0.02)
+
+
+def test_oil_put_on_the_bore_between_steps_counts_as_supplied():
+    """As a run does that extrapolates the layer: 1 um on all that is bare, then a step; Eq. (T27)
+    holds to round-off.
+    """
+    p = Parameters(SHAPE, oil_supply="bore", initial_oil_layer=5e-6, initial_film_fraction=0.3)
+    model = LubricationModel(p)
+    state, first = model.start(*motored_film(SHAPE, 0.0))
+    for k in range(1, 5):
+        state, before = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
+    more = np.where(state.layer.bore > 0.0, state.layer.bore + 1e-6, 0.0)
+    added = (more - state.layer.bore).sum() * model.area.flat[0]
+    state = replace(state, layer=state.layer._replace(bore=more))
+    _, after = model.advance(state, *motored_film(SHAPE, 5 * DEGREE), DEGREE)
+    assert after["oil_supplied"] - before["oil_supplied"] == pytest.approx(added, rel=1e-9)
+    assert total(after) == pytest.approx(total(first), rel=1e-12)
+
+
 def test_where_the_skirt_is_in_steps_of_any_length():
     """Eq. (T26) for V = 2 t + 1 m/s: exact from the second step on."""
     bore = bore_by_hand(stroke=1.0)

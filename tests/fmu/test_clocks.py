@@ -95,6 +95,9 @@ def folder(tmp_path_factory):
         ("once", description(redo="false")),
         ("stopped", description(sample=bad)),
         ("hurried", description(sample=short)),
+        ("unclocked", description().replace('clocks="20"', 'clocks="5"')),
+        ("odd", description(sample='intervalVariability="often"')),
+        ("nothing", description(sample=CLOCKS[0][2].replace('"10"', '"ten"'))),
     ):
         with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
             target.writestr("modelDescription.xml", text)
@@ -215,10 +218,14 @@ def test_without_saved_states_a_tick_is_heard_at_the_end_of_the_macro_step(folde
 
 
 def test_ticks_go_on_from_clock_to_clock_at_one_instant(folder, tmp_path):
-    """b's kick ticks `passed`, which kicks a back: both once."""
-    wires = [*PUSHED, ("b.passed", "a.kick", "")]
-    results, _ = solved(folder, tmp_path / "o.h5", case_text(wires, **PLACE))
+    """b's kick ticks `passed`, which kicks a back, by what b is after its own push."""
+    wires = [*PUSHED, ("b.passed", "a.kick", ""), ("b.x", "a.push", "")]
+    results, time = solved(folder, tmp_path / "o.h5", case_text(wires, **PLACE))
     assert results.series("a.kicks").values[-1] == results.series("b.kicks").values[-1] == 1
+    back = 3 * np.exp(-0.37)  # e^-t* of its own, 2 e^-t* pushed
+    jumped = np.where(time > 0.37 + 1e-9, back * np.exp(-(time - 0.37)), 0.0)
+    expected = 2 * np.exp(-time) + jumped
+    np.testing.assert_allclose(results.series("a.x").values, expected, atol=1e-13)
 
 
 def test_clocks_that_trigger_one_another_without_end_are_told(folder):
@@ -274,6 +281,12 @@ def test_wires_that_clocks_do_not_take_are_refused(folder, tmp_path, wire, words
 def test_other_misuse_of_clocks_is_refused(folder, tmp_path):
     with pytest.raises(BadInput, match="its interval is 0 s, allowed is above 0"):
         solved(folder, tmp_path / "o.h5", case_text([], fmu="stopped"))
+    with pytest.raises(BadInput, match="a clock cannot be read: intervalVariability = 'often'"):
+        open_fmu("a", folder / "odd.fmu")
+    with pytest.raises(BadInput, match="y_in: its clocks are no clocks"):
+        open_fmu("a", folder / "unclocked.fmu")
+    with pytest.raises(BadInput, match="a clock cannot be read: .*'ten'"):
+        open_fmu("a", folder / "nothing.fmu")
     with pytest.raises(BadInput, match="a clock ticks, it has no value"):
         solved(folder, tmp_path / "o.h5", case_text([], a="kick = true"))
     with pytest.raises(BadInput, match="a.crossed is a Clock"):

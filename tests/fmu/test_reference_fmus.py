@@ -75,3 +75,53 @@ def test_alone_to_its_own_reference(fmu, tmp_path):
         np.testing.assert_allclose(
             np.squeeze(found), expected, rtol=TOLERANCE, atol=TOLERANCE, err_msg=name
         )
+
+
+GIVEN = {"Real": 1.5, "Integer": 7, "Boolean": True}
+
+
+def matched(fields):
+    """Pairs of an output and an input of the same type and shape, every input once."""
+    outputs = [f for f in fields.values() if f.causality == "output" and f.type in GIVEN]
+    inputs = [f for f in fields.values() if f.causality == "input" and f.type in GIVEN]
+    pairs = []
+    for field in outputs:
+        for inlet in inputs:
+            same = (inlet.native, inlet.type, inlet.shape)
+            if same == (field.native, field.type, field.shape):
+                pairs.append((field, inlet))
+                inputs.remove(inlet)
+                break
+    return pairs
+
+
+@pytest.mark.skipif(not FMUS, reason="PISTON_COSIM_REFERENCE_FMUS names no folder of FMUs")
+@pytest.mark.parametrize("fmu", FMUS, ids=lambda path: str(path.relative_to(FOLDER)))
+def test_in_a_wired_pair(fmu, tmp_path):
+    """What the first says is what the second hears, at the end of the same step where it is real,
+    a step later where it is held.
+    """
+    pairs = matched(open_fmu("one", fmu).fields)
+    if not pairs:
+        pytest.skip(f"{fmu.stem} has no inputs that its outputs fit")
+    wires = [{"from": f"one.{a.name}", "to": f"two.{b.name}"} for a, b in pairs]
+    values = {
+        b.name: np.full(b.shape, GIVEN[b.type]).tolist() if b.shape else GIVEN[b.type]
+        for _, b in pairs
+    }
+    tree = {
+        "title": fmu.stem,
+        "time": {"stop": "1 s", "step": "0.1 s"},
+        "participants": {"one": {"fmu": str(fmu), "parameters": values}, "two": {"fmu": str(fmu)}},
+        "wires": wires,
+        "coupling": {"order": ["one", "two"]},
+        "record": {"fields": [port for wire in wires for port in wire.values()]},
+    }
+    case = check_case(tree, "case")
+    run(open_system(case, tmp_path, print), case, tree, tmp_path / "o.h5")
+    results = Results(tmp_path / "o.h5")
+    for a, b in pairs:
+        said, heard = results.dataset(f"one.{a.name}")[:], results.dataset(f"two.{b.name}")[:]
+        spoken = said[1:] if a.type == "Real" else said[:-1]
+        np.testing.assert_array_equal(heard[1:], spoken, err_msg=f"{a.name} -> {b.name}")
+        assert np.any(said)
