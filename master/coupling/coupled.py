@@ -113,7 +113,8 @@ are off by 1e-5, errors of second order in time grow by 2 %.
 
 NUDGE = 1e-3
 """Of an input, as a share of its size: a macro step agrees to some 1e-6 of the nominal values, so
-that differences over it are good to 1e-3.
+that differences over it are good to 1e-3 of a product that is as large as nominal values make it,
+and to a percent and more of one that is far smaller.
 """
 
 

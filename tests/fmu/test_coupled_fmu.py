@@ -121,9 +121,9 @@ def advanced(coupled, step, factor, end):
 
 
 def test_steps_between_a_tenth_and_ten_times_the_case_s(coupled, reference):
-    """All of them are as near to the run in tenths of the macro step as the run itself, half more
-    for what the first step from rest does: the error of that step; steps that are longer are cut
-    into whole macro steps, and those of ten and of two are the run's own values.
+    """All of them are as near to the run in tenths of the macro step as the run itself: the error
+    of that step; steps that are longer are cut into whole macro steps, and those of two, five and
+    ten are the run's own values.
     """
     values, step = reference
     end = 10
@@ -131,7 +131,7 @@ def test_steps_between_a_tenth_and_ten_times_the_case_s(coupled, reference):
     error = np.abs(values[end] - fine)
     assert np.all(error > 0)
     for factor in (0.2, 0.4, 0.5, 1.25, 2.5):
-        assert np.all(np.abs(advanced(coupled, step, factor, end) - fine) <= 1.5 * error), factor
+        assert np.all(np.abs(advanced(coupled, step, factor, end) - fine) <= error), factor
     for factor in (1, 2, 5, 10):
         np.testing.assert_allclose(advanced(coupled, step, factor, end), values[end], rtol=1e-6)
 
@@ -159,8 +159,9 @@ def test_derivatives_are_those_of_the_step(coupled, reference):
         sides.append(np.array(watched(other)))
     expected = (sides[0] - sides[1]) / (2 * wide)
     found = np.array([products[name] for name in WATCHED])
-    # agreement of a macro step to 1e-6, over a change of 1e-3: some 1e-3
-    np.testing.assert_allclose(found, expected, rtol=1e-2)
+    # the motion is of 7e-9 m by then and changes by 4e-11 m over the nudge, of which a macro step
+    # that agrees to 1e-11 m (1e-6 of its nominal value) at the latest knows some percent
+    np.testing.assert_allclose(found, expected, rtol=3e-2)
     assert np.all(found != 0)
     for participant in (one, two):
         participant.step(2 * step, step)
