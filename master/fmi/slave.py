@@ -373,7 +373,8 @@ class FieldSlave(Fmi2Slave):
         k = int(np.argmin(good))
         if np.isfinite(values[k]):
             return [v.fault(values[k])]
-        return [f"{element_names(v)[k]} = {values[k]} {v.unit}: must be finite"]
+        unit = "" if v.unit == "1" else f" {v.unit}"
+        return [f"{element_names(v)[k]} = {values[k]}{unit}: must be finite"]
 
     def _choice_faults(self, v):
         """A sentence where a choice has a number that none of them has."""

@@ -108,12 +108,12 @@ def test_a_film_starved_everywhere_is_a_film(slave):
 def choose(slave, name, law):
     """Choose a law as an importer does, by its number."""
     (variable,) = [v for v in slave.table if v.name == name]
-    slave.set_integer([slave.references[name]], [1 + variable.choices.index(law)])
+    slave.set_integer([slave.first_references[name]], [1 + variable.choices.index(law)])
 
 
 @pytest.mark.parametrize("number", [0, 5])
 def test_unknown_law_is_a_fault_with_the_allowed_ones(slave, number):
-    slave.set_integer([slave.references["cavitation_model"]], [number])
+    slave.set_integer([slave.first_references["cavitation_model"]], [number])
     slave.exit_initialization_mode()
     known = "1 jfo, 2 reynolds, 3 gumbel, 4 full_film"
     assert f"cavitation_model = {number}: allowed are {known}" in slave.fault

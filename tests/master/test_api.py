@@ -96,7 +96,7 @@ def test_an_unknown_name_is_an_attribute_error():
 def test_a_case_changed_leaves_the_first_as_it_was():
     case = pc.open_case("numerical_example")
     thick = case.changed({"participants.ehd.parameters.viscosity": "20 mPa s"})
-    assert case["participants.ehd.parameters.viscosity"] == "12 mPa s"
+    assert case["participants.ehd.parameters.viscosity"] == "6 mPa s"
     assert thick["participants.ehd.parameters.viscosity"] == "20 mPa s"
     assert thick["wires.0.tolerance"] == "1 nm"
     assert case.variant("rigid").label == "rigid"

@@ -80,7 +80,7 @@ def test_every_scalar_is_a_connector_of_its_component_and_of_the_system(package)
     (top,) = root.iter(f"{{{SPACE['ssd']}}}System")
     own = {c.get("name"): c for c in top.find(f"{{{SPACE['ssd']}}}Connectors")}
     inputs = {name for name, c in own.items() if c.get("kind") == "input"}
-    rings = {"ring_side_force", "ring_axial_force", "ring_moment"}
+    rings = {"ring_side_force", "ring_axial_force", "ring_moment", "land_pressure"}
     assert inputs == {"crank_speed", "gas_pressure"} | rings
     assert own["minimum_film_thickness"].get("kind") == "output"
     joined = [c for c in root.iter(f"{{{SPACE['ssd']}}}Connection") if len(c.attrib) == 3]

@@ -118,7 +118,10 @@ def test_small_arrays_from_fmi_3_grow_with_their_parameter():
     field = variable("field", "Float64", dimensions=sizes)
     small = variable("small", "Float32")
     described = SimpleNamespace(
-        fmiVersion="3.0", unitDefinitions=[], modelVariables=[count, field, small]
+        fmiVersion="3.0",
+        unitDefinitions=[],
+        modelVariables=[count, field, small],
+        coSimulation=None,
     )
     assert gather_fields(described)["field"].shape == (2, 3)
     found = gather_fields(described, {"n": 5})
