@@ -62,7 +62,7 @@ out: in a cycle at 1680 rpm (71 ms) it moves such a film by 3 mm, one of 10 um b
 
 References
 ----------
-[Nusselt1916]
+[Nusselt1916] W. Nusselt, Z. VDI 60 (1916) 541.
 [Ma1997] M.-T. Ma, I. Sherrington, E. H. Smith, Analysis of lubrication and friction for a complete
 piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J 211 (1997) 1-15
 (rings that live on the layer they meet, and oil that gathers before them).
