@@ -28,6 +28,7 @@ def simulate(ssp, steps):
         wires = [
             [c.get(end) for end in ("startElement", "startConnector", "endElement", "endConnector")]
             for c in system.iter(SSD + "Connection")
+            if c.get("startElement") and c.get("endElement")  # else a connector of the system
         ]
         for k in range(steps):
             values = [_get(parts[source], output) for source, output, _, _ in wires]

@@ -52,7 +52,7 @@ class Fuzz:
         }
         for name, choices in laws.items():
             number = int(self.rng.integers(1, len(choices) + 1))
-            self.slave.set_integer([self.slave.references[name]], [number])
+            self.slave.set_integer([self.slave.first_references[name]], [number])
         self.slave.views["roughness_rms"][...] = 1e-6
         if self.rng.random() < 0.3:  # mostly refused
             self.set_values()
