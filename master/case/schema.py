@@ -262,7 +262,6 @@ class Record(Table):
     every 50, and no more often than is worth a fiftieth of the time.
     """
 
-
     @field_validator("every")
     @classmethod
     def a_number_or_an_interval(cls, value):

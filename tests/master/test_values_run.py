@@ -216,8 +216,8 @@ def test_halved_steps_do_not_move_instants_that_are_asked_for(toys, tmp_path):
     for interval, instants in ((2.0, [0.0, 2.0, 4.0]), (1.5, [0.0, 2.0, 3.0])):
         system, tree = recording(toys, interval)
 
-        def tire(time, *others):
-            system.participants["echo"].longest = 0.6 if time >= 3.0 else np.inf
+        def tire(time, *others, echo=system.participants["echo"]):
+            echo.longest = 0.6 if time >= 3.0 else np.inf
 
         go(system, tmp_path / "run.h5", tire, tree)
         with Results(tmp_path / "run.h5") as results:
