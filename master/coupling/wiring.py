@@ -95,9 +95,9 @@ class System:
     divides macro steps [s]; record_interval : from one record of the fields to the next [s], 0
     where macro steps are counted; parallel : Jacobi's order, every participant reads what the
     others said in the evaluation before; held : wires that carry no real numbers, or end at clocked
-    inputs; clocks : wires from clock to clock; cycles : how often begin to stop may be run, one behind the
-    other; masks : participant -> rows of the cells of its fields,
-    1 where there is one, 0 where not.
+    inputs; clocks : wires from clock to clock; cycles : how often begin to stop may be run, one
+    behind the other; masks : participant -> rows of the cells of its fields, 1 where there is one,
+    0 where not.
     """
 
     participants: Mapping[str, Any]
