@@ -13,7 +13,6 @@ with equal and opposite forces (Eq. (D8)). An uneven one belongs in `ring_side_f
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ...master.fmi.compiled import compiled
 
@@ -70,6 +69,8 @@ def bore_wall(
     top_ring, second_ring : float
         Heights above A [m]; no gas on the wall where `top_ring` is 0.
     """
+    from scipy.interpolate import CubicSpline  # slow to import, and few engines have land gas
+
     around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
     below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
     return BoreWall(

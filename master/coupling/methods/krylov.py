@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 KEPT = 40
 """Pairs kept from one solve to the next: about the number of directions that amplify."""
@@ -84,6 +83,8 @@ class RecycledGmres:
         """P as a callable."""
         if not self.pairs:
             return lambda r: r
+        from scipy.linalg import cho_factor, cho_solve  # slow to import
+
         sizes = np.array([np.linalg.norm(z) for _, z in self.pairs])
         v = np.array([direction for direction, _ in self.pairs]) / sizes[:, None]
         z = np.array([image for _, image in self.pairs]) / sizes[:, None]
