@@ -9,7 +9,6 @@ over an edge, Eq. (E12).
 """
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .grid import Array, Cells, Flags
@@ -28,6 +27,8 @@ class Openings:
     """
 
     def __init__(self, open_cells: Flags, cells: Cells):
+        from scipy.ndimage import distance_transform_edt  # slow to import, few films have openings
+
         self.open_cells = open_cells
         around = len(open_cells)
         turns = np.concatenate([open_cells] * 3)  # the nearest cell may lie across the first one

@@ -61,7 +61,7 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
     _around(around, shapes)
     _along(along, shapes)
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=110, pil_kwargs={"compress_level": 1})  # quick: the picture is small
 
 
 def _developed(figure, panel, angle, height, values):

@@ -69,10 +69,12 @@ def bore_wall(
     top_ring, second_ring : float
         Heights above A [m]; no gas on the wall where `top_ring` is 0.
     """
-    from scipy.interpolate import CubicSpline  # slow to import, and few engines have land gas
-
     around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
-    below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
+    below = np.zeros_like(around)
+    if top_ring > 0.0:
+        from scipy.interpolate import CubicSpline  # slow to import, and few engines have gas there
+
+        below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
     return BoreWall(
         lowest=float(heights[0]),
         spacing=float(heights[1] - heights[0]),
