@@ -3,8 +3,8 @@ the edge alone.
 """
 
 import re
-from dataclasses import dataclass
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache, partial
 from shutil import rmtree
 from typing import Annotated, Any
