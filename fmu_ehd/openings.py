@@ -36,8 +36,8 @@ class Openings:
         self._inward = -np.diff(open_cells.astype(int), axis=1)
 
     @cached_property
-    def _beside(self) -> tuple[Any, Array, Array]:
-        """Of a field's last two axes: the nearest cells with a film."""
+    def _beside(self) -> tuple[Any, Any]:
+        """Indices around and along of the nearest cells with a film."""
         from scipy.ndimage import distance_transform_edt  # slow to import; many films need it not
 
         around = len(self.open_cells)
@@ -46,11 +46,12 @@ class Openings:
             turns, self._size_of_cell, return_distances=False, return_indices=True
         )
         i, j = np.asarray(found)[:, around : 2 * around]
-        return ..., i % around, j
+        return i % around, j
 
     def filled(self, field: Array) -> Array:
         """A field (..., n_c, n_a) whose openings show the nearest cell with a film."""
-        return np.ascontiguousarray(field[self._beside])
+        i, j = self._beside
+        return np.ascontiguousarray(field[..., i, j])
 
     def without_resistance(self, film: Array) -> Array:
         """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""
