@@ -34,7 +34,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import gamma, pbdv
 
 from ..master.fmi.compiled import compiled
 from .grid import Array
@@ -107,6 +106,8 @@ def gaussian_integral(order: float, separation: Any) -> Any:
     ----------
     [Greenwood1970]. Checked in fmu_ehd/verification.py against published values.
     """
+    from scipy.special import gamma, pbdv  # slow to import, and smooth films do without
+
     value, _ = pbdv(-order - 1.0, separation)
     scale = gamma(order + 1.0) / np.sqrt(2.0 * np.pi)
     return scale * np.exp(-np.square(separation) / 4.0) * value  # Eq. (A1)

@@ -8,8 +8,10 @@ looked at nowhere. Where oil is not in plenty, what sliding drags in from an ope
 over an edge, Eq. (E12).
 """
 
+from functools import cached_property
+from typing import Any
+
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .grid import Array, Cells, Flags
@@ -29,19 +31,27 @@ class Openings:
 
     def __init__(self, open_cells: Flags, cells: Cells):
         self.open_cells = open_cells
-        around = len(open_cells)
-        turns = np.concatenate([open_cells] * 3)  # the nearest cell may lie across the first one
-        found = distance_transform_edt(
-            turns, (cells.dx, cells.dy), return_distances=False, return_indices=True
-        )
-        i, j = np.asarray(found)[:, around : 2 * around]
-        self._beside = (..., i % around, j)
+        self._size_of_cell = cells.dx, cells.dy
         # 1 where sliding drags oil in from an opening with ascending j, -1 with descending j
         self._inward = -np.diff(open_cells.astype(int), axis=1)
 
+    @cached_property
+    def _beside(self) -> tuple[Any, Any]:
+        """Indices around and along of the nearest cells with a film."""
+        from scipy.ndimage import distance_transform_edt  # slow to import; many films need it not
+
+        around = len(self.open_cells)
+        turns = np.concatenate([self.open_cells] * 3)  # the nearest may lie across the first one
+        found = distance_transform_edt(
+            turns, self._size_of_cell, return_distances=False, return_indices=True
+        )
+        i, j = np.asarray(found)[:, around : 2 * around]
+        return i % around, j
+
     def filled(self, field: Array) -> Array:
         """A field (..., n_c, n_a) whose openings show the nearest cell with a film."""
-        return np.ascontiguousarray(field[self._beside])
+        i, j = self._beside
+        return np.ascontiguousarray(field[..., i, j])
 
     def without_resistance(self, film: Array) -> Array:
         """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""

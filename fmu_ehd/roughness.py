@@ -64,7 +64,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import erf
 
 from .grid import Array
 
@@ -129,6 +128,8 @@ CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 si
 
 def average_gap(separation: Any) -> Any:
     """Average gap of Gaussian surfaces over sigma, Eq. (R1), for H = h/sigma [-] of any sign."""
+    from scipy.special import erf  # slow to import, and smooth films do without
+
     above = 0.5 * separation * (1.0 + erf(separation / np.sqrt(2.0)))
     tail = np.exp(-(separation**2) / 2.0) / np.sqrt(2.0 * np.pi)
     return above + tail  # Eq. (R1)

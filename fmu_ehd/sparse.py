@@ -5,8 +5,6 @@ all.
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
-from scipy.sparse.linalg import splu
 
 from .blocks import BlockTridiagonal
 from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
@@ -37,6 +35,8 @@ class FivePointPattern:
     """
 
     def __init__(self, shape: tuple[int, int], by_rows: bool):
+        from scipy.sparse import csc_matrix, csr_matrix  # slow to import
+
         cell = np.arange(shape[0] * shape[1]).reshape(shape)
         neighbours = np.empty((5, *shape), dtype=cell.dtype)
         neighbours[CENTRE] = cell
@@ -80,6 +80,8 @@ class SuperLU:
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise anew, whatever changed."""
+        from scipy.sparse.linalg import splu  # slow to import
+
         self._factors = splu(self._pattern.matrix(stencil))
 
     def solve(self, right: Array) -> Array:

@@ -15,7 +15,7 @@ from .build import Tables, read_tables
 from .dynamics.assembly import bore_shape, faults, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import Parameters
-from .finite_elements.element import element_basis, quadrature
+from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
 from .geometry.grid import cell_centres
@@ -219,9 +219,9 @@ def mass_properties(mesh: Mesh, density: float) -> MassProperties:
         [kg/m3]
     """
     rule = quadrature(2)
-    basis, _ = element_basis(mesh.points, mesh.tets, rule)
-    volume = basis.dx  # (e, q), weights in it
-    x, y, z = np.asarray(basis.global_coordinates())
+    values, _ = shape_functions(rule.position)
+    volume = jacobian_determinants(mesh.points, mesh.tets, rule.position) * rule.weight  # (e, q)
+    x, y, z = np.moveaxis(values @ mesh.points[mesh.tets], -1, 0)
     # Eq. (M13)
     mass = density * volume.sum()
     centre = density * np.array([(volume * along).sum() for along in (x, y, z)]) / mass

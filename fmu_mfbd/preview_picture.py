@@ -3,12 +3,9 @@
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib
-
-matplotlib.use("Agg")  # files only, also without a display
-
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 UM = 1e6
 MM = 1e3
@@ -50,9 +47,10 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     """One PNG: skirt developed, with the openings left white; bore developed; the skirt around at
     three heights, and along on three sides, cold and hot.
     """
-    figure, panels = plt.subplots(2, 2, figsize=(12, 8))
+    figure = Figure(figsize=(12, 8))
+    FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
+    (developed, bore), (around, along) = figure.subplots(2, 2)
     figure.subplots_adjust(0.06, 0.08, 0.98, 0.95, wspace=0.2, hspace=0.35)
-    (developed, bore), (around, along) = panels
     gap = np.where(shapes.film, shapes.skirt_hot, np.nan)
     _developed(figure, developed, shapes.angle, shapes.height, gap)
     developed.set(
@@ -63,8 +61,7 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
     _around(around, shapes)
     _along(along, shapes)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    figure.savefig(path, dpi=110, pil_kwargs={"compress_level": 1})  # quick: the picture is small
 
 
 def _developed(figure, panel, angle, height, values):

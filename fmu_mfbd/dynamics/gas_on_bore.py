@@ -13,7 +13,6 @@ with equal and opposite forces (Eq. (D8)). An uneven one belongs in `ring_side_f
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ...master.fmi.compiled import compiled
 
@@ -71,7 +70,11 @@ def bore_wall(
         Heights above A [m]; no gas on the wall where `top_ring` is 0.
     """
     around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
-    below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
+    below = np.zeros_like(around)
+    if top_ring > 0.0:
+        from scipy.interpolate import CubicSpline  # slow to import, and few engines have gas there
+
+        below = CubicSpline(heights, around, bc_type="natural").antiderivative()(heights)
     return BoreWall(
         lowest=float(heights[0]),
         spacing=float(heights[1] - heights[0]),

@@ -96,7 +96,8 @@ def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> Nod
     rule : Quadrature
         The tabulated rules of scikit-fem 12 above degree 4 miss the last degree they claim.
     """
-    basis = Basis(_mesh(points, tets), ElementTetP2(), quadrature=(rule.position.T, rule.weight))
+    mesh = MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
+    basis = Basis(mesh, ElementTetP2(), quadrature=(rule.position.T, rule.weight))
     number = np.empty(len(points), dtype=np.int64)
     number[tets.T] = basis.element_dofs
     return NodalBasis(basis, number)
@@ -205,12 +206,23 @@ def _assemble(
 def jacobian_determinants(points: np.ndarray, tets: np.ndarray, position: np.ndarray) -> np.ndarray:
     """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e,
     q) [m3]; positive in a sound element.
+
+    Eq. (M16):  J = det sum_k r_k (dN_k/dxi)^T
     """
-    return _mesh(points, tets).mapping().detDF(position.T)
+    _, slopes = shape_functions(position)
+    along = np.einsum("qka,eki->aeqi", slopes, points[tets], optimize=True)
+    first, second, third = along
+    return (np.cross(first, second) * third).sum(axis=-1)  # Eq. (M16)
 
 
-def _mesh(points: np.ndarray, tets: np.ndarray) -> MeshTet2:
-    return MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
+def shape_functions(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """N (q, 10) and dN/dxi (q, 10, 3) of the ten-node tetrahedron at reference positions (q, 3);
+    nodes as in `tets`.
+    """
+    element = ElementTetP2()
+    found = [element.lbasis(position.T, k) for k in range(len(NODES))]
+    values, slopes = zip(*found)
+    return np.stack(values, axis=-1), np.stack([slope.T for slope in slopes], axis=1)
 
 
 def nodal_stress(

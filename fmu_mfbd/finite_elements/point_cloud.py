@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
 from .mesh import Mesh, MeshFault, Region, to_body_axes
 
@@ -101,6 +100,8 @@ def triangulate(points: np.ndarray, view: str) -> np.ndarray:
 
     A gap: a side four times as long as the median one. Nodes in one line span nothing.
     """
+    from scipy.spatial import Delaunay, QhullError  # slow to import, and used without a mesh alone
+
     if view == FROM_ABOVE:
         flat = points[:, [2, 0]]  # z, x: triangles turn about +y
         node = np.arange(len(points))

@@ -4,7 +4,6 @@ import hashlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import h5py
 import numpy as np
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
@@ -82,6 +81,8 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
     NotRecorded
         If the file lacks them, or has them on another grid.
     """
+    import h5py  # slow to import, and used after runs alone
+
     path = Path(path)
     try:
         with h5py.File(path, "r") as opened:
@@ -109,7 +110,7 @@ def _named(group: Any, name: str, path: Path) -> Any:
     found = {
         owner: member[name]
         for owner, member in group.items()
-        if owner != "fields" and isinstance(member, h5py.Group) and name in member
+        if owner != "fields" and hasattr(member, "keys") and name in member
     }
     if len(found) > 1:
         raise NotRecorded(

@@ -81,12 +81,14 @@ def covered(
     """Which grid points (angle_i, height_j) have the surface under them, but for `BESIDE`, (angles,
     heights); arguments as of `interpolation`.
     """
-    at = _nearest_points(points, triangles, angle, height, radius)
+    at = _nearest_points(points, triangles, angle, height, radius, reach=BESIDE * radius)
     return (at.distance <= BESIDE * radius).reshape(len(angle), len(height))
 
 
-def _nearest_points(points, triangles, angle, height, radius):
-    """Nearest point of the surface to each grid point, on the developed surface, j fastest."""
+def _nearest_points(points, triangles, angle, height, radius, reach=np.inf):
+    """Nearest point of the surface to each grid point, on the developed surface, j fastest; of
+    points further off than `reach` it is only known that they are.
+    """
     theta = np.repeat(angle, len(height))
     y = np.tile(height, len(angle))
     corner = points[triangles[:, :3]]
@@ -96,10 +98,20 @@ def _nearest_points(points, triangles, angle, height, radius):
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
     centre = turn.mean(axis=1)
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
+    middle = flat.mean(axis=1)
+    size = np.abs(flat - middle[:, None]).max(axis=1) + reach  # half a box around each, (t, 2)
     found = []
     for chunk in np.array_split(np.arange(len(theta)), max(1, len(theta) // 400)):
         branch = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
-        found.append(_nearest(flat, radius * branch, y[chunk]))
+        x = radius * branch
+        off = np.stack([x - middle[:, 0], y[chunk, None] - middle[:, 1]], axis=-1)
+        near = np.flatnonzero((np.abs(off) <= size).all(axis=-1).any(axis=0))
+        if len(near):
+            at = _nearest(flat[near], x[:, near], y[chunk])
+            found.append(at._replace(triangle=near[at.triangle]))
+        else:
+            nothing = np.zeros(len(chunk))
+            found.append(SurfacePoints(nothing.astype(int), nothing, nothing, nothing + np.inf))
     return SurfacePoints(*map(np.concatenate, zip(*found)))
 
 

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
+from ..case.changes import value_at
 from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
 
@@ -62,9 +63,10 @@ def default_folder(path):
     return Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
 
 
-def variant_trees(path, changes, only):
+def variant_trees(path, changes, only, say=lambda text: None):
     """Resolved TOML tree of each run: the case itself under its label, then the variants that run
-    beside it; or the one of the label `only`.
+    beside it; or the one of the label `only`. A change wins over what a variant has, and `say` is
+    told so.
     """
     tree = read_tree(path, changes)
     own = tree.get("label", "base")
@@ -73,9 +75,14 @@ def variant_trees(path, changes, only):
         raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
     wanted = (only,) if only else (own, *tree.get("beside", []))
     chosen = {label: changed for label, changed in variants.items() if label in wanted}
-    return {
-        label: read_tree(path, [*changes, *changed.items()]) for label, changed in chosen.items()
-    }
+    trees = {}
+    for label, changed in chosen.items():
+        trees[label] = read_tree(path, [*changed.items(), *changes])
+        for key, value in changed.items():
+            taken = value_at(trees[label], key, path.parent)
+            if taken != value:
+                say(f"{label}: {key} = {taken!r} as set, in place of the variant's {value!r}")
+    return trees
 
 
 def open_runs(files):

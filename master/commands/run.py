@@ -79,7 +79,7 @@ def command(
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
     trees = swap_all(
-        variant_trees(path, changes, only), {"lubrication": lubrication, "bodies": bodies}, say
+        variant_trees(path, changes, only, say), {"lubrication": lubrication, "bodies": bodies}, say
     )
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
     _say_ahead(cases, trees, plots, only)

@@ -60,8 +60,8 @@ def command(
     changes = [parse_change(text) for text in set_]
     tree = read_tree(path, changes)
     if only:
-        variant_trees(path, changes, only)
-        changes += list(tree.get("variants", {}).get(only, {}).items())
+        variant_trees(path, changes, only, say)
+        changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
     axes = [sweeps.parse_axis(text, tree, path.parent) for text in vary]
     points = sweeps.all_points(path, changes, axes)
     folder = Path(

@@ -8,19 +8,16 @@ in whatever kernel it is inlined. Measured, it costs nothing here.
 numba looks at a kernel's own file to tell whether what it kept is still true. A kernel also holds
 what it calls, so here it is the kernel's file and all files of the project that it imports,
 directly or not. A kept kernel that cannot be read is made again; where nothing can be kept, kernels
-are compiled anew in each process.
+are compiled anew in each process. numba itself (half a second) is imported by the first call.
 """
 
 from contextlib import suppress
-from functools import cache, cached_property, partial
-from hashlib import sha256
+from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any
 
-from numba import njit
-from numba.core.caching import FunctionCache, IndexDataCacheFile
-
-from .tree import reached
+KERNELS: list["Kernel"] = []
+"""All of this process."""
 
 
 def compiled(kernel=None, **options):
@@ -29,60 +26,57 @@ def compiled(kernel=None, **options):
     """
     if kernel is None:
         return partial(compiled, **options)
-    dispatcher: Any = njit(error_model="numpy", **options)(kernel)
-    with suppress(RuntimeError):  # there is nowhere to keep it
-        dispatcher._cache = KernelCache(kernel)
-        FOLDERS.add(Path(dispatcher._cache.cache_path))
-    return dispatcher
+    KERNELS.append(Kernel(kernel, options))
+    return KERNELS[-1]
 
 
-FOLDERS: set[Path] = set()
-"""Where kernels of this process are kept."""
+class Kernel:
+    """A function that is compiled at its first call; in the code of another kernel, and so to
+    numba, it is its `dispatcher`.
+
+    py_func : the function as written; targetoptions : options of `numba.njit`.
+    """
+
+    def __init__(self, function, options):
+        update_wrapper(self, function)
+        self.py_func = function
+        self.targetoptions = options
+
+    def __call__(self, *arguments, **named):
+        return self.dispatcher(*arguments, **named)
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """What numba makes of it."""
+        from numba import njit
+
+        dispatcher: Any = njit(error_model="numpy", **self.targetoptions)(self.py_func)
+        if self._kept:
+            dispatcher._cache = self._kept
+        return dispatcher
+
+    @cached_property
+    def _kept(self):
+        """What is kept of it on disk; None where there is nowhere to keep it."""
+        from .kernel_cache import KernelCache
+
+        with suppress(RuntimeError):
+            return KernelCache(self.py_func)
+
+    @property
+    def store(self) -> Path | None:
+        """The folder where it is kept."""
+        return Path(self._kept.cache_path) if self._kept else None
+
+    @property
+    def _numba_type_(self):
+        return self.dispatcher._numba_type_
 
 
 def first_start() -> str:
     """What takes long at a start, for whoever waits; empty where kernels are kept already."""
-    if any(next(folder.glob("*.nbi"), None) for folder in FOLDERS):
+    stores = {folder for one in KERNELS if (folder := one.store)}
+    if any(next(folder.glob("*.nbi"), None) for folder in stores):
         return ""
-    kept = "kept for the starts to come" if FOLDERS else "again at each start: nothing can be kept"
+    kept = "kept for the starts to come" if stores else "again at each start: nothing can be kept"
     return f"compiling the code of this FMU, which takes about a minute; {kept}"
-
-
-class KernelCache(FunctionCache):
-    """numba's cache on disk, stamped with the content of all that a kernel is made of."""
-
-    def __init__(self, kernel):
-        super().__init__(kernel)
-        del self._cache_file  # numba's own stamp
-
-    @cached_property
-    def _cache_file(self):
-        """Made when a kernel is first called: the stamp reads many files."""
-        return IndexDataCacheFile(
-            self._cache_path,
-            self._impl.filename_base,
-            stamp(self._py_func.__code__.co_filename),
-        )
-
-    def load_overload(self, signature, target_context):
-        """The kept kernel; None, after throwing all kept ones away, if they cannot be read."""
-        try:
-            return super().load_overload(signature, target_context)
-        except Exception:  # whatever a damaged pickle raises
-            with suppress(OSError):
-                self.flush()
-            return None
-
-    def save_overload(self, signature, data):
-        """Keep a kernel if the disk allows it."""
-        with suppress(OSError):
-            super().save_overload(signature, data)
-
-
-@cache
-def stamp(file: str) -> str:
-    """Digest of a source file and of all files of the project that it imports, directly or not."""
-    digest = sha256()
-    for path in sorted(reached(Path(file).resolve())):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()

@@ -4,9 +4,6 @@ import re
 import zipfile
 from contextlib import suppress
 
-from .clocks import ClockedFmu3
-from .fmi2 import FmuParticipant
-from .fmi3 import Fmu3Participant
 from .substeps import Substeps
 
 EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
@@ -32,6 +29,10 @@ def open_fmu(name, path, sizes=None, step=None):
 
 
 def _kind(path):
+    from .clocks import ClockedFmu3  # FMPy is slow to import, and a case is checked without
+    from .fmi2 import FmuParticipant
+    from .fmi3 import Fmu3Participant
+
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
         text = archive.read("modelDescription.xml")
         if b'fmiVersion="3' in text[:2000]:

@@ -18,10 +18,11 @@ from ..case.changes import whole_key
 from ..case.given import build_options
 from ..case.schema import check_case, read_tree
 from ..fmi.builder import build_fmu
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, Stopped
 from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
 from .pool import LocalPool
+from .recorder import writing
 
 SHOWN = (
     "title",
@@ -149,9 +150,7 @@ def run_point(tree, case_folder, output):
         what its modes leave out included.
     """
     from ..case.system import open_system
-    from ..coupling.stepping import StepFailed
     from ..engine.truncation import state_truncation
-    from ..fmi.errors import ParticipantFault
     from .run import run
 
     folder = Path(case_folder)
@@ -162,7 +161,7 @@ def run_point(tree, case_folder, output):
         return {"status": "done", "message": ""} | summary | missed
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
-    except (StepFailed, ParticipantFault) as error:
+    except Stopped as error:  # no convergence, a fault of a participant, a full disk
         return {"status": "failed", "message": str(error).splitlines()[0]}
 
 
@@ -195,6 +194,8 @@ def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: 
     ------
     BadInput
         If another sweep writes into this folder.
+    CannotWrite
+        If there is no room for the rows: points that are done stay done.
     """
     with sole_writer(Path(folder) / "sweep.csv"):
         return _sweep(points, case_folder, folder, executor, watch)
@@ -203,7 +204,8 @@ def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: 
 def _sweep(points, case_folder, folder, executor, watch):
     table = table_for(folder, points)
     runs = Path(folder) / "runs"
-    runs.mkdir(parents=True, exist_ok=True)
+    with writing(runs):
+        runs.mkdir(parents=True, exist_ok=True)
     kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(points)}
     rows = {k: row for k, row in kept.items() if row}
     waiting = {
@@ -216,10 +218,12 @@ def _sweep(points, case_folder, folder, executor, watch):
     for future in as_completed(waiting):
         k = waiting[future]
         rows[k] = _row(future)
-        _replace(runs / f"{points[k].name}.json", json.dumps(rows[k]))
-        _write_table(table, points, rows)
+        with writing(table):
+            _replace(runs / f"{points[k].name}.json", json.dumps(rows[k]))
+            _write_table(table, points, rows)
         watch(points[k].values | rows[k], len(rows), len(points))
-    _write_table(table, points, rows)
+    with writing(table):
+        _write_table(table, points, rows)
     return [points[k].values | rows[k] for k in range(len(points))]
 
 

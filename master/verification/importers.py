@@ -18,6 +18,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from ..fmi.requirements import PACKAGES
+
 WATCHED = (
     "lateral_displacement",
     "rocking_angle",
@@ -260,6 +262,11 @@ ELSEWHERE = {
 }
 """Importers and checkers that are had by hand alone, and where."""
 
+LACKING = """
+from importlib.util import find_spec
+print("lacks", *[name for name in {names} if not find_spec(name)])"""
+"""Says what a Python lacks of `names`."""
+
 HOST = "plain C host"
 NOT_INSTALLED = "not installed"
 FAILED = "failed"
@@ -305,12 +312,17 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     absent = dict.fromkeys(offered)
     for python in pythons:
         release = str(_ask(python, "import platform; print(platform.python_version())"))
+        _, *lacking = str(_ask(python, LACKING.format(names=PACKAGES))).split()
         for name, importer in offered.items():
             asked = f"import importlib.metadata as m; print(m.version({importer.package!r}))"
             installed = str(_ask(python, asked)) if importer.package else "-"
             if not installed.startswith(FAILED):
                 absent.pop(name, None)
-                seen = _ask(python, COMMON + importer.script, *arguments)
+                seen = (
+                    f"{NOT_INSTALLED}: {', '.join(lacking)}, needed in the Python that runs the FMU"
+                    if lacking
+                    else _ask(python, COMMON + importer.script, *arguments)
+                )
                 yield Trial(name, installed, release, seen)
     for name in absent:
         yield Trial(name, "-", "-", f"{NOT_INSTALLED}: {offered[name].source}")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from piston_cosim.master.verification import importers
 from piston_cosim.master.verification.importers import (
     ALLOWED,
     FAILED,
@@ -44,6 +45,15 @@ def test_every_importer_gives_what_run_writes(shipped, version):
     here |= {"Python alone (ctypes)"} if version == "2.0" else set()
     assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
     assert verdicts.keys() - {HOST} == {n for n, i in IMPORTERS.items() if version in i.versions}
+
+
+def test_a_python_without_what_the_fmu_needs_is_not_tried(shipped, monkeypatch):
+    monkeypatch.setattr(importers, "PACKAGES", ("numpy", "no_such_package"))
+    _, fmus, step = shipped
+    host, *trials = try_importers(fmus["2.0"], "2.0", 1, step)
+    assert host.importer == HOST
+    told = f"{NOT_INSTALLED}: no_such_package, needed in the Python that runs the FMU"
+    assert {trial.seen for trial in trials if trial.python != "-"} == {told}
 
 
 TIMES = np.arange(5) * 1e-5

@@ -103,6 +103,16 @@ def test_variants_are_changed_cases(case_file):
     assert trees["slow"]["time"]["step"] == "2 deg"
 
 
+def test_a_change_wins_over_a_variant_and_says_so(case_file):
+    path = case_file(GOOD)
+    said = []
+    set_ = [("speed", "900 rpm"), ("time.step", "2 deg")]
+    trees = variant_trees(path, set_, "slow", said.append)
+    assert trees["slow"]["participants"]["a"]["parameters"]["speed"] == "900 rpm"
+    key = "participants.a.parameters.speed"
+    assert said == [f"slow: {key} = '900 rpm' as set, in place of the variant's '300 rpm'"]
+
+
 def test_a_variant_runs_on_demand_alone(case_file):
     path = case_file(GOOD)
     assert list(variant_trees(path, [], None)) == ["base"]

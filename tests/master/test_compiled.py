@@ -47,7 +47,10 @@ class Package:
 
     def top(self):
         """(top(3), how many times the top kernel was read from disk), in a new process."""
-        code = "from kernels.top import top; print(top(3.0), sum(top.stats.cache_hits.values()))"
+        code = (
+            "from kernels.top import top;"
+            "print(top(3.0), sum(top.dispatcher.stats.cache_hits.values()))"
+        )
         done = subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
         )

@@ -1,6 +1,7 @@
 """Sweeps: axes, resuming, failures as rows."""
 
 import csv
+import errno
 import os
 from concurrent.futures import Executor, Future
 
@@ -8,6 +9,7 @@ import pytest
 
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.recorder import CannotWrite
 from piston_cosim.master.runs.sweep import (
     all_points,
     parse_axis,
@@ -86,6 +88,48 @@ def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     again = Answering()
     assert sweep(points, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 2)
+
+
+class Here(Executor):
+    """Runs in this process."""
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
+def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp_path, monkeypatch):
+    """Once the disk has no room for one of two points, and then for the sweep's own rows."""
+    points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
+    package = "piston_cosim.master"
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def run(system, case, tree, path):
+        if path.stem == points[1].name and not freed:
+            raise CannotWrite.of(path, full)
+        return {"steps": 3}
+
+    freed = []
+    monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
+    monkeypatch.setattr(f"{package}.runs.run.run", run)
+    monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", lambda *given: {})
+    first, second = sweep(points, PATH.parent, tmp_path, Here())
+    assert (first["status"], second["status"]) == ("done", "failed")
+    path = tmp_path / "runs" / f"{points[1].name}.h5"
+    assert second["message"] == f"{path} cannot be written: No space left on device"
+    assert unfinished(points, tmp_path) == points[1:]
+    freed.append(True)
+    with monkeypatch.context() as patch:
+
+        def refused(*given):
+            raise full
+
+        patch.setattr("pathlib.Path.write_text", refused)
+        with pytest.raises(CannotWrite, match="sweep.csv cannot be written: No space left"):
+            sweep(points, PATH.parent, tmp_path, Here())
+    assert unfinished(points, tmp_path) == points[1:]
+    assert [row["status"] for row in sweep(points, PATH.parent, tmp_path, Here())] == ["done"] * 2
 
 
 def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):

@@ -306,3 +306,29 @@ def test_a_page_of_figures_has_a_table_a_part(tmp_path, monkeypatch):
     assert "## ehd\n\n| case | quantity |" in text
     assert "| case a | x [-] | 1.01 | 1 | 0.01 | 0.1 relative | by hand |\n\n## mfbd" in text
     assert "| case b | y\\|z [m] | 2 |  | 2 | 1 at most | round-off |" in text
+
+
+def test_definitions_of_units_are_kept_and_damage_heals(tmp_path, monkeypatch):
+    """The same bits from pint's own files, from what is kept of them, from damaged ones, and where
+    nothing can be kept.
+    """
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+    made = registry.__wrapped__
+
+    def rpm():
+        return made().Quantity("3000 rpm").to("rad/s").magnitude
+
+    first = rpm()
+    assert first == pytest.approx(100 * np.pi, rel=1e-15)
+    kept = sorted((tmp_path / "cache" / "units").glob("*.pickle"))
+    assert kept
+    stamps = [path.stat().st_mtime_ns for path in kept]
+    assert rpm() == first and [path.stat().st_mtime_ns for path in kept] == stamps
+    for path in kept:
+        path.write_bytes(path.read_bytes()[:100])
+    assert rpm() == first
+    assert not any(path.exists() for path in kept)
+    assert rpm() == first and all(path.exists() for path in kept)
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "file"))
+    assert rpm() == first

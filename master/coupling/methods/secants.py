@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from .filtering import filtered
 
@@ -294,6 +293,8 @@ class AgeingMemory:
         """Answer to the residual r, and what of r no pair explains: (-X a, r - V a)."""
         if self.rings is None:
             return np.zeros_like(r), r
+        from scipy.linalg import cho_factor, cho_solve  # slow to import
+
         known = slice(min(self.count, self.way.kept))
         v = self.rings.residual_changes[known]
         steps = self.rings.steps[known]
