@@ -177,7 +177,7 @@ def force_slopes(
     def by(quantities, velocity, gradient):
         """Derivative of a viscous force through the quantities of the film."""
         if len(quantities) == 0:
-            return 0.0
+            return 0.0 * area
         couette, poiseuille = quantities[COUETTE], quantities[POISEUILLE]
         return -area * (shearing * velocity * couette - poiseuille * gradient)
 

@@ -496,7 +496,8 @@ class LubricationModel:
             )
             if linear.touching:
                 forces[2, some] += contact_changes(linear.contact_around, hard, deflection)
-        return tuple(part.reshape(np.shape(dfilm_thickness)) for part in forces)
+        shape = np.shape(dfilm_thickness)
+        return tuple(forces[k].reshape(shape) for k in range(len(forces)))
 
     def _film_changes(
         self, last: Last, linear: Linear, dfilm: Array, dvelocity: Array, dturning: Array | None
