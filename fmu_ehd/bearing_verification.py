@@ -254,7 +254,7 @@ def short_bearing_checks() -> Checks:
                 name,
                 value,
                 reference,
-                3e-3,
+                5e-3,
                 kind="relative",
                 source="closed form (Ocvirk 1952)",
                 reason="length over diameter squared, 4e-4, and second order in the cell size",

@@ -521,17 +521,22 @@ class LubricationModel:
         to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
         if turning is not None:
             self.film_step.linearise_around(slopes_around, self._dentrainment_around)
-        thicker = self._zero
+        by_pressure = by_pressure_around = self._zero
         if film.ratio is not None:
             quantities = film.flow.quantities
-            thicker = -self.area * shear.shearing * quantities[COUETTE] * film.dratio
+            by_pressure = (
+                -self.area * shear.shearing * shear.velocity * quantities[COUETTE] * film.dratio
+            )
+            if turning is not None:
+                by_pressure_around = (
+                    -self.area * shear.shearing * turning.velocity * quantities[COUETTE]
+                ) * film.dratio
             slopes = _raised_slopes(slopes, film.ratio)
             slopes_around = _raised_slopes(slopes_around, film.ratio)
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
         if self.parameters.cavity_shear == "full_film":
             to_fraction = self._zero
         touching = bool(contact.area_fraction.any())
-        by_pressure = thicker * shear.velocity
         if turning is None:
             to_stress = friction.boundary_force(shear, contact.shear_stress_slope)
             to_stress_around = NOTHING
@@ -542,7 +547,7 @@ class LubricationModel:
             to_stress = axial * contact.shear_stress_slope
             to_stress_around = across * contact.shear_stress_slope
             of_around = circumferential.force_slopes(
-                shear, turning, (slopes, slopes_around), thicker * turning.velocity
+                shear, turning, (slopes, slopes_around), by_pressure_around
             )
             along = shear._replace(boundary_stress=self._zero)  # stands in `of_around`
         forces = ForceSlopes(

@@ -46,7 +46,7 @@ class Ehd(FieldSlave):
 
     @property
     def _bearing(self):
-        return BuildOptions.read(self.options).surface == "bearing"
+        return self.options.get("surface") == "bearing"
 
     @staticmethod
     def variables(options: Mapping[str, Any]) -> list[Variable]:
