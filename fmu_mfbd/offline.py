@@ -13,7 +13,7 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
-from .finite_elements.element import von_mises
+from .finite_elements.element import nodal_stress, von_mises
 from .geometry.grid import film_rows
 from .options import Bodies, read_options
 from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
@@ -112,6 +112,9 @@ class Skin:
         Mode shapes there [kg^-1/2].
     skirt : (float, float) or None
         Heights of the skirt's edges above A [m]; None of a block.
+    stress : ndarray, shape (n, 6, k), or None
+        S, stress there by modal coordinate [Pa kg^-1/2 m^-1]; None of a block, and of a body of
+        matrices or without modes.
     """
 
     name: str
@@ -119,6 +122,17 @@ class Skin:
     triangles: np.ndarray
     modes: np.ndarray
     skirt: tuple[float, float] | None
+    stress: np.ndarray | None = None
+
+    def von_mises(self, coordinates: np.ndarray) -> np.ndarray | None:
+        """Equivalent stress at the points [Pa], shape (instants, n), of modal coordinates
+        (instants, k); None where there is no stress.
+
+        Eq. (J23):  sigma = S q,   then Eq. (M5); that of `recover`, as stress is linear in q
+        """
+        if self.stress is None:
+            return None
+        return np.stack([von_mises(self.stress @ q) for q in coordinates])  # Eq. (J23)
 
 
 def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[Skin]:
@@ -194,7 +208,24 @@ def _skin(name, whole):
         triangles.reshape(-1, 3),
         anatomy.shapes[corners],
         skirt,
+        _stress_at(anatomy, corners) if skirt else None,
     )
+
+
+def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
+    """Stress at some nodes by modal coordinate, from the elements that meet there."""
+    if not (len(anatomy.tets) and np.isfinite(anatomy.young) and anatomy.shapes.shape[2]):
+        return None
+    tets = anatomy.tets[np.isin(anatomy.tets, nodes).any(axis=1)]
+    used, renumbered = np.unique(tets, return_inverse=True)
+    stress = nodal_stress(
+        anatomy.points[used],
+        renumbered.reshape(tets.shape),
+        anatomy.shapes[used],
+        anatomy.young,
+        anatomy.poisson,
+    )
+    return stress[np.searchsorted(used, nodes)]
 
 
 def reduce(

@@ -225,30 +225,36 @@ def nodal_stress(
     points : ndarray, shape (n, 3)
         [m]
     tets : ndarray of int, shape (e, 10)
-    displacement : ndarray, shape (n, 3)
-        [m]
+    displacement : ndarray, shape (n, 3) or (n, 3, k)
+        [m], or k of them, such as mode shapes.
     young, poisson : float
         [Pa], [-]
 
     Returns
     -------
-    ndarray, shape (n, 6)
+    ndarray, shape (n, 6) or (n, 6, k)
         xx, yy, zz, xy, yz, zx [Pa]. The jump between elements, not shown, is the error of the mesh.
     """
     lame = lame_constants(young, poisson)
     basis, number = element_basis(points, tets, Quadrature(NODES, np.ones(len(NODES))))
     nodal = np.empty_like(displacement)
     nodal[number] = displacement
-    fields: list[Any] = [basis.interpolate(component) for component in nodal.T]
-    slope = np.stack([one.grad for one in fields])  # (a, b, e, 10)
-    # Eq. (M4)
-    strain = (slope + slope.swapaxes(0, 1)) / 2
-    pressure_part = lame.first * np.trace(strain) * np.eye(3)[:, :, None, None]
-    stress = 2 * lame.shear * strain + pressure_part
     count = np.bincount(tets.ravel(), minlength=len(points))
     components = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
-    sums = [np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) for a, b in components]
-    return np.stack([total / count for total in sums], axis=1)
+
+    def of(displaced):
+        fields: list[Any] = [basis.interpolate(component) for component in displaced.T]
+        slope = np.stack([one.grad for one in fields])  # (a, b, e, 10)
+        # Eq. (M4)
+        strain = (slope + slope.swapaxes(0, 1)) / 2
+        pressure_part = lame.first * np.trace(strain) * np.eye(3)[:, :, None, None]
+        stress = 2 * lame.shear * strain + pressure_part
+        sums = [np.bincount(tets.ravel(), stress[a, b].ravel(), len(points)) for a, b in components]
+        return np.stack([total / count for total in sums], axis=1)
+
+    if nodal.ndim == 2:
+        return of(nodal)
+    return np.stack([of(one) for one in np.moveaxis(nodal, 2, 0)], axis=2)
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:

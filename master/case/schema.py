@@ -252,12 +252,25 @@ class Record(Table):
     """Fields recorded, "participant.variable"; scalar outputs are recorded every macro step without
     being named.
     """
-    every: int = Field(1, ge=1)
-    """Macro steps from one record of the fields to the next."""
+    every: int | str = 1
+    """From one record of the fields to the next: a number of macro steps, halves included, or a
+    time or crank angle ("4 deg"). Of the latter each multiple is recorded by the first macro step
+    that reaches it, hit exactly where it is a multiple of `time.step`, however steps are divided.
+    """
     checkpoint_every: int | None = Field(None, ge=0)
     """Macro steps from one checkpoint to the next; 0: none but at SIGINT and SIGTERM; without it
     every 50, and no more often than is worth a fiftieth of the time.
     """
+
+    @field_validator("every")
+    @classmethod
+    def a_number_or_an_interval(cls, value):
+        if isinstance(value, int):
+            if value < 1:
+                raise ValueError("a number of macro steps is greater than or equal to 1")
+        elif not to_si(value, "rad" if is_angle(value) else "s") > 0:
+            raise ValueError("must be positive")
+        return value
 
 
 class Picture(Table):
@@ -632,6 +645,17 @@ def _sentence(fault):
         return f"{where}: must be text, with its unit if it has one (given: {fault['input']!r})"
     given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
     return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
+
+
+def record_interval(case: Case, speed: float | None) -> float:
+    """From one record of the fields to the next [s], 0 where macro steps are counted; `speed` as in
+    `times`.
+    """
+    every = case.record.every
+    try:
+        return 0.0 if isinstance(every, int) else _seconds(every, speed)
+    except (ValueError, ZeroDivisionError) as error:
+        raise BadInput(f"record.every: {error}") from None
 
 
 class Clock(NamedTuple):

@@ -28,7 +28,7 @@ from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
 from .given import build_options, masks
 from .keys import SETTABLE, declared_variables
-from .schema import reduced, start_time, times
+from .schema import record_interval, reduced, start_time, times
 
 TOLERANCE = 1e-6
 """Of an unknown wire without a criterion of its own, in nominal values."""
@@ -132,6 +132,7 @@ def _check_time(case, parameters, faults):
             return None, 0.0  # its value is a fault, told already
     try:
         speed = _angular_speed(case, parameters)
+        record_interval(case, speed)
         return times(case, speed), start_time(case, speed)
     except BadInput as error:
         faults += error.faults
@@ -216,6 +217,7 @@ def open_system(case, folder, progress, own=None):
         case.time.cycles,
         masks(case, builds, folder),
         tuple(wire for wire in handed if wire.target in of_clocks),
+        record_interval(case, _angular_speed(case, parameters)),
     )
 
 

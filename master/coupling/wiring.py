@@ -92,11 +92,12 @@ class System:
     folder of the case.
 
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
-    divides macro steps [s]; parallel : Jacobi's order, every participant reads what the others said
-    in the evaluation before; held : wires that carry no real numbers, or end at clocked inputs;
-    clocks : wires from clock to clock; cycles : how often begin to stop may be run, one behind the
-    other; masks : participant -> rows of the cells of its fields,
-    1 where there is one, 0 where not.
+    divides macro steps [s]; record_interval : from one record of the fields to the next [s], 0
+    where macro steps are counted; parallel : Jacobi's order, every participant reads what the
+    others said in the evaluation before; held : wires that carry no real numbers, or end at clocked
+    inputs; clocks : wires from clock to clock; cycles : how often begin to stop may be run, one
+    behind the other; masks : participant -> rows of the cells of its fields, 1 where there is one,
+    0 where not.
     """
 
     participants: Mapping[str, Any]
@@ -113,6 +114,7 @@ class System:
     cycles: int = 1
     masks: Mapping[str, list[list[int]]] = field(default_factory=dict)
     clocks: tuple[HeldWire, ...] = ()
+    record_interval: float = 0.0
 
     @property
     def end(self) -> float:

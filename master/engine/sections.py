@@ -81,7 +81,7 @@ def special(
     return Special(
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
-        strip=[f"{body}.cylinder_pressure", f"{body}.side_force"],
+        strip={f"{body}.cylinder_pressure": "MPa", f"{body}.side_force": "kN"},
         solids={label: _solids(own, runs[label], body) for label, own in skins.items()},
     )
 
@@ -113,6 +113,7 @@ def _solids(skins, results, body) -> list[Solid]:
             part,
             motion if skin.skirt else None,
             skin.skirt,
+            skin.von_mises(part) if part.shape[1] else None,
         )
         for skin, part in zip(skins, parts)
     ]

@@ -44,6 +44,25 @@ def dataset_path(port: str) -> str:
     return f"{owner}/{name.replace('/', SLASH)}" if dot else owner
 
 
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+END = slice(28, 36)
+"""First bytes of an HDF5 file, and those that say how long it was when they were written."""
+
+
+def open_unfinished(path: Path) -> Any:
+    """A results file that is being written, or was when its run was killed, opened for reading.
+
+    HDF5 reads what a file that was cut has lost again and again, and never gives up: OSError if it
+    is shorter than it says itself.
+    """
+    with open(path, "rb") as file:
+        head = file.read(END.stop)
+    size, least = path.stat().st_size, int.from_bytes(head[END], "little")
+    if head.startswith(SIGNATURE) and size < least:
+        raise OSError(f"{size} bytes are left of at least {least}")
+    return h5py.File(path, "r", libver="latest", swmr=True)
+
+
 def _port(path: str) -> str:
     return path.replace("/", ".", 1).replace(SLASH, "/")
 
@@ -76,8 +95,10 @@ class Results:
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
-        self.file: Any = h5py.File(
-            self.path, "r", libver="latest", swmr=self.path.suffix == ".partial"
+        self.file: Any = (
+            open_unfinished(self.path)
+            if self.path.suffix == ".partial"
+            else h5py.File(self.path, "r", libver="latest")
         )
         self.time: np.ndarray = self.file["time"][:]
 

@@ -41,15 +41,15 @@ class Special:
         Shown before the case's own curves.
     phases : sequence of Phase
         Named parts of the cursor's abscissa.
-    strip : sequence of str
-        Ports drawn beneath the cursor.
+    strip : dict of str to str
+        Ports drawn beneath the cursor, and their units; the page opens where the last is largest.
     solids : dict of str to list of Solid
         Label -> bodies on their meshes.
     """
 
     sections: Sequence[Section] = ()
     phases: Sequence[Phase] = ()
-    strip: Sequence[str] = ()
+    strip: Mapping[str, str] = field(default_factory=dict)
     solids: Mapping[str, list[Solid]] = field(default_factory=dict)
 
 
@@ -305,6 +305,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
     """
     cursor = cursor_of(runs)
     columns = Columns()
+    strip = [_strip(case, port, unit, runs, cursor) for port, unit in special.strip.items()]
     colours = (plt.get_cmap(COLOURS)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
@@ -316,12 +317,13 @@ def page_data(case, runs, special) -> dict[str, Any]:
             "unit": cursor.unit,
             "positions": columns.add(cursor.positions),
             "frames": [frames.tolist() for frames in cursor.frames],
+            "start": _telling(strip, cursor),
         },
         "words": [
             monitor_words(case, results, rows) for results, rows in zip(runs.values(), cursor.rows)
         ],
         "phases": [vars(phase) for phase in special.phases],
-        "strip": [_strip(case, port, runs, cursor, columns) for port in special.strip],
+        "strip": [lane | {"runs": [columns.add(own) for own in lane["runs"]]} for lane in strip],
         "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
         "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
         "sections": [as_data(section, columns) for section in sections],
@@ -342,10 +344,20 @@ def monitor_words(case, results, rows):
     ]
 
 
-def _strip(case, port, runs, cursor, columns):
-    """A port of every run at the cursor's positions, [] where a run has it not."""
+def _telling(strip, cursor) -> int:
+    """Where the page opens: where what the strip shows last is largest in the first run that has
+    it; halfway without one.
+    """
+    lanes = [own for lane in strip[-1:] for own in lane["runs"] if len(own)]
+    return int(np.abs(lanes[0]).argmax()) if lanes else len(cursor.positions) // 2
+
+
+def _strip(case, port, unit, runs, cursor):
+    """A port of every run at the cursor's positions, [] where a run has it not; in the unit of the
+    case's pictures, or else `unit`.
+    """
     shown = [results for results in runs.values() if port in results.ports]
-    wanted = shown_units(case).get(port)
+    wanted = shown_units(case).get(port, unit)
     values = [
         scaled(results.series(port).values[rows], results.series(port).unit, wanted)[0]
         if port in results.ports
@@ -353,7 +365,7 @@ def _strip(case, port, runs, cursor, columns):
         for results, rows in zip(runs.values(), cursor.rows)
     ]
     unit = scaled(0.0, shown[0].series(port).unit, wanted)[1] if shown else ""
-    return {"name": name_of(port), "unit": unit, "runs": [columns.add(own) for own in values]}
+    return {"name": name_of(port), "unit": unit, "runs": values}
 
 
 def shown_units(case):

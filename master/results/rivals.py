@@ -96,8 +96,9 @@ def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
     for label, each in trees.items():
         record = each.get("record", {})
         fields = list(dict.fromkeys([*record.get("fields", []), *ports.values()]))
-        # halved steps would shift every n-th row
-        trees[label] = each | {"record": record | {"fields": fields, "every": 1}}
+        # where every model comes by, however its steps are divided
+        every = each["time"]["step"]
+        trees[label] = each | {"record": record | {"fields": fields, "every": every}}
     return Rivals(role, trees, common, left_out, ports)
 
 

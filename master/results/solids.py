@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .packing import Columns, packed_counts, packed_singles
+from .packing import Columns, packed_counts, packed_frames, packed_singles
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,8 @@ class Solid:
         across, along [m] and beta about z [rad] at them; None: the body rests, and is cut open.
     film : (float, float) or None
         Heights of the points between which fields lie around the body [m].
+    stress : ndarray, shape (instants, n), or None
+        Equivalent stress at the points [Pa].
     """
 
     name: str
@@ -40,6 +42,14 @@ class Solid:
     coordinates: np.ndarray
     motion: np.ndarray | None = None
     film: tuple[float, float] | None = None
+    stress: np.ndarray | None = None
+
+    def largest_displacement(self) -> float:
+        """Of all points at all instants, |Phi q| [m]; 0 without modes."""
+        found = 0.0
+        for q in self.coordinates if self.modes.shape[2] else ():
+            found = max(found, float(np.linalg.norm(self.modes @ q, axis=1).max()))
+        return found
 
 
 def solids_data(runs: list[list[Solid]], columns: Columns) -> dict[str, Any]:
@@ -68,4 +78,16 @@ def _solid(solid, meshes, columns):
         "coordinates": columns.add(solid.coordinates),
         "motion": None if solid.motion is None else columns.add(solid.motion),
         "film": solid.film,
+        "largest": solid.largest_displacement(),
+        "stress": None if solid.stress is None else _stress_data(solid.stress),
+    }
+
+
+def _stress_data(stress):
+    """Stress in MPa as frames of a field, with its range."""
+    shown = stress * 1e-6
+    return packed_frames(shown) | {
+        "shape": [shown.shape[1], 1],
+        "low": float(shown.min()),
+        "high": float(shown.max()),
     }

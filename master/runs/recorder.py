@@ -22,6 +22,7 @@ import json
 import os
 import time as clock
 from contextlib import contextmanager, suppress
+from math import floor
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput, Stopped
 from ..fmi.fields import NO_NUMBERS
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
-from ..results.file import dataset_path
+from ..results.file import dataset_path, open_unfinished
 
 ROOM = 2**18
 """Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
@@ -69,6 +70,41 @@ def reserve(path, size):
         os.posix_fallocate(file.fileno(), 0, size)
 
 
+NEAR = 1e-6
+"""Share of an interval that a macro step may end off a multiple of it by round-off."""
+
+
+class Schedule:
+    """Which rows the fields are recorded with.
+
+    Parameters
+    ----------
+    every : int
+        Macro steps from one record to the next, where `interval` is 0.
+    begin, interval : float
+        Otherwise the first row at or behind each begin + k interval [s].
+    """
+
+    def __init__(self, every: int, begin: float = 0.0, interval: float = 0.0):
+        self.every, self.begin, self.interval = every, begin, interval
+        self._last = -1
+
+    def instant(self, row: int, time: float) -> float | None:
+        """The instant [s] of the record that belongs to a row, None where there is none: the
+        multiple that `time` hits, the same to the last bit however steps were divided, or `time`.
+
+        Rows are told one after the other.
+        """
+        if not self.interval:
+            return time if row % self.every == 0 else None
+        passed = floor((time - self.begin) / self.interval + NEAR)
+        if passed <= self._last:
+            return None
+        self._last = passed
+        multiple = self.begin + passed * self.interval
+        return multiple if abs(time - multiple) <= NEAR * self.interval else time
+
+
 class Recorder:
     """Writes `<path>` as `<path>.partial` while the run goes on, a second's rows at a time, but
     `flush_every` at most.
@@ -81,16 +117,18 @@ class Recorder:
         What is recorded, and what the indices of fields run along.
     attributes : dict of str to str
         Goes to the root.
+    schedule : Schedule
+        Rows that fields are recorded with.
     rows : int
         So many rows of an interrupted run's partial file are kept.
     """
 
-    def __init__(self, path, participants, case, attributes, rows=0):
+    def __init__(self, path, participants, case, attributes, schedule, rows=0):
         self.path = Path(path)
         self.partial = Path(f"{path}.partial")
         self.participants = participants
         self.case = case
-        self.record = case.record
+        self.schedule = schedule
         self.ports = recorded_ports(case, participants)
         self.flush_every = 20 if self.ports else CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -185,12 +223,13 @@ class Recorder:
         closed.
         """
         try:
-            before = h5py.File(self.partial, "r", libver="latest", swmr=True)
+            before = open_unfinished(self.partial)
         except OSError as error:
             raise BadInput(f"{self.partial}: is damaged: {error}") from None
         with before as file:
             old: Any = file
-            instants = -(-self.rows // self.record.every)
+            due = [self.schedule.instant(k, t) for k, t in enumerate(old["time"][: self.rows])]
+            instants = len(due) - due.count(None)
 
             def copy(name, dataset):
                 if isinstance(dataset, h5py.Dataset) and dataset.chunks:
@@ -267,11 +306,12 @@ class Recorder:
             else (0, 0, 0.0)
         )
         self._waiting.append(row)
-        if self.rows % self.record.every == 0:
+        instant = self.schedule.instant(self.rows, time)
+        if instant is not None:
             ports = [port_of(port) for port in self.ports]
             crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
             fields = [self.participants[a].get(b) for a, b in ports]
-            self._instants.append([time, *crank, *fields])
+            self._instants.append([instant, *crank, *fields])
         self.rows += 1
         if len(self._waiting) >= self.flush_every or clock.perf_counter() > self._flush_at:
             self.flush()

@@ -32,7 +32,7 @@ from ..participants.rollback import rollback_faults
 from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
 from .lock import sole_writer
 from .logs import CouplingLog
-from .recorder import CannotWrite, Recorder, writing
+from .recorder import CannotWrite, Recorder, Schedule, writing
 from .reductions import Reduction
 from .repetition import repetition
 
@@ -224,8 +224,11 @@ class March:
             "masks": json.dumps(self.system.masks),
         }
         participants = self.system.participants
+        every = self.case.record.every
+        count = every if isinstance(every, int) else 1
+        schedule = Schedule(count, self.system.begin, self.system.record_interval)
         rows = self.account.rows
-        return Recorder(self.output, participants, self.case, attributes, rows)
+        return Recorder(self.output, participants, self.case, attributes, schedule, rows)
 
     def go(self, heard):
         """March to the stop time, or cycle after cycle until one repeats the one before, to the end

@@ -160,3 +160,11 @@ def test_without_the_results_so_far_it_is_refused(checkpoint):
     partial.write_bytes(b"no results")
     code, text = resumed(checkpoint)
     assert code == 2 and "1.05.h5.partial: is damaged" in text
+
+
+def test_results_that_were_cut_are_refused_and_do_not_hang(checkpoint):
+    # HDF5 looks for what is missing without an end: found by `chaos.py`
+    partial = checkpoint.with_suffix(".partial")
+    os.truncate(partial, partial.stat().st_size // 50)
+    code, text = resumed(checkpoint)
+    assert code == 2 and "1.05.h5.partial: is damaged" in text and "bytes are left of" in text

@@ -2,7 +2,29 @@
 
 from types import SimpleNamespace
 
-from piston_cosim.master.runs.recorder import recorded_ports
+from piston_cosim.master.runs.recorder import Schedule, recorded_ports
+
+
+def test_instants_of_runs_in_other_steps_are_the_same_numbers():
+    """Multiples of 0.1 s are met to round-off by steps of a tenth, of a third of it, and by uneven
+    ones; the record says the multiple itself, so that sets of instants have it in common.
+    """
+
+    def instants(times):
+        schedule = Schedule(1, 0.25, 0.1)
+        return [at for k, t in enumerate(times) if (at := schedule.instant(k, t)) is not None]
+
+    tenths = instants([0.25 + k * 0.1 for k in range(30)])
+    thirds = instants([0.25 + k * 0.1 / 3 for k in range(88)])
+    uneven = instants(sorted([0.25 + 2.9 * k / 29 for k in range(30)] + [0.2501, 0.301, 2.333]))
+    assert tenths == thirds == uneven == [0.25 + k * 0.1 for k in range(30)]
+
+
+def test_a_multiple_that_no_step_meets_is_recorded_behind_it_at_its_own_time():
+    schedule = Schedule(1, 0.0, 1.0)
+    times = [0.0, 0.4, 0.8, 1.2, 1.6, 4.5, 5.0]
+    found = [schedule.instant(k, t) for k, t in enumerate(times)]
+    assert found == [0.0, None, None, 1.2, None, 4.5, 5.0]
 
 
 def participant(**shapes):

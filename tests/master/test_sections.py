@@ -40,7 +40,12 @@ def skin(name, skirt):
     """Three corners of a body with two modes."""
     modes = np.arange(18.0).reshape(3, 3, 2)
     return SimpleNamespace(
-        name=name, points=np.eye(3), triangles=np.array([[0, 1, 2]]), modes=modes, skirt=skirt
+        name=name,
+        points=np.eye(3),
+        triangles=np.array([[0, 1, 2]]),
+        modes=modes,
+        skirt=skirt,
+        von_mises=lambda coordinates: coordinates @ np.ones((2, 3)),
     )
 
 

@@ -8,6 +8,7 @@ the predictor meets it at once. All numbers are whole, so they are compared as t
 import json
 import os
 import signal
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -200,6 +201,40 @@ def test_a_halved_step_is_logged_and_recorded_in_halves(toys, tmp_path):
     # every second row, whatever its time
     assert results.file["fields/time"][:].tolist() == [0.0, 2.0, 3.5]
     results.close()
+
+
+def recording(toys, interval):
+    """Toys that are recorded at multiples of so many seconds, and their case."""
+    system = replace(toys(), record_interval=interval)
+    return system, TREE | {"record": TREE["record"] | {"every": f"{interval} s"}}
+
+
+def test_halved_steps_do_not_move_instants_that_are_asked_for(toys, tmp_path):
+    """Multiples of 2 s with the step to 4 s in halves; of 1.5 s, which no step of 1 s hits but the
+    halves': the first row behind each, at its own time.
+    """
+    for interval, instants in ((2.0, [0.0, 2.0, 4.0]), (1.5, [0.0, 2.0, 3.0])):
+        system, tree = recording(toys, interval)
+
+        def tire(time, *others, echo=system.participants["echo"]):
+            echo.longest = 0.6 if time >= 3.0 else np.inf
+
+        go(system, tmp_path / "run.h5", tire, tree)
+        with Results(tmp_path / "run.h5") as results:
+            assert results.time.tolist() == [0.0, 1.0, 2.0, 3.0, 3.5, 4.0]
+            assert results.instants.tolist() == instants
+            assert len(results.dataset("plant.y0")) == len(instants)
+
+
+def test_a_run_that_goes_on_keeps_what_was_recorded_at_multiples(toys, tmp_path):
+    output = tmp_path / "run.h5"
+    system, tree = recording(toys, 2.0)
+    go(system, tmp_path / "whole.h5", tree=tree)
+    with pytest.raises(Interrupted):
+        go(recording(toys, 2.0)[0], output, interrupt_at(3.0), tree)
+    checkpoint = Checkpoint.read(Checkpoint.path(output))
+    go(recording(toys, 2.0)[0], output, tree=tree, begin_at=checkpoint)
+    assert contents(output) == contents(tmp_path / "whole.h5")
 
 
 def interrupt_at(instant):

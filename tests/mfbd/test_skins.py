@@ -5,6 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.finite_elements.element import EDGES, von_mises
 from piston_cosim.fmu_mfbd.offline import AROUND, _skin, cylinder, skins
 from piston_cosim.fmu_mfbd.reduction.mode_tables import recover
 from piston_cosim.fmu_mfbd.reduction.reduce import Reduced
@@ -35,6 +36,52 @@ def test_displacement_at_the_corners_is_the_recovered_one():
     shown = (skin.modes @ q)[skin.triangles]
     assert shown == pytest.approx(whole, rel=1e-12)
     assert _skin("block", Reduced(body_of(ReducedBlock), anatomy)).skirt is None
+
+
+def quadratic(corners):
+    """Ten-node tetrahedra of the given corners: nodes (n, 3), numbers (e, 10)."""
+    known, points, tets = {}, [], []
+    for element in corners:
+        four = np.array(element, float)
+        ten = [*four, *(four[list(EDGES)].mean(axis=1))]
+        tets.append([known.setdefault(tuple(p), len(known)) for p in ten])
+    points = np.array(list(known))
+    return points, np.array(tets)
+
+
+def test_stress_on_the_skin_is_the_recovered_one():
+    """Three elements in a row, the skin on the first: its corners take the mean with the second;
+    the third, which is left out, has no say there.
+    """
+    a, b, c, d, e, f = (
+        (0.0, 0.0, 0.0),
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+        (1.0, 1.0, 1.0),
+        (2.0, 2.0, 0.5),
+    )
+    points, tets = quadratic([(a, b, c, d), (b, c, d, e), (c, d, e, f)])
+    random = np.random.default_rng(7)
+    anatomy = body_of(
+        Anatomy,
+        points=points,
+        tets=tets,
+        skin=tets[:1, [0, 1, 2, 4, 5, 6]],
+        shapes=random.normal(size=(len(points), 3, 4)),
+        young=7e10,
+        poisson=0.3,
+    )
+    piston = body_of(ReducedPiston, skirt_lower=-0.02, skirt_upper=0.01)
+    skin = _skin("piston", Reduced(piston, anatomy))
+    coordinates = random.normal(size=(2, 4))
+    shown = skin.von_mises(coordinates)
+    assert shown is not None
+    for own, q in zip(shown, coordinates):
+        whole = von_mises(recover(anatomy, q).stress)[np.unique(anatomy.skin[:, :3])]
+        assert own == pytest.approx(whole, rel=1e-12)
+    block = _skin("block", Reduced(body_of(ReducedBlock), anatomy))
+    assert block.von_mises(coordinates) is None
 
 
 @pytest.mark.parametrize("top", [True, False])

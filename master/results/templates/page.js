@@ -12,7 +12,7 @@ function element(kind, parent, text, name) {
 }
 
 async function inflate(text) {
-  const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  const bytes = Uint8Array.fromBase64 ? Uint8Array.fromBase64(text) : Uint8Array.from(atob(text), c => c.charCodeAt(0));
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 }
 
@@ -23,7 +23,9 @@ for (let bits = 0; bits < 65536; bits++) {
   halves[bits] = sign * (power === 31 ? (part ? NaN : Infinity) : power ? 2 ** (power - 15) * (1 + part / 1024) : 2 ** -14 * part / 1024);
 }
 
-async function unpackFrames(run) {
+// frames are unpacked once, whoever draws them
+const unpackFrames = run => run.read ||= framesOf(run);
+async function framesOf(run) {
   const bits = new Uint16Array(await inflate(run.text)), size = run.shape[0] * run.shape[1];
   for (let k = size; k < bits.length; k++) bits[k] += bits[k - size];   // frames are steps from the one before
   return (frame, cell) => halves[bits[frame * size + cell]] * run.scale;
@@ -53,6 +55,10 @@ function colourAt(share) {
   return [0, 1, 2].map(c => Math.round(data.colours[k][c] * (1 - rest) + data.colours[k + 1][c] * rest));
 }
 
+// the same by a table, as the bytes of a pixel; finer than a colour's 8 bits
+const fine = 4095, pixels = Uint32Array.from({ length: fine + 1 }, (_, k) => { const [r, g, b] = colourAt(k / fine); return (255 << 24 | b << 16 | g << 8 | r) >>> 0; });
+const pixelAt = share => pixels[Math.round(Math.min(1, Math.max(0, share)) * fine)];
+
 const shareOf = (value, scale) => scale.logarithmic
   ? value <= scale.low ? 0 : Math.log(value / scale.low) / Math.log(scale.high / scale.low)
   : (value - scale.low) / ((scale.high - scale.low) || 1);
@@ -64,12 +70,18 @@ function scaleOver(low, high, positive, logarithmic) {
   return { low: floor < high ? floor : high / 2, high, logarithmic: true };
 }
 
+let age = 0;   // goes up whenever widths or colours of the page may have changed
+
 // a canvas as sharp as the screen; what is drawn is in CSS pixels
 function sharp(canvas, height) {
-  const width = Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth), ratio = window.devicePixelRatio || 1;
-  canvas.style.height = height + "px";
-  canvas.width = Math.round(width * ratio); canvas.height = Math.round(height * ratio);
-  const pen = canvas.getContext("2d");
+  if (canvas.age !== age) {
+    canvas.age = age;
+    canvas.style.height = height + "px";
+    canvas.wide = Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth);
+    canvas.ratio = window.devicePixelRatio || 1;
+    canvas.width = Math.round(canvas.wide * canvas.ratio); canvas.height = Math.round(height * canvas.ratio);
+  }
+  const pen = canvas.getContext("2d"), width = canvas.wide, ratio = canvas.ratio;
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);
   pen.font = "11px system-ui, sans-serif";
@@ -77,6 +89,9 @@ function sharp(canvas, height) {
 }
 
 function drawLegend(canvas, scale, unit) {
+  const shown = [age, scale.low, scale.high, scale.logarithmic, unit].join(" ");
+  if (canvas.shown === shown) return;
+  canvas.shown = shown;
   const { pen, width } = sharp(canvas, 32), left = 24, right = width - 40;
   for (let x = 0; x < right - left; x++) {
     pen.fillStyle = `rgb(${colourAt((x + .5) / (right - left))})`;
@@ -149,19 +164,17 @@ class FieldMap {
   paint(scale) {
     const { pen, width, height } = sharp(this.canvas, 218), [n, m] = this.run.shape, [first, second] = this.run.ends, axes = this.field.axes;
     const box = this.box = { left: 44, top: 6, width: width - 54, height: height - 62 };
-    const image = new ImageData(n, m);
+    if (!this.small) Object.assign(this.small = document.createElement("canvas"), { width: n, height: m });
+    const image = new ImageData(n, m), dots = new Uint32Array(image.data.buffer);
     for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
-      const v = this.value(i, j), place = 4 * ((m - 1 - j) * n + i);
-      if (Number.isNaN(v)) continue;
-      image.data.set(colourAt(shareOf(v, scale)), place);
-      image.data[place + 3] = 255;
+      const v = this.value(i, j);
+      if (!Number.isNaN(v)) dots[(m - 1 - j) * n + i] = pixelAt(shareOf(v, scale));
     }
-    const small = document.createElement("canvas");
-    small.width = n; small.height = m;
+    const small = this.small;
     small.getContext("2d").putImageData(image, 0, 0);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(small, box.left, box.top, box.width, box.height);
-    if (this.controls.contours.checked) this.drawContours(pen, scale);
+    if (this.controls.contours.checked && !playing) this.drawContours(pen, scale);
     pen.strokeStyle = pen.fillStyle = style("--ink"); pen.lineWidth = 1;
     pen.strokeRect(box.left, box.top, box.width, box.height);
     const quarters = axes[0].unit === "deg" && first[1] - first[0] > 350;
@@ -284,7 +297,7 @@ async function showField(parent, field, moving) {
 // painting only what is on the screen; what comes into sight is painted then
 function whenSeen(node, paint) {
   let seen = true;
-  new IntersectionObserver(entries => { seen = entries[entries.length - 1].isIntersecting; if (seen) paint(); }, { rootMargin: "200px" }).observe(node);
+  new IntersectionObserver(entries => { seen = entries[entries.length - 1].isIntersecting; if (seen) paint(); }).observe(node);
   return () => { if (seen) paint(); };
 }
 
@@ -293,8 +306,12 @@ function strip() {
   const canvas = byId("strip"), lanes = data.strip.filter(lane => lane.runs.some(([, count]) => count));
   if (!lanes.length && !data.phases.length) { canvas.remove(); return; }
   const tall = 34, left = 0, X = (value, width) => left + (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * (width - left);
-  const paint = () => {
-    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
+  const still = document.createElement("canvas");   // what does not move with the cursor
+  const drawStill = (width, height, ratio) => {
+    Object.assign(still, { width: Math.round(width * ratio), height: Math.round(height * ratio), age });
+    const pen = still.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.font = "11px system-ui, sans-serif";
     drawPhases(pen, width, height, X);
     lanes.forEach((lane, row) => {
       const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
@@ -304,6 +321,14 @@ function strip() {
         own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
         pen.stroke();
       });
+    });
+  };
+  const paint = () => {
+    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
+    if (still.age !== age) drawStill(width, height, canvas.ratio);
+    pen.drawImage(still, 0, 0, width, height);
+    lanes.forEach((lane, row) => {
+      const runs = lane.runs.map(column);
       pen.fillStyle = style("--ink"); pen.textAlign = "left";
       pen.fillText(`${lane.name}: ${runs.map(own => own.length ? withUnit(own[+slider.value], lane.unit) : "\u2013").join(" | ")}`, left + 4, 16 + tall * row + 11);
     });
@@ -458,34 +483,44 @@ function show() {
   painters.forEach(paint => paint());
 }
 function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
-let playing = false, last = 0;
+let playing = false, last = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
 function turn(time) {
   if (!playing) return;
-  if (time - last > 30) { last = time; go(+slider.value + 1); }
+  const apart = time - last;
+  if (apart > 30) {
+    fineness = Math.min(1, Math.max(.4, fineness * (apart > 38 ? .9 : 1.02)));
+    last = time; shown += 1;
+    go(+slider.value + 1);
+  }
   requestAnimationFrame(turn);
 }
+
+// what was painted so far is on the screen; a page that is not looked at does not wait
+const seen = () => new Promise(done => { requestAnimationFrame(() => setTimeout(done)); setTimeout(done, 100); });
 
 async function begin() {
   numbers = new Float64Array(await inflate(data.columns));
   positions = column(data.cursor.positions);
   slider.max = positions.length - 1;
-  slider.value = Math.floor(positions.length / 2);
+  slider.value = data.cursor.start;
   slider.oninput = show;
   byId("back").onclick = () => go(+slider.value - 1);
   byId("on").onclick = () => go(+slider.value + 1);
-  byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; requestAnimationFrame(turn); };
+  byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; playing ? requestAnimationFrame(turn) : show(); };
   strip();
   await showSolids();
-  for (const field of data.fields) await showField(element("div", byId("fields")), field, true);
   show();
-  document.body.dataset.fields = "drawn";
+  await seen();
+  performance.mark("first picture", { detail: { maps: document.querySelectorAll("#fields canvas").length, charts: "Plotly" in window, bodies: document.querySelectorAll(".scene").length } });
+  for (const field of data.fields) { await showField(element("div", byId("fields")), field, true); await seen(); }
+  show();
   const plotter = document.createElement("script");
   plotter.textContent = new TextDecoder().decode(await inflate(byId("plotter").textContent));
   document.head.appendChild(plotter);
   for (const section of data.sections) await showSection(section);
   drawWhenNear();
   show();
-  const again = () => { repainters.forEach(paint => paint()); };
+  const again = () => { age += 1; repainters.forEach(paint => paint()); };
   let width = window.innerWidth;
   window.addEventListener("resize", () => { if (window.innerWidth !== width) { width = window.innerWidth; again(); } });
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);

@@ -1,21 +1,20 @@
 // bodies on their meshes: WebGL, one canvas a run; turned by dragging or the arrow keys
 const VERTEX = `#version 300 es
-in vec3 rest; in vec3 place; in float share;
+in vec3 place; in float share;
 uniform mat3 view; uniform vec4 frame;   // centre of the view in x, y, z and what is one half of its height
 uniform float aspect;
-out vec3 eye; out float colour; out float cut;
+out vec3 eye; out float colour;
 void main() {
   eye = view * (place - frame.xyz);
-  colour = share; cut = rest.z;
+  colour = share;
   gl_Position = vec4(eye.x / frame.w / aspect, eye.y / frame.w, -eye.z / frame.w / 8.0, 1.0);
 }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 eye; in float colour; in float cut;
-uniform sampler2D table; uniform float open; uniform vec3 plain;
+in vec3 eye; in float colour;
+uniform sampler2D table; uniform vec3 plain;
 out vec4 seen;
 void main() {
-  if (cut > open) discard;
   vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
   float light = 0.45 + 0.55 * abs(dot(normal, normalize(vec3(0.3, 0.5, 0.9))));
   vec3 own = colour < 0.0 ? plain : texture(table, vec2((colour * 255.0 + 0.5) / 256.0, 0.5)).rgb;
@@ -25,6 +24,35 @@ void main() {
 async function unpackMesh(mesh) {
   const [points, triangles, modes] = await Promise.all([inflate(mesh.points), inflate(mesh.triangles), inflate(mesh.modes)]);
   return { points: new Float32Array(points), triangles: new Uint32Array(triangles), modes: new Float32Array(modes) };
+}
+
+// the half of a mesh behind z = 0: its triangles, and points on the cut, each between two others
+function cutOpen(mesh) {
+  const count = mesh.points.length / 3, between = [], known = new Map(), triangles = [], z = p => mesh.points[3 * p + 2];
+  const onCut = (a, b) => {
+    if (a > b) [a, b] = [b, a];
+    const key = a * count + b;
+    if (!known.has(key)) { known.set(key, count + between.length); between.push([a, b, z(a) / (z(a) - z(b))]); }
+    return known.get(key);
+  };
+  for (let t = 0; t < mesh.triangles.length; t += 3) {
+    const kept = [];
+    for (let k = 0; k < 3; k++) {
+      const a = mesh.triangles[t + k], b = mesh.triangles[t + (k + 1) % 3];
+      if (z(a) <= 0) kept.push(a);
+      if (z(a) <= 0 !== z(b) <= 0) kept.push(onCut(a, b));
+    }
+    for (let k = 2; k < kept.length; k++) triangles.push(kept[0], kept[k - 1], kept[k]);
+  }
+  return { between, triangles: Uint32Array.from(triangles) };
+}
+
+// values of the points, then of those on the cut
+function withCut(values, between, size) {
+  const count = values.length / size, out = new Float32Array(values.length + size * between.length);
+  out.set(values);
+  between.forEach(([a, b, share], k) => { for (let c = 0; c < size; c++) out[size * (count + k) + c] = (1 - share) * values[size * a + c] + share * values[size * b + c]; });
+  return out;
 }
 
 // displacement of every point at a recorded instant: modes times coordinates
@@ -82,15 +110,22 @@ class Scene {
     Object.assign(this, { label, run, solids, controls });
     const figure = element("figure", parent);
     this.canvas = element("canvas", figure);
+    figure.className = "scene";
+    this.thrust = element("span", figure, "thrust", "mark"); this.anti = element("span", figure, "anti-thrust", "mark");
     this.caption = element("figcaption", figure);
     this.canvas.style.cssText = "height: 420px; touch-action: none; cursor: grab";
     this.canvas.tabIndex = 0;
     this.canvas.scene = this;
     this.meshes = solids.map(solid => meshes[solid.mesh]);
-    const gl = this.gl = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    const gl = this.gl = this.canvas.getContext("webgl2", { antialias: false });
     if (!gl) { this.caption.textContent = `${label}: this browser has no WebGL 2`; return; }
     this.program = program(gl);
-    this.parts = this.meshes.map(mesh => ({ rest: this.buffer(mesh.points), place: gl.createBuffer(), share: gl.createBuffer(), index: this.buffer(mesh.triangles, gl.ELEMENT_ARRAY_BUFFER) }));
+    this.slots = {};
+    for (const name of ["place", "share"]) gl.enableVertexAttribArray(this.slots[name] = gl.getAttribLocation(this.program, name));
+    this.parts = solids.map((solid, k) => {
+      const { between, triangles } = solid.motion ? { between: [], triangles: this.meshes[k].triangles } : cutOpen(this.meshes[k]);
+      return { between, count: triangles.length, place: gl.createBuffer(), share: gl.createBuffer(), index: this.buffer(triangles, gl.ELEMENT_ARRAY_BUFFER) };
+    });
     const table = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, table);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(data.colours.flat().map(Math.round)));
@@ -111,72 +146,107 @@ class Scene {
     return made;
   }
   frame() { return data.cursor.frames[this.run][+slider.value]; }
-  sizes() { return this.solids.map((solid, k) => this.sizeOf(displaced(solid, this.meshes[k], this.frame()))); }
   sizeOf(displacement) {
     const out = new Float32Array(displacement.length / 3);
     for (let p = 0; p < out.length; p++) out[p] = 1e6 * Math.hypot(displacement[3 * p], displacement[3 * p + 1], displacement[3 * p + 2]);
     return out;
   }
-  paint(scale, field, view) {
+  // of every body what it looks like at the cursor: displacement, its size, values of a colouring
+  look(colouring) {
+    const frame = this.frame();
+    return this.solids.map((solid, k) => {
+      const displacement = displaced(solid, this.meshes[k], frame), sizes = this.sizeOf(displacement);
+      return { displacement, sizes, values: colouring.values(this, k, frame, sizes) };
+    });
+  }
+  paint(look, scale, view, dots) {
     const gl = this.gl;
     if (!gl) return;
-    const ratio = window.devicePixelRatio || 1, width = Math.round(this.canvas.clientWidth * ratio), height = Math.round(this.canvas.clientHeight * ratio);
+    if (this.age !== age) Object.assign(this, { age, wide: this.canvas.clientWidth, tall: this.canvas.clientHeight });
+    const ratio = (window.devicePixelRatio || 1) * dots, width = Math.round(this.wide * ratio), height = Math.round(this.tall * ratio);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.useProgram(this.program);
-    const at = name => gl.getUniformLocation(this.program, name);
+    const at = name => this.slots[name] ??= gl.getUniformLocation(this.program, name);
     gl.uniformMatrix3fv(at("view"), false, view.matrix);
     const frame = this.frame(), moving = this.solids.find(solid => solid.motion), height0 = moving ? column(moving.motion)[3 * frame + 1] : 0;
-    gl.uniform4f(at("frame"), 0, view.follow ? height0 + view.middle[1] : view.middle[1], 0, view.half);
+    const middle = view.follow ? height0 : view.middle;
+    gl.uniform4f(at("frame"), 0, middle, 0, view.half);
     gl.uniform1f(at("aspect"), width / height);
     const said = [];
     this.solids.forEach((solid, k) => {
-      const mesh = this.meshes[k], part = this.parts[k], displacement = displaced(solid, mesh, frame), sizes = this.sizeOf(displacement);
+      const mesh = this.meshes[k], part = this.parts[k], { displacement, sizes, values } = look[k];
       if (!solid.motion && !this.controls.block.checked) return;
       const shares = new Float32Array(sizes.length).fill(-1);
-      if (!field) sizes.forEach((value, p) => { shares[p] = solid.count ? Math.max(0, shareOf(value, scale)) : -1; });
-      else if (field.cells[this.run] && solid.motion) field.cells[this.run].forEach((cell, p) => {
-        if (cell >= 0) shares[p] = Math.max(0, shareOf(field.read[this.run](frame, cell), scale));
-      });
+      if (values) values.forEach((value, p) => { if (!Number.isNaN(value)) shares[p] = Math.min(1, Math.max(0, shareOf(value, scale))); });
       const largest = sizes.reduce((a, b) => Math.max(a, b), 0);
       said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "µm")}` : "rigid, or its deflection was not recorded"}`);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.place);
-      gl.bufferData(gl.ARRAY_BUFFER, placed(solid, mesh, displacement, frame, view.times), gl.DYNAMIC_DRAW);
+      gl.bufferData(gl.ARRAY_BUFFER, withCut(placed(solid, mesh, displacement, frame, view.times), part.between, 3), gl.DYNAMIC_DRAW);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.share);
-      gl.bufferData(gl.ARRAY_BUFFER, shares, gl.DYNAMIC_DRAW);
-      for (const [name, buffer, count] of [["rest", part.rest, 3], ["place", part.place, 3], ["share", part.share, 1]]) {
-        const slot = gl.getAttribLocation(this.program, name);
-        gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.enableVertexAttribArray(slot); gl.vertexAttribPointer(slot, count, gl.FLOAT, false, 0, 0);
+      gl.bufferData(gl.ARRAY_BUFFER, withCut(shares, part.between, 1), gl.DYNAMIC_DRAW);
+      for (const [name, buffer, count] of [["place", part.place, 3], ["share", part.share, 1]]) {
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.vertexAttribPointer(this.slots[name], count, gl.FLOAT, false, 0, 0);
       }
-      gl.uniform1f(at("open"), solid.motion ? 1e9 : 0);   // what rests is cut open
       gl.uniform3f(at("plain"), ...(solid.motion ? [.68, .72, .76] : [.55, .57, .6]));
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.index);
-      gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
+      gl.drawElements(gl.TRIANGLES, part.count, gl.UNSIGNED_INT, 0);
     });
-    this.caption.textContent = `${this.label}: ${said.join("; ")}; deflection, sideways motion and tilt drawn ${digits(view.times)} times`;
-    this.canvas.setAttribute("aria-label", this.caption.textContent);
+    // the words stand before the outermost points of the two sides
+    const height1 = height0 - middle, matrix = view.matrix;
+    for (const [mark, x] of [[this.thrust, 1.35 * view.reach], [this.anti, -1.35 * view.reach]]) {
+      const right = (matrix[0] * x + matrix[3] * height1) / view.half, up = (matrix[1] * x + matrix[4] * height1) / view.half;
+      mark.style.transform = `translate(-50%, -50%) translate(${(.5 * this.wide + .5 * right * this.tall).toFixed(1)}px, ${(.5 - .5 * up) * this.tall}px)`;
+    }
+    const text = `${this.label}: ${said.join("; ")}; deflection, sideways motion and tilt drawn ${digits(view.times)} times`;
+    if (this.caption.textContent !== text) { this.caption.textContent = text; this.canvas.setAttribute("aria-label", text); }
   }
+}
+
+// what bodies can be coloured by: its range, and the value at every point of a body, NaN where none
+function colourings(scenes) {
+  const solids = scenes.flatMap(scene => scene.solids), found = [];
+  const over = (name, unit, ranges, logarithmic, values, reads) => found.push({
+    name, unit, logarithmic, low: Math.min(...ranges.map(r => r.low)), high: Math.max(...ranges.map(r => r.high)),
+    positive: Math.min(...ranges.map(r => r.positive ?? Infinity)), values, ready: () => Promise.all(reads.map(unpackFrames).map(async (made, k) => { reads[k].at = await made; })),
+  });
+  const stressed = solids.filter(one => one.stress).map(one => one.stress);
+  if (stressed.length) over("von Mises stress", "MPa", stressed, false, (scene, k, frame, sizes) => { const own = scene.solids[k].stress; return own && sizes.map((_, p) => own.at(frame, p)); }, stressed);
+  for (const name of new Set(solids.filter(one => one.count).map(one => one.name))) {
+    const high = 1e6 * Math.max(...solids.map(one => one.name === name ? one.largest : 0));
+    over(`displacement of the ${name}`, "µm", [{ low: 0, high }], false, (scene, k, frame, sizes) => scene.solids[k].name === name && scene.solids[k].count ? sizes : null, []);
+  }
+  for (const field of data.fields) {
+    const runs = field.runs.filter(run => run);
+    if (field.low === field.high || !scenes.some(scene => field.runs[scene.run] && scene.solids.some(one => one.film))) continue;
+    over(field.name, field.unit, [field], field.logarithmic, (scene, k, frame, sizes) => {
+      const run = field.runs[scene.run], solid = scene.solids[k];
+      if (!run || !solid.film) return null;
+      const cells = (solid.cells ||= {})[run.shape] ||= cellsOf(solid, scene.meshes[k], run);
+      return sizes.map((_, p) => cells[p] < 0 ? NaN : run.at(frame, cells[p]));
+    }, runs);
+  }
+  if (!found.length) over("nothing", "", [{ low: 0, high: 1 }], false, () => null, []);
+  return found;
 }
 
 async function showSolids() {
   if (!data.solids.runs.some(run => run.length)) return;
   const parent = element("div", byId("solids"));
   element("h3", parent, "bodies on their meshes");
-  const meshes = await Promise.all(data.solids.meshes.map(unpackMesh)), scenes = [], fields = [];
-  for (const field of data.fields) {
-    const read = await Promise.all(field.runs.map(run => run && unpackFrames(run)));
-    const cells = field.runs.map((run, k) => {
-      const solid = run && data.solids.runs[k].find(one => one.film);
-      return solid ? cellsOf(solid, meshes[solid.mesh], run) : null;
-    });
-    if (field.low !== field.high && cells.some(own => own)) fields.push({ ...field, read, cells });
-  }
+  const meshes = await Promise.all(data.solids.meshes.map(unpackMesh)), scenes = [];
   const row = element("div", parent, "", "scale"), legend = element("canvas", row);
   legend.style.cssText = "flex: 1 1 280px; max-width: 420px; min-width: 200px";
-  const colours = element("select", element("label", row, "colour "));
-  element("option", colours, "displacement").value = "";
-  fields.forEach((field, k) => { element("option", colours, field.name).value = String(k); });
+  const choose = (said, options, changed) => {
+    const made = element("select", element("label", row, said + " "));
+    options.forEach(([value, text]) => { element("option", made, text).value = value; });
+    made.onchange = changed;
+    return made;
+  };
+  const colours = choose("colour", [], () => change());
+  const over = choose("scale", [["all", "common: all instants and runs"], ["now", "own: this instant, all runs"]], () => paint());
+  const kind = choose("colours", [["linear", "linear"], ["log", "logarithmic"]], () => paint());
   const stretched = element("label", row, "drawn "), times = element("input", stretched), told = element("output", stretched);
   Object.assign(times, { type: "range", min: 0, max: 3, step: .02, value: 1.7 });
   const tick = (text, checked) => { const label = element("label", row), box = element("input", label); box.type = "checkbox"; box.checked = checked; label.append(" " + text); box.onchange = () => paint(); return box; };
@@ -185,28 +255,48 @@ async function showSolids() {
   const controls = { block, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
   const area = element("div", parent, "", "maps");
   data.solids.runs.forEach((solids, run) => { if (solids.length) scenes.push(new Scene(area, data.labels[run], run, solids, meshes, controls)); });
-  element("p", parent, "x, to the right at first, points to the thrust side; drag or press the arrow keys to turn, Ctrl and wheel to zoom. The piston's place along the bore is not exaggerated.", "small");
-  const largest = scenes.map(scene => scene.solids.map((solid, k) => {
-    const all = column(solid.coordinates); let most = 0;
-    for (let frame = 0; solid.count && frame < all.length / solid.count; frame += 4) most = Math.max(most, scene.sizeOf(displaced(solid, scene.meshes[k], frame)).reduce((a, b) => Math.max(a, b), 0));
-    return most;
-  })).flat().reduce((a, b) => Math.max(a, b), 0) || 1;
-  const points = scenes.flatMap(scene => scene.meshes.map((mesh, k) => ({ mesh, solid: scene.solids[k] })));
-  const reach = Math.max(...points.filter(one => one.solid.motion).map(one => one.mesh.points.reduce((a, b) => Math.max(a, Math.abs(b)), 0)));
-  view.half = 1.5 * reach;
+  element("p", parent, "Drag or press the arrow keys to turn, Ctrl and wheel to zoom. The piston's place along the bore is not exaggerated. Shading darkens colours, the legend is for full light.", "small");
+  const paints = colourings(scenes);
+  paints.forEach((one, k) => { element("option", colours, one.name).value = String(k); });
+  const points = scenes.flatMap(scene => scene.meshes.map((mesh, k) => ({ mesh, solid: scene.solids[k] }))), rest = points.find(one => !one.solid.motion);
+  view.reach = Math.max(...points.filter(one => one.solid.motion).map(one => one.mesh.points.reduce((a, b) => Math.max(a, Math.abs(b)), 0)));
+  view.half = 1.5 * view.reach;
+  const heights = rest ? rest.mesh.points.filter((_, p) => p % 3 === 1) : [0], middle = (heights.reduce((a, b) => Math.max(a, b)) + heights.reduce((a, b) => Math.min(a, b))) / 2;
+  // at once as fine as the screen, or as the frames a second allow; when it rests from four times the dots
+  let resting;
   const paint = () => {
-    const a = view.round, b = view.up;
+    clearTimeout(resting);
+    draw(playing ? fineness : 1);
+    if (!playing) resting = setTimeout(draw, 250, 2);
+  };
+  const draw = dots => {
+    const a = view.round, b = view.up, one = paints[+colours.value];
     view.matrix = [Math.cos(a), Math.sin(b) * Math.sin(a), -Math.cos(b) * Math.sin(a), 0, Math.cos(b), Math.sin(b), Math.sin(a), -Math.sin(b) * Math.cos(a), Math.cos(b) * Math.cos(a)];
     view.times = +(10 ** times.value).toPrecision(2); view.follow = follow.checked;
-    const rest = points.find(one => !one.solid.motion);
-    view.middle = view.follow || !rest ? [0, 0, 0] : [0, (Math.max(...rest.mesh.points.filter((_, p) => p % 3 === 1)) + Math.min(...rest.mesh.points.filter((_, p) => p % 3 === 1))) / 2, 0];
+    view.middle = view.follow ? 0 : middle;
     told.textContent = ` ${view.times} times`;
-    const field = colours.value === "" ? null : fields[+colours.value];
-    const scale = field ? scaleOver(field.low, field.high, field.positive, field.logarithmic) : { low: 0, high: largest, logarithmic: false };
-    drawLegend(legend, scale, field ? field.unit : "µm");
-    scenes.forEach(scene => scene.paint(scale, field, view));
+    const looks = scenes.map(scene => scene.look(one));
+    let { low, high, positive } = one;
+    if (over.value === "now") {
+      [low, high, positive] = [Infinity, -Infinity, Infinity];
+      for (const value of looks.flatMap(look => look.flatMap(own => own.values ? [...own.values] : []))) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+        if (value > 0 && value < positive) positive = value;
+      }
+      if (!(high >= low)) [low, high] = [one.low, one.high];
+    }
+    const scale = scaleOver(low, high, Number.isFinite(positive) ? positive : 0, kind.value === "log");
+    drawLegend(legend, scale, one.unit);
+    scenes.forEach((scene, k) => scene.paint(looks[k], scale, view, dots));
   };
-  colours.onchange = times.oninput = paint;
+  const change = async () => {
+    const one = paints[+colours.value];
+    await one.ready();
+    kind.value = one.logarithmic ? "log" : "linear";
+    paint();
+  };
+  times.oninput = paint;
+  await change();
   painters.push(whenSeen(parent, paint)); repainters.push(paint);
-  paint();
 }
