@@ -15,7 +15,7 @@ from .cavitation import NotConverged
 from .grid import Array, Flags
 from .model import LubricationModel, State
 from .oil import Oil
-from .parameters import Parameters, faults
+from .parameters import SURFACES, Parameters, faults
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
 
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
@@ -35,6 +35,8 @@ class Film:
         Cells around and along.
     open_cells : ndarray of bool, shape `grid`, optional
         Where there is no skirt, and no film.
+    surface : str
+        "skirt", or "bearing": a journal in its shell, on which the grid rests then.
     **parameters
         Parameters of the lubrication FMU by their names: text with a unit, or a number in SI;
         `Film.parameters()` lists them.
@@ -67,13 +69,17 @@ class Film:
         grid: tuple[int, int] = (40, 40),
         *,
         open_cells: Flags | None = None,
+        surface: str = "skirt",
         **parameters: str | float,
     ):
+        if surface not in SURFACES:
+            raise BadInput(f"surface = {surface!r}: allowed are {', '.join(SURFACES)}")
         values = _read(parameters)
         of_oil = {v.name for v in OIL_VARIABLES}
         oil = Oil(**{name: value for name, value in values.items() if name in of_oil})
         others: dict[str, Any] = {n: value for n, value in values.items() if n not in of_oil}
-        chosen = Parameters(_grid(grid), oil, open_cells=_cells(grid, open_cells), **others)
+        cells = _cells(grid, open_cells)
+        chosen = Parameters(_grid(grid), oil, open_cells=cells, surface=surface, **others)
         if contradictions := faults(chosen):
             raise BadInput(contradictions)
         self.grid = chosen.shape
@@ -87,7 +93,11 @@ class Film:
         return dict(KNOWN)
 
     def start(
-        self, film_thickness: Array | float, sliding_velocity: Array | float, **conditions: Any
+        self,
+        film_thickness: Array | float,
+        sliding_velocity: Array | float,
+        circumferential_velocity: Array | float = 0.0,
+        **conditions: Any,
     ) -> dict[str, Any]:
         """Begin with a full film at rest.
 
@@ -95,6 +105,8 @@ class Film:
         ----------
         film_thickness, sliding_velocity : float or ndarray, shape `grid`
             Bore minus skirt [m]; axial velocity of skirt minus bore [m/s].
+        circumferential_velocity : float or ndarray, shape `grid`
+            Of a bearing: that of journal minus shell, positive with ascending i [m/s].
         **conditions
             What holds at the edges, in place of the parameter of that name [SI], and
             `oil_temperature` [K], a number or of shape `grid`.
@@ -111,8 +123,9 @@ class Film:
             If an array has another shape, or what holds at the edges is impossible.
         """
         motion = self._field(film_thickness), self._field(sliding_velocity)
+        turning = self._turning(circumferential_velocity)
         try:
-            self.state, outputs = self.model.start(*motion, **conditions)
+            self.state, outputs = self.model.start(*motion, turning, **conditions)
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
         return outputs
@@ -122,6 +135,7 @@ class Film:
         film_thickness: Array | float,
         sliding_velocity: Array | float,
         step: float,
+        circumferential_velocity: Array | float = 0.0,
         **conditions: Any,
     ) -> dict[str, Any]:
         """One step of length `step` [s] to the given film and velocity; otherwise as `start`.
@@ -138,19 +152,38 @@ class Film:
         if not 0.0 < step < np.inf:
             raise BadInput(f"step = {step:g} s: must be positive and finite")
         motion = self._field(film_thickness), self._field(sliding_velocity)
+        turning = self._turning(circumferential_velocity)
         try:
-            self.state, outputs = self.model.advance(self.state, *motion, step, **conditions)
+            self.state, outputs = self.model.advance(
+                self.state, *motion, step, turning, **conditions
+            )
         except NotConverged as trouble:
             raise Discard(str(trouble)) from None
         return outputs
 
     def tangent(
-        self, dfilm_thickness: Array | float, dsliding_velocity: Array | float
-    ) -> tuple[Array, Array]:
-        """Change of `nodal_pressure_force` and `nodal_friction_force` [N] at the end of the last
-        step for a change of the inputs there [m], [m/s]; exact.
+        self,
+        dfilm_thickness: Array | float,
+        dsliding_velocity: Array | float,
+        dcircumferential_velocity: Array | float = 0.0,
+    ) -> tuple[Array, ...]:
+        """Change of `nodal_pressure_force` and `nodal_friction_force` [N], of a bearing also of
+        `nodal_circumferential_force`, at the end of the last step for a change of the inputs there
+        [m], [m/s]; exact.
         """
-        return self.model.tangent(self._field(dfilm_thickness), self._field(dsliding_velocity))
+        return self.model.tangent(
+            self._field(dfilm_thickness),
+            self._field(dsliding_velocity),
+            self._turning(dcircumferential_velocity),
+        )
+
+    def _turning(self, velocity: Array | float) -> Array | None:
+        """Circumferential velocity of a bearing; a skirt has none."""
+        if self.model.parameters.surface == "bearing":
+            return self._field(velocity)
+        if np.any(velocity):
+            raise BadInput("circumferential_velocity: only surface = bearing slides around")
+        return None
 
     def _field(self, values: Array | float) -> Array:
         """An array of the grid."""

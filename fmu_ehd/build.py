@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
@@ -26,7 +26,9 @@ class CaseOptions(BaseModel):
 
     model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
     grid: tuple[int, int] = (40, 40)
-    """Cells around and along the skirt."""
+    """Cells around and along the skirt, or the bearing."""
+    surface: Literal["skirt", "bearing"] = "skirt"
+    """skirt: slides along its bore; bearing: journal and shell, slides around and along."""
     no_fields: bool = False
     """Leave out pressure, asperity_pressure and film_fraction."""
     inputs: list[str] = []
@@ -71,7 +73,7 @@ def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[
         As `prepare`.
     """
     built = BuildOptions.read(prepare(options or {}, folder, lambda line: None)[0])
-    return variables(built.grid, not built.no_fields, built.inputs, built.oil)
+    return variables(built.grid, not built.no_fields, built.inputs, built.oil, built.surface)
 
 
 def prepare(
@@ -110,7 +112,9 @@ def prepare(
     mask = _mask(chosen, Path(folder), faults)
     if faults:
         raise BadInput(faults)
-    built = BuildOptions(chosen.grid, chosen.no_fields, tuple(chosen.inputs), oil, mask)
+    built = BuildOptions(
+        chosen.grid, chosen.no_fields, tuple(chosen.inputs), oil, mask, chosen.surface
+    )
     return built.written(), []
 
 

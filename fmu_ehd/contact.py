@@ -80,9 +80,10 @@ def contact(
     deflection: Array,
     open_cells: Flags,
     constants: ContactConstants,
+    ring: bool,
 ):
     """Asperity pressure, contact area fraction, boundary shear stress and elastic energy of the
-    cells of a ring, Eqs. (A7), (A8).
+    cells, Eqs. (A7), (A8).
 
     Parameters
     ----------
@@ -93,6 +94,8 @@ def contact(
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
     constants : asperity.ContactConstants
+    ring : bool
+        Whether i is periodic.
 
     Returns
     -------
@@ -120,6 +123,8 @@ def contact(
             for k in (SOUTH, NORTH, WEST, EAST):
                 a, b = neighbour(k, i, j, n_c, n_a)
                 there[k] = not (open_cells[a, b] or (a == i and b == j))
+                if not ring and abs(a - i) > 1:
+                    there[k] = False  # across the ends of a sector
                 higher[k] = film_thickness[a, b] - film_thickness[i, j] if there[k] else 0.0
                 lowest -= 0.5 * abs(higher[k])
             if not lowest < reach:

@@ -9,7 +9,7 @@ import numpy as np
 from . import cavitation, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
-from .grid import OPENINGS, Array, Edges, Entrainment, Flags, Grid
+from .grid import FIRST, OPENINGS, Array, Edges, Entrainment, Flags, Grid
 from .openings import Openings
 from .reynolds import Balance, Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
@@ -99,6 +99,7 @@ class FilmStep:
         self._solution: FilmSolution | None = None
         self._solved_pressure = np.empty(0)
         self._stencil = np.empty(0)
+        self._stencil_around = np.empty(0)
 
     def solve(
         self,
@@ -227,9 +228,13 @@ class FilmStep:
         return self.openings.spilled(filling, step.faces)
 
     def flow_from_openings(self) -> float:
-        """Flow of the last step into the film from all openings [m3/s]."""
+        """Flow of the last step into the film from all openings, or over both ends of a sector
+        [m3/s].
+        """
         solution = self._solution
         assert solution is not None, "flow_from_openings before solve"
+        if not self.grid.ring:
+            return float(solution.edge_flow[FIRST:OPENINGS].sum())
         if not self._has_openings:
             return 0.0
         along = np.diff(solution.axial_flow, axis=1)[self.open_cells]
@@ -312,13 +317,22 @@ class FilmStep:
         )
         return self.model.shares(solution.unknown, step.full)
 
-    def tangent(self, dfilm: Array, dvelocity: Array) -> Array:
+    def linearise_around(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> None:
+        """The same for a second velocity, that around the circumference."""
+        ours = self._stencil
+        self.linearise(film_slopes, dentrainment)
+        self._stencil_around = self._stencil
+        self._stencil = ours
+
+    def tangent(self, dfilm: Array, dvelocity: Array, daround: Array | None = None) -> Array:
         """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
 
         Parameters
         ----------
         dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
             m changes of film thickness [m] and sliding velocity [m/s].
+        daround : ndarray, shape (m, n_c, n_a), optional
+            m changes of the circumferential velocity, after `linearise_around` [m/s].
 
         Returns
         -------
@@ -329,4 +343,9 @@ class FilmStep:
             self._right = np.empty(dfilm.size)
         right = self._right[: dfilm.size].reshape(dfilm.shape)
         reynolds.apply_stencils(self._stencil, dfilm, dvelocity, right)
+        if daround is not None:
+            added = np.empty_like(right)
+            still = np.zeros_like(dfilm)
+            reynolds.apply_stencils(self._stencil_around, still, daround, added)
+            right += added
         return self.solver.solve(right)  # Eq. (E6)

@@ -138,6 +138,28 @@ def _gradients(pressure, area, lower, upper, dy, out):
             out[j] += half * (pressure[j + 1] - pressure[j])
 
 
+@compiled
+def gradients(pressure: Array, area: Array, lower: float, upper: float, dy: float):
+    """Axial pressure gradient of each cell from the pressures on its two faces.
+
+    Parameters
+    ----------
+    pressure, area : ndarray, shape (n_c, n_a)
+        [Pa]; lubricated area, 0 in an opening, whose pressure reaches to its face [m2].
+    lower, upper, dy : float
+        As in `ShearConstants`.
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a)
+        [Pa/m].
+    """
+    gradient = np.empty(pressure.shape)
+    for i in range(len(pressure)):
+        _gradients(pressure[i], area[i], lower, upper, dy, gradient[i])
+    return gradient
+
+
 def shear_forces(inputs: ShearInputs) -> ShearForces:
     """Viscous and asperity force of each cell, Eqs. (F1), (F2).
 

@@ -1,13 +1,14 @@
-"""The lubrication model: film, oil, contact and friction of one skirt, one step at a time."""
+"""The lubrication model: film, oil, contact and friction of one surface, one step at a time."""
 
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, coating, friction, storage, transport
+from . import asperity, circumferential, coating, friction, storage, transport
 from .asperity import ContactConstants
 from .cavitation import NotConverged
+from .circumferential import Changes, Turning, TurningSlopes
 from .coating import PressureTangent, Softness
 from .contact import Contact, contact_changes
 from .contact import contact as cell_contact
@@ -16,7 +17,7 @@ from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .oil_layer import Bore, OilLayer, Passed
-from .parameters import Parameters
+from .parameters import FULL_TURN, Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
 from .storage import EulerStep, Past
@@ -87,13 +88,14 @@ class Inputs(NamedTuple):
 
     hard_film, deflection : ndarray, shape (n_c, n_a), film thickness without the deflection of a
     coating, and that [m];
-    sliding_velocity : ndarray, shape (n_c, n_a) [m/s];
+    sliding_velocity, circumferential_velocity : ndarray, shape (n_c, n_a), V and W [m/s];
     surroundings : surroundings.Surroundings.
     """
 
     hard_film: Array
     deflection: Array
     sliding_velocity: Array
+    circumferential_velocity: Array
     surroundings: Surroundings
 
     @property
@@ -105,11 +107,13 @@ class Inputs(NamedTuple):
 class FlowFilm(NamedTuple):
     """A film as flow and shear see it.
 
-    quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes : films.FilmSlopes.
+    quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes, slopes_around :
+    films.FilmSlopes, their velocity the axial and the circumferential one.
     """
 
     quantities: Array
     slopes: FilmSlopes
+    slopes_around: FilmSlopes
 
 
 @dataclass(frozen=True)
@@ -136,13 +140,15 @@ class Film:
 
 
 class Last(NamedTuple):
-    """What the tangent needs of the last step: film, asperity contact, what friction depends on;
-    and the power of asperity friction [W], and of all rubbing, `friction.rubbing_power` [W].
+    """What the tangent needs of the last step: film, asperity contact, what friction depends on,
+    along and around (None on a skirt); and the power of asperity friction [W], and of all rubbing,
+    `friction.rubbing_power` [W].
     """
 
     film: Film
     contact: Contact
     shear: ShearInputs
+    turning: Turning | None
     boundary_power: float
     rubbing_power: float
 
@@ -150,15 +156,19 @@ class Last(NamedTuple):
 class Linear(NamedTuple):
     """What every direction of a tangent shares.
 
-    film : friction.ForceSlopes; touching : whether any cell is in contact;
-    contact_pressure, contact_shear : ndarray, shape (5, n_c, n_a), derivatives of the contact's
-    forces to the film thickness of a cell and its neighbours, as of `contact.Contact` [N/m].
+    film : friction.ForceSlopes; around : circumferential.TurningSlopes, None on a skirt;
+    touching : whether any cell is in contact;
+    contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
+    the contact's forces to the film thickness of a cell and its neighbours, as of
+    `contact.Contact` [N/m].
     """
 
     film: ForceSlopes
+    around: TurningSlopes | None
     touching: bool
     contact_pressure: Array
     contact_shear: Array
+    contact_around: Array
 
 
 class StepFilm(NamedTuple):
@@ -171,7 +181,7 @@ class StepFilm(NamedTuple):
 
 
 class LubricationModel:
-    """Transient film, asperity contact and friction between skirt and bore.
+    """Transient film, asperity contact and friction between skirt and bore, or journal and shell.
 
     Parameters
     ----------
@@ -181,7 +191,9 @@ class LubricationModel:
     def __init__(self, parameters: Parameters):
         p = self.parameters = parameters
         n_circumferential, _ = p.shape
-        self.grid = Grid(p.shape, 2.0 * np.pi * p.bore_radius, p.skirt_length)
+        ring = p.sector_angle == FULL_TURN
+        self.grid = Grid(p.shape, p.sector_angle * p.bore_radius, p.skirt_length, ring)
+        self._bearing = p.surface == "bearing"
         self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
         self.area = np.where(self.film_step.open_cells, 0.0, self.grid.cell_area)
         self._has_openings = bool(self.film_step.open_cells.any())
@@ -204,8 +216,11 @@ class LubricationModel:
         self._zero = np.zeros(p.shape)
         self._no_deflection = np.zeros((BATCH, *p.shape))
         self._no_slopes = np.zeros((0, *p.shape))
-        # entrainment velocity of the grid, which rides on the skirt, to the sliding velocity
-        self._dentrainment = Entrainment(self._zero, np.full(p.shape, -0.5))
+        # entrainment velocity in the frame of the grid to the sliding velocity: along, around
+        self._share = 0.5 if self._bearing else -0.5
+        share = np.full(p.shape, self._share)
+        self._dentrainment = Entrainment(self._zero, share)
+        self._dentrainment_around = Entrainment(share, self._zero)
         self._halves = halves(n_circumferential)
         self._bore = Bore(p, self.grid) if p.oil_supply != "edges" else None
         self._given = surroundings(p, {})
@@ -216,7 +231,11 @@ class LubricationModel:
     # ---- steps
 
     def start(
-        self, film_thickness: Array, sliding_velocity: Array, **conditions: Any
+        self,
+        film_thickness: Array,
+        sliding_velocity: Array,
+        circumferential_velocity: Array | None = None,
+        **conditions: Any,
     ) -> tuple[State, dict[str, Any]]:
         """State and outputs at the start: a full film, reduced pressure linear between the edges;
         or one filled in part, without pressure.
@@ -225,6 +244,8 @@ class LubricationModel:
         ----------
         film_thickness, sliding_velocity : ndarray, shape (n_c, n_a)
             h [m], V [m/s].
+        circumferential_velocity : ndarray, shape (n_c, n_a), optional
+            W of a bearing [m/s]; 0 by default.
         **conditions
             As for `advance`.
 
@@ -237,7 +258,8 @@ class LubricationModel:
         around = self._surroundings(conditions)
         film_thickness = self._filled(film_thickness)
         sliding_velocity = self._filled(sliding_velocity)
-        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
+        turning = self._turning(circumferential_velocity)
+        inputs = Inputs(film_thickness, self._zero, sliding_velocity, turning, around)
         shape = self.grid.shape
         _, n_axial = shape
         lower, upper = around.edges.pressure[BOTH_AXIAL_EDGES]
@@ -291,6 +313,7 @@ class LubricationModel:
         film_thickness: Array,
         sliding_velocity: Array,
         step: float,
+        circumferential_velocity: Array | None = None,
         **conditions: Any,
     ) -> tuple[State, dict[str, Any]]:
         """One step from `state` to the given film and velocity, of second order in time, `storage`.
@@ -303,6 +326,8 @@ class LubricationModel:
             At the end of the step [m], [m/s].
         step : float
             H [s], > 0.
+        circumferential_velocity : ndarray, shape (n_c, n_a), optional
+            W of a bearing at the end of the step [m/s]; 0 by default.
         **conditions
             At the end of the step, as for `surroundings.surroundings`.
 
@@ -342,8 +367,10 @@ class LubricationModel:
             )
             limit = self._bore.limit(covered, self._bore.inflow(carried), begin)
             around = replace(around, edges=around.edges._replace(limit=limit))
-        inputs = Inputs(film_thickness, self._zero, sliding_velocity, around)
-        lift = self._lift(state, pace, around, step)
+        turning = self._turning(circumferential_velocity)
+        inputs = Inputs(film_thickness, self._zero, sliding_velocity, turning, around)
+        # around a bearing oil is carried on without
+        lift = None if self._bearing else self._lift(state, pace, around, step)
         inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
         self._last, outputs = self._outputs(film)
@@ -401,7 +428,12 @@ class LubricationModel:
         )
         return state, outputs
 
-    def tangent(self, dfilm_thickness: Array, dsliding_velocity: Array) -> tuple[Array, Array]:
+    def tangent(
+        self,
+        dfilm_thickness: Array,
+        dsliding_velocity: Array,
+        dcircumferential_velocity: Array | None = None,
+    ) -> tuple[Array, ...]:
         """Change of the forces at the end of the last step for changed inputs there, its state at
         the beginning held.
 
@@ -409,11 +441,15 @@ class LubricationModel:
         ----------
         dfilm_thickness, dsliding_velocity : ndarray, shape (n_c, n_a) or (m, n_c, n_a)
             [m], [m/s]; m directions at once cost less than m single ones.
+        dcircumferential_velocity : ndarray, of the same shape, optional
+            Of a bearing [m/s]; 0 by default.
 
         Returns
         -------
         dnodal_pressure_force, dnodal_friction_force : ndarray, shape as given
             [N].
+        dnodal_circumferential_force : ndarray, shape as given
+            Of a bearing alone [N].
 
         Raises
         ------
@@ -431,14 +467,19 @@ class LubricationModel:
         shape = (-1, *self.grid.shape)
         dfilm = self._filled(np.ascontiguousarray(dfilm_thickness).reshape(shape))
         dvelocity = self._filled(np.ascontiguousarray(dsliding_velocity).reshape(shape))
+        dturning = None
+        if dcircumferential_velocity is not None:
+            dturning = np.ascontiguousarray(dcircumferential_velocity).reshape(shape)
+            dturning = self._filled(dturning)
         # in one piece: malloc gives two back to the system and asks again each time
-        forces = np.empty((2, *dfilm.shape))
+        forces = np.empty((2 if linear.around is None else 3, *dfilm.shape))
         normal = forces[0]
         shear = forces[1]
         for k in range(0, len(dfilm), BATCH):
             some = slice(k, k + BATCH)
             hard = dfilm[some]
-            deflection, unknown = self._film_changes(last, linear, hard, dvelocity[some])
+            turning = None if dturning is None else dturning[some]
+            deflection, unknown = self._film_changes(last, linear, hard, dvelocity[some], turning)
             film = hard + deflection if self._compliance else hard
             friction.force_changes(
                 linear.film, film, dvelocity[some], unknown, normal[some], shear[some]
@@ -446,40 +487,71 @@ class LubricationModel:
             if linear.touching:
                 normal[some] += contact_changes(linear.contact_pressure, hard, deflection)
                 shear[some] += contact_changes(linear.contact_shear, hard, deflection)
-        return normal.reshape(np.shape(dfilm_thickness)), shear.reshape(np.shape(dfilm_thickness))
+            if linear.around is None or last.turning is None:
+                continue
+            turned = np.zeros_like(film) if turning is None else turning
+            changes = Changes(film, dvelocity[some], turned, unknown)
+            forces[2, some] = circumferential.force_changes(
+                linear.around, linear.film, last.turning, changes, shear[some]
+            )
+            if linear.touching:
+                forces[2, some] += contact_changes(linear.contact_around, hard, deflection)
+        shape = np.shape(dfilm_thickness)
+        return tuple(forces[k].reshape(shape) for k in range(len(forces)))
 
     def _film_changes(
-        self, last: Last, linear: Linear, dfilm: Array, dvelocity: Array
+        self, last: Last, linear: Linear, dfilm: Array, dvelocity: Array, dturning: Array | None
     ) -> tuple[Array, Array]:
         """Changes of the coating's deflection and of the signed unknown for stacked directions; the
         coating yields to the change of pressure, Eq. (L3).
         """
         if not self._compliance:
-            return self._no_deflection[: len(dfilm)], self.film_step.tangent(dfilm, dvelocity)
+            unknown = self.film_step.tangent(dfilm, dvelocity, dturning)
+            return self._no_deflection[: len(dfilm)], unknown
         weight = self._compliance * coating.yielding(self._compliance, last.contact)
         by_contact = contact_changes(last.contact.pressure_slope, dfilm, np.zeros_like(dfilm))
-        dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity)
+        dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity, dturning)
         return weight * (by_contact + linear.film.pressure_share * dunknown), dunknown
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
-        film, contact, shear, *_ = last
+        film, contact, shear, turning, *_ = last
         slopes = film.flow.slopes
+        slopes_around = film.flow.slopes_around
         to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
-        by_pressure = self._zero
+        if turning is not None:
+            self.film_step.linearise_around(slopes_around, self._dentrainment_around)
+        by_pressure = by_pressure_around = self._zero
         if film.ratio is not None:
             quantities = film.flow.quantities
             by_pressure = (
                 -self.area * shear.shearing * shear.velocity * quantities[COUETTE] * film.dratio
             )
-            slopes = FilmSlopes(
-                _raised(slopes.by_film, film.ratio), _raised(slopes.by_velocity, film.ratio)
-            )
+            if turning is not None:
+                by_pressure_around = (
+                    -self.area * shear.shearing * turning.velocity * quantities[COUETTE]
+                ) * film.dratio
+            slopes = _raised_slopes(slopes, film.ratio)
+            slopes_around = _raised_slopes(slopes_around, film.ratio)
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
         if self.parameters.cavity_shear == "full_film":
             to_fraction = self._zero
+        touching = bool(contact.area_fraction.any())
+        if turning is None:
+            to_stress = friction.boundary_force(shear, contact.shear_stress_slope)
+            to_stress_around = NOTHING
+            of_around = None
+            along = shear
+        else:
+            axial, across = circumferential.boundary_shares(shear, turning)
+            to_stress = axial * contact.shear_stress_slope
+            to_stress_around = across * contact.shear_stress_slope
+            of_around = circumferential.force_slopes(
+                shear, turning, (slopes, slopes_around), by_pressure_around
+            )
+            along = shear._replace(boundary_stress=self._zero)  # stands in `of_around`
         forces = ForceSlopes(
-            friction.shear_slopes(shear, slopes, by_pressure),
+            friction.shear_slopes(along, slopes, by_pressure),
             self.area,
             to_pressure,
             to_fraction,
@@ -487,16 +559,27 @@ class LubricationModel:
         )
         return Linear(
             forces,
-            bool(contact.area_fraction.any()),
+            of_around,
+            touching,
             self.area * contact.pressure_slope,
-            friction.boundary_force(shear, contact.shear_stress_slope),
+            to_stress,
+            to_stress_around,
         )
 
     # ---- ways to a film
 
     def _entrainment(self, inputs: Inputs) -> Entrainment:
-        """In the frame of the grid, which rides on the skirt."""
-        return Entrainment(self._zero, -0.5 * inputs.sliding_velocity)
+        """In the frame of the grid, which rides on the skirt or rests on the shell of a bearing."""
+        axial = self._share * inputs.sliding_velocity
+        if not self._bearing:
+            return Entrainment(self._zero, axial)
+        return Entrainment(self._share * inputs.circumferential_velocity, axial)
+
+    def _turning(self, circumferential_velocity: Array | None) -> Array:
+        """W of a step, 0 where none is given."""
+        if circumferential_velocity is None:
+            return self._zero
+        return self._filled(circumferential_velocity)
 
     def _lift(self, state: State, pace: Pace, around: Surroundings, step: float) -> Lift:
         """Lift of the film fraction at the axial faces, from the past alone."""
@@ -512,7 +595,7 @@ class LubricationModel:
         return transport.lift(past, pace, around.edges, step, self.grid.cells)
 
     def _bare(
-        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift | None
     ) -> StepFilm:
         """Film of hard surfaces."""
         flow = self._flow_film(inputs)
@@ -527,7 +610,7 @@ class LubricationModel:
         return StepFilm(inputs, flow, solution, state.deflection)
 
     def _coated(
-        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift | None
     ) -> StepFilm:
         """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
         edges = inputs.surroundings.edges
@@ -634,7 +717,10 @@ class LubricationModel:
                 self._factors,
             )
         if not p.oil.thins:
-            return FlowFilm(quantities, FilmSlopes(by_film, self._no_slopes))
+            slopes = FilmSlopes(by_film, self._no_slopes)
+            return FlowFilm(quantities, slopes, slopes)
+        if self._bearing:
+            sliding_velocity = np.hypot(sliding_velocity, inputs.circumferential_velocity)
         thickness = np.maximum(film_thickness, p.minimum_flow_film)
         factor, slope = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
         slopes = thin(
@@ -646,7 +732,15 @@ class LubricationModel:
             film_thickness > p.minimum_flow_film,
             sliding_velocity,
         )
-        return FlowFilm(quantities, slopes)
+        if not self._bearing:
+            return FlowFilm(quantities, slopes, slopes)
+        # what follows the speed, to its two parts
+        size = np.where(sliding_velocity > 0.0, sliding_velocity, 1.0)
+        along, across = (
+            FilmSlopes(slopes.by_film, slopes.by_velocity * (velocity / size))
+            for velocity in (inputs.sliding_velocity, inputs.circumferential_velocity)
+        )
+        return FlowFilm(quantities, along, across)
 
     def _surroundings(self, conditions: dict[str, Any]) -> Surroundings:
         """What is around the skirt, whatever the temperature in cells without a film."""
@@ -672,6 +766,7 @@ class LubricationModel:
             inputs.deflection,
             self.film_step.open_cells,
             self._contact_constants,
+            self.grid.ring,
         )
 
     def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
@@ -708,6 +803,13 @@ class LubricationModel:
             ),
         )
         forces: ShearForces = friction.shear_forces(shear)
+        turning = None
+        if self._bearing:
+            cells = self.grid.cells
+            velocity = film.inputs.circumferential_velocity
+            turning = Turning(velocity, around.opening, cells.dx, cells.ring)
+            axial, _ = circumferential.boundary_shares(shear, turning)
+            forces = forces._replace(boundary=axial * contact.shear_stress)
         absolute = film.pressure + p.cavitation_pressure
         pressure_force = (absolute + contact.pressure) * self.area
         summary = summarise(
@@ -738,16 +840,33 @@ class LubricationModel:
             friction_force_asperity=summary.asperity,
             friction_power=summary.power,
             contact_area_fraction=summary.contact_area,
-            minimum_film_thickness_thrust_side=summary.thinnest.thrust,
-            radial_force_thrust_side=summary.radial.thrust,
-            friction_force_thrust_side=summary.friction.thrust,
-            minimum_film_thickness_anti_thrust_side=summary.thinnest.anti_thrust,
-            radial_force_anti_thrust_side=summary.radial.anti_thrust,
-            friction_force_anti_thrust_side=summary.friction.anti_thrust,
         )
         boundary_power = -float(np.vdot(forces.boundary, sliding_velocity))  # Eq. (F3)
-        rubbing_power = friction.rubbing_power(shear) + boundary_power
-        return Last(film, contact, shear, boundary_power, rubbing_power), outputs
+        rubbing_power = friction.rubbing_power(shear)
+        if turning is None:
+            outputs |= dict(
+                minimum_film_thickness_thrust_side=summary.thinnest.thrust,
+                radial_force_thrust_side=summary.radial.thrust,
+                friction_force_thrust_side=summary.friction.thrust,
+                minimum_film_thickness_anti_thrust_side=summary.thinnest.anti_thrust,
+                radial_force_anti_thrust_side=summary.radial.anti_thrust,
+                friction_force_anti_thrust_side=summary.friction.anti_thrust,
+            )
+        else:
+            around_forces = circumferential.shear_forces(shear, turning)
+            turned = around_forces.viscous + around_forces.boundary
+            thickness = np.maximum(film_thickness, p.minimum_flow_film)
+            carried = circumferential.carried_power(shear, turning, thickness)
+            boundary_power -= float(np.vdot(around_forces.boundary, turning.velocity))
+            rubbing_power += circumferential.rubbing_power(shear, turning) + carried
+            outputs |= dict(
+                nodal_circumferential_force=turned,
+                friction_torque=p.bore_radius * float(turned.sum()),
+                # Eq. (F8)
+                friction_power=summary.power - float(np.vdot(turned, turning.velocity)) + carried,
+            )
+        rubbing_power += boundary_power
+        return Last(film, contact, shear, turning, boundary_power, rubbing_power), outputs
 
 
 def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
@@ -758,6 +877,11 @@ def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
     pressure = law.pressure(reduced)
     ratio, _ = law.ratio(pressure)
     return PressureTangent(pressure, ratio, reduced)
+
+
+def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
+    """Derivatives of `_raised` quantities."""
+    return FilmSlopes(_raised(slopes.by_film, ratio), _raised(slopes.by_velocity, ratio))
 
 
 def _raised(quantities: Array, ratio: Array) -> Array:

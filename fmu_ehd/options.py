@@ -23,6 +23,8 @@ class BuildOptions:
         Conditions that are inputs instead of parameters.
     oil : dict
         Start value of each parameter of the chosen oil, in SI.
+    surface : str
+        One of `parameters.SURFACES`.
     mask : list of list of int, optional
         One row a circumferential cell: 1 = film, 0 = cut-out; None without cut-outs.
     """
@@ -32,6 +34,7 @@ class BuildOptions:
     inputs: tuple[str, ...] = ()
     oil: Mapping[str, float | str] = field(default_factory=dict)
     mask: list[list[int]] | None = None
+    surface: str = "skirt"
 
     @classmethod
     def read(cls, options: Mapping[str, Any]) -> "BuildOptions":

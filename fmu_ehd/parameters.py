@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from .asperity import CONTACT_LAWS
 from .cavitation import CAVITATION
 from .declaration import choice, declared, names_of
@@ -13,6 +15,8 @@ from .roughness import FLOW_FACTORS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
+SURFACES = ("skirt", "bearing")
+FULL_TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,9 @@ class Parameters:
     oil : oil.Oil
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cut-outs.
+    surface : str
+        skirt: slides along the axis, and the grid rides on it; bearing: a journal that slides
+        around and along in its shell (skirt and bore of the names below), on which the grid rests.
     """
 
     shape: tuple[int, int] = (40, 40)
@@ -174,11 +181,24 @@ class Parameters:
         "K", 373.15, 233.15, 573.15, "Oil temperature at the upper edge", condition=True
     )
 
+    # a bearing alone
+    sector_angle: float = declared(
+        "rad",
+        FULL_TURN,
+        0.1,
+        FULL_TURN,
+        "Angle that the shell embraces; below a full turn both its ends are cut-outs",
+    )
+
     open_cells: Flags | None = None
+    surface: str = SURFACES[0]
 
 
 # parameters that may be inputs
 CONDITION_NAMES = names_of(Parameters, condition=True)
+
+# parameters that a skirt has not
+OF_BEARINGS = ("sector_angle",)
 
 
 # what belongs to one edge, and to openings of their own supply
@@ -272,6 +292,33 @@ def bore_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list
     return sentences
 
 
+def bearing_faults(parameters: Parameters) -> list[str]:
+    """What does not go with the kind of surface.
+
+    Oil on the bore, and flow between rough surfaces, are known for a skirt that slides along its
+    bore alone. A sector has its supply at both ends, and no openings between.
+    """
+    p = parameters
+    part = p.sector_angle < FULL_TURN
+    if p.surface == "skirt":
+        shown = f"sector_angle = {p.sector_angle:g} rad: a skirt is a ring"
+        return [shown + ", only a bearing can be a sector"] if part else []
+    sentences = [
+        f"{name} = {chosen} on a bearing: known for a skirt alone, choose {only}"
+        for name, chosen, only in (
+            ("oil_supply", p.oil_supply, "edges"),
+            ("flow_factors", p.flow_factors, "none"),
+        )
+        if chosen != only
+    ]
+    if part and p.open_cells is not None and p.open_cells.any():
+        sentences.append(
+            f"sector_angle = {p.sector_angle:g} rad with cut-outs: those of a bearing need the "
+            f"full turn, {FULL_TURN:g} rad"
+        )
+    return sentences
+
+
 def faults(parameters: Parameters) -> list[str]:
     """What is wrong between parameters that are each in range.
 
@@ -286,7 +333,7 @@ def faults(parameters: Parameters) -> list[str]:
     """
     p = parameters
     conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
-    sentences = edge_faults(p, conditions)
+    sentences = edge_faults(p, conditions) + bearing_faults(p)
     oil = p.oil
     if oil.viscosity_law == "two_point" and oil.viscosity_40 <= oil.viscosity_100:
         sentences.append(

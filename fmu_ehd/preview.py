@@ -4,7 +4,6 @@ built.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +42,10 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     given = {**built.oil, **taken}
     oil = replace(Oil(), **_of(OIL_VARIABLES, given))
     own = _of(FILM_VARIABLES + CONDITION_VARIABLES, given)
-    film = Parameters(built.grid, oil, open_cells=built.open_cells, **own)
+    film = Parameters(built.grid, oil, open_cells=built.open_cells, surface=built.surface, **own)
     around, along = built.grid
     figures = [
-        Figure("cell", "cell_around", 2 * pi * film.bore_radius / around, "m"),
+        Figure("cell", "cell_around", film.sector_angle * film.bore_radius / around, "m"),
         Figure("cell", "cell_along", film.skirt_length / along, "m"),
         Figure("surface", "roughness_rms", film.roughness_rms, "m"),
     ]

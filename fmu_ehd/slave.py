@@ -16,29 +16,43 @@ from .variables import (
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
     DIAGNOSTIC_FIELDS,
-    FILM_VARIABLES,
     OIL_VARIABLES,
+    TURNING_INPUT,
+    TURNING_OUTPUT,
+    film_variables,
     variables,
 )
 
 
 class Ehd(FieldSlave):
-    """Transient lubrication of a piston skirt: mass-conserving cavitation, asperity contact,
-    friction.
+    """Transient lubrication of a piston skirt or of a journal bearing: mass-conserving cavitation,
+    asperity contact, friction.
     """
 
     name = "fmu_ehd"
     description = "Transient elastohydrodynamic lubrication of a piston skirt"
     state_type = State
     slow_state = ("layer.bore",)
-    derivative_inputs = DERIVATIVE_INPUTS
-    derivative_outputs = DERIVATIVE_OUTPUTS
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Motions of the surface."""
+        return DERIVATIVE_INPUTS + ((TURNING_INPUT,) if self._bearing else ())
+
+    @property
+    def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Nodal forces."""
+        return DERIVATIVE_OUTPUTS + ((TURNING_OUTPUT,) if self._bearing else ())
+
+    @property
+    def _bearing(self):
+        return self.options.get("surface") == "bearing"
 
     @staticmethod
     def variables(options: Mapping[str, Any]) -> list[Variable]:
         """Variable table for the grid, the oil and the inputs of `options`, build.json."""
         built = BuildOptions.read(options)
-        return variables(built.grid, not built.no_fields, built.inputs, built.oil)
+        return variables(built.grid, not built.no_fields, built.inputs, built.oil, built.surface)
 
     def start(self, values: Mapping[str, Any]) -> tuple[State, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
@@ -47,7 +61,8 @@ class Ehd(FieldSlave):
             built.grid,
             Oil(**{v.name: values[v.name] for v in OIL_VARIABLES}),
             open_cells=built.open_cells,
-            **{v.name: values[v.name] for v in FILM_VARIABLES + CONDITION_VARIABLES},
+            surface=built.surface,
+            **{v.name: values[v.name] for v in film_variables(built.surface) + CONDITION_VARIABLES},
         )
         contradictions = faults(parameters)
         if contradictions:
@@ -56,7 +71,10 @@ class Ehd(FieldSlave):
         self.model = LubricationModel(parameters)
         try:
             state, outputs = self.model.start(
-                values["film_thickness"], values["sliding_velocity"], **self._conditions(values)
+                values["film_thickness"],
+                values["sliding_velocity"],
+                values.get(TURNING_INPUT),
+                **self._conditions(values),
             )
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
@@ -72,6 +90,7 @@ class Ehd(FieldSlave):
                 values["film_thickness"],
                 values["sliding_velocity"],
                 step,
+                values.get(TURNING_INPUT),
                 **self._conditions(values),
             )
         except NotConverged as trouble:
@@ -84,8 +103,8 @@ class Ehd(FieldSlave):
 
     def directional_derivative(self, seeds: Mapping[str, Any]) -> dict[str, Any]:
         """Change of both force fields for changed film and velocity at the end of the last step."""
-        film, velocity = (seeds[name] for name in DERIVATIVE_INPUTS)
-        return dict(zip(DERIVATIVE_OUTPUTS, self.model.tangent(film, velocity)))
+        motions = [seeds[name] for name in self.derivative_inputs]
+        return dict(zip(self.derivative_outputs, self.model.tangent(*motions)))
 
     def _shown(self, outputs):
         """Outputs without the diagnostic fields if the FMU was built so."""

@@ -28,7 +28,7 @@ class Surroundings:
     ring_layer, splash : float
         Oil that the ring leaves above the skirt [m], and that is thrown below it [m/s].
     opening : float
-        Pressure in openings of the skirt above cavitation pressure [Pa].
+        Pressure in openings, and at both ends of a sector, above cavitation pressure [Pa].
     """
 
     edges: Edges
@@ -87,8 +87,9 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     if p.opening_supply == "own":
         opening = given["pressure_openings"] - p.cavitation_pressure
         entering = given["film_fraction_openings"]
-    pressure = np.array([lower, upper, 0.0, 0.0, opening])
-    fraction = np.array([below, given["film_fraction_upper_edge"], 1.0, 1.0, entering])
+    # both ends of a sector are openings
+    pressure = np.array([lower, upper, opening, opening, opening])
+    fraction = np.array([below, given["film_fraction_upper_edge"], entering, entering, entering])
     reduced = law.reduced(pressure) if law else pressure
     edges = Edges(reduced, fraction, in_plenty(p.shape))
     return Surroundings(

@@ -1,4 +1,8 @@
-"""The variables of the lubrication FMU, each declared once."""
+"""The variables of the lubrication FMU, each declared once.
+
+On a bearing skirt and bore are journal and shell; the grid, and with it the film thickness, rests
+on the shell.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -6,7 +10,7 @@ from dataclasses import replace
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .declaration import choices_of, variables_of
 from .oil import Oil
-from .parameters import Parameters
+from .parameters import OF_BEARINGS, Parameters
 
 CONTRACT_VERSION = 2
 
@@ -22,6 +26,9 @@ DIAGNOSTIC_FIELDS = ("pressure", "asperity_pressure", "film_fraction")
 
 DERIVATIVE_INPUTS = ("film_thickness", "sliding_velocity")
 DERIVATIVE_OUTPUTS = ("nodal_pressure_force", "nodal_friction_force")
+# a bearing's, beside these
+TURNING_INPUT = "circumferential_velocity"
+TURNING_OUTPUT = "nodal_circumferential_force"
 
 
 def variables(
@@ -29,6 +36,7 @@ def variables(
     fields: bool = True,
     inputs: Collection[str] = (),
     starts: Mapping[str, float | str] | None = None,
+    surface: str = "skirt",
 ) -> list[Variable]:
     """Variable table of the FMU for a grid.
 
@@ -43,6 +51,8 @@ def variables(
         a field input that replaces the two edge temperatures.
     starts : mapping, optional
         Start values of parameters, in place of the defaults (an oil of the library).
+    surface : str
+        One of `parameters.SURFACES`.
 
     Returns
     -------
@@ -57,8 +67,9 @@ def variables(
         )
     parameters = [
         replace(v, start=starts[v.name]) if starts and v.name in starts else v
-        for v in FILM_VARIABLES + OIL_VARIABLES
+        for v in film_variables(surface) + OIL_VARIABLES
     ]
+    bearing = surface == "bearing"
     return [
         constant("n_circumferential", shape[0], "Cells around the skirt"),
         constant("n_axial", shape[1], "Cells along the skirt"),
@@ -66,9 +77,18 @@ def variables(
         *parameters,
         *conditions,
         *_interface(shape),
+        *(_turning(shape) if bearing else []),
         *(_diagnostics(shape) if fields else []),
-        *SUMMARY,
+        *(v for v in SUMMARY if not (bearing and v.name.endswith("_thrust_side"))),
+        *([FRICTION_TORQUE] if bearing else []),
     ]
+
+
+def film_variables(surface: str) -> list[Variable]:
+    """Rows of the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
+    if surface == "bearing":
+        return FILM_VARIABLES
+    return [v for v in FILM_VARIABLES if v.name not in OF_BEARINGS]
 
 
 def _interface(shape):
@@ -101,6 +121,29 @@ def _interface(shape):
             "nodal_friction_force",
             "N",
             "Axial force of film and asperities on the skirt; its opposite acts on the bore",
+            0.1,
+            shape,
+        ),
+    ]
+
+
+def _turning(shape):
+    """What a bearing exchanges besides."""
+    return [
+        input_variable(
+            TURNING_INPUT,
+            "m/s",
+            "Circumferential velocity of journal minus shell at the end of the step, positive with "
+            "ascending i",
+            0.0,
+            1.0,
+            shape,
+        ),
+        output_variable(
+            TURNING_OUTPUT,
+            "N",
+            "Circumferential force of film and asperities on the journal, positive with ascending "
+            "i; its opposite acts on the shell",
             0.1,
             shape,
         ),
@@ -221,3 +264,10 @@ SUMMARY = (
     output_variable("solver_iterations", "1", "Factorisations in the last step", start=0),
 )
 """Outputs that sum the film up."""
+
+FRICTION_TORQUE = output_variable(
+    "friction_torque",
+    "N.m",
+    "Turning moment of the circumferential forces on the journal about the axis of the shell",
+    1.0,
+)

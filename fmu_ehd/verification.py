@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from ..master.fmi.checks import Check, at_most
-from . import asperity, oil, roughness, storage
+from . import asperity, bearing_verification, oil, roughness, storage
 from .cavitation import NotConverged
 from .film_step import FilmSolution, FilmStep
 from .films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
@@ -878,6 +878,7 @@ def checks() -> Checks:
         pocket_slider_checks,
         parabolic_slider_checks,
         journal_bearing_checks,
+        bearing_verification.checks,
         oil_checks,
         roughness_checks,
         contact_checks,

@@ -20,6 +20,7 @@ OUTER = {
     "build.py",
     "options.py",
     "verification.py",
+    "bearing_verification.py",
     "offline.py",
     "alone.py",
     "preview.py",

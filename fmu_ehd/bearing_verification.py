@@ -1,0 +1,679 @@
+"""Verification of a film that slides around: journal bearings against closed forms, published
+tables and independent solutions.
+
+The journal's displacement (x, y) from the axis of the shell, U = R omega its surface velocity:
+
+Eq. (V4):  h = C - x cos theta - y sin theta,   F = -sum of pressure force (cos theta, sin theta)
+
+Long bearing (Sommerfeld), full film, and short one (Ocvirk), pressure where it is positive; e
+eccentricity over C, phi attitude angle, M moment about the axis of the journal:
+
+Eq. (V5):  F/L = 12 pi mu U (R/C)^2 e / ((2 + e^2) s),   M/L = 4 pi mu U R^2/C (1 + 2 e^2) / ((2 +
+           e^2) s),   s^2 = 1 - e^2
+Eq. (V6):  F = mu U L^3/(4 C^2) e/s^4 (16 e^2 + pi^2 s^2)^(1/2),   tan phi = pi s / (4 e)
+Eq. (V7):  M = 2 pi mu U R L (R/C) / s + F C e sin(phi) / 2
+
+Short bearing whose journal moves, pressure p averaged over its length; the mobility method
+[Booker1965] asks which velocity carries a load:
+
+Eq. (V8):  p = max(-mu L^2 (dh/dt + omega/2 dh/dtheta) / h^3, 0)
+
+References
+----------
+[Raimondi1958] A. A. Raimondi, J. Boyd, A solution for the finite journal bearing and its
+application to analysis and design III, ASLE Trans. 1 (1958) 194-209.
+[Ocvirk1952] F. W. Ocvirk, Short-bearing approximation for full journal bearings, NACA TN 2808
+(1952).
+[Booker1965] J. F. Booker, Dynamically loaded journal bearings: mobility method of solution, J.
+Basic Eng. 87 (1965) 537-546.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
+from scipy.sparse import lil_matrix
+from scipy.sparse.linalg import spsolve
+
+from ..master.fmi.checks import Check, at_most
+from .cavitation import NotConverged
+from .grid import Array, Flags
+from .model import LubricationModel
+from .oil import Oil
+from .parameters import Parameters
+from .storage import euler_step
+
+Checks = Iterator[Check]
+
+RADIUS = 0.05  # of the shell [m]
+CLEARANCE = 5e-5  # C [m]
+SPEED = 10.0  # U [m/s]
+VISCOSITY = 0.02  # [Pa s]
+QUADRATURE = 720  # points around of a short film
+NEWTON = 25  # iterations of a step of a moving journal
+STEADY = 1e9  # length of a step after which a film is steady [s]
+
+# [Raimondi1958], full bearing: (L/D, e) -> Sommerfeld number S, attitude angle [deg], friction
+# (R/C) f, flow Q/(R C N L) and the share of it that leaks at the sides
+TABLE = {
+    (1.0, 0.4): (0.264, 63.10, 5.79, 3.99, 0.497),
+    (1.0, 0.6): (0.121, 50.58, 3.22, 4.33, 0.680),
+    (1.0, 0.8): (0.0446, 36.24, 1.70, 4.62, 0.842),
+    (0.5, 0.4): (0.779, 61.45, 17.0, 4.29, 0.552),
+    (0.5, 0.6): (0.319, 48.14, 8.10, 4.85, 0.730),
+    (0.5, 0.8): (0.0923, 33.31, 3.26, 5.41, 0.874),
+    (0.25, 0.4): (2.83, 60.86, 61.1, 4.37, 0.567),
+    (0.25, 0.6): (1.07, 46.72, 26.7, 4.99, 0.746),
+    (0.25, 0.8): (0.261, 31.04, 8.80, 5.60, 0.884),
+}
+
+
+class Steady(NamedTuple):
+    """load: F [N]; attitude: phi [deg]; moment: M, of friction [N m]; outputs: of the film."""
+
+    load: float
+    attitude: float
+    moment: float
+    outputs: dict[str, Any]
+
+
+def angles(shape: tuple[int, int]) -> Array:
+    """Theta of the cells around [rad], the first at 0."""
+    theta: Array = np.arange(0.0, shape[0]) * (2.0 * np.pi / shape[0])
+    return theta
+
+
+def bearing(shape: tuple[int, int], length: float, **changes: Any) -> LubricationModel:
+    """Model of a bearing of a length [m]."""
+    given: dict[str, Any] = (
+        dict(bore_radius=RADIUS, skirt_length=length, oil=Oil(viscosity=VISCOSITY)) | changes
+    )
+    return LubricationModel(Parameters(shape, surface="bearing", minimum_flow_film=1e-9, **given))
+
+
+def steady(model: LubricationModel, film_thickness: Array, speed: float = SPEED) -> dict[str, Any]:
+    """Outputs of a steady film under a journal that turns."""
+    still = np.zeros(model.grid.shape)
+    turning = np.full(model.grid.shape, speed)
+    state, _ = model.start(film_thickness, still, turning)
+    _, outputs = model.advance(state, film_thickness, still, STEADY, turning)
+    return outputs
+
+
+def eccentric(shape: tuple[int, int], eccentricity: float) -> Array:
+    """Film thickness of a parallel journal, thickest at theta = 0, Eq. (V4) [m]."""
+    h = CLEARANCE * (1.0 + eccentricity * np.cos(angles(shape)))
+    return np.ascontiguousarray(np.broadcast_to(h[:, None], shape))
+
+
+def resultant(pressure_force: Array) -> Array:
+    """F on the journal, Eq. (V4) [N]."""
+    theta = angles(pressure_force.shape)
+    around = pressure_force.sum(axis=1)
+    # Eq. (V4)
+    return -np.array([around @ np.cos(theta), around @ np.sin(theta)])
+
+
+def journal(ratio: float, eccentricity: float, shape: tuple[int, int], **changes: Any) -> Steady:
+    """Steady bearing of L/D = `ratio`."""
+    model = bearing(shape, 2.0 * RADIUS * ratio, **changes)
+    outputs = steady(model, eccentric(shape, eccentricity))
+    x, y = resultant(outputs["nodal_pressure_force"])
+    # the journal lies at theta = pi, the load is the opposite of the film's force
+    attitude = np.degrees(np.arctan2(-y, x))
+    moment = outputs["friction_power"] * RADIUS / SPEED
+    return Steady(float(np.hypot(x, y)), float(attitude), moment, outputs)
+
+
+def grooved(shape: tuple[int, int]) -> Flags:
+    """An axial groove, one cell wide, where the film is thickest."""
+    cells = np.zeros(shape, dtype=bool)
+    cells[0] = True
+    return cells
+
+
+# ---- steady bearings
+
+
+def table_checks() -> Checks:
+    """Finite bearings that conserve oil, fed by an axial groove at the thickest film."""
+    shape = (120, 24)
+    for (ratio, eccentricity), (number, angle, friction, flow, side) in TABLE.items():
+        found = journal(
+            ratio,
+            eccentricity,
+            shape,
+            open_cells=grooved(shape),
+            cavity_shear="full_film",
+        )
+        length = 2.0 * RADIUS * ratio
+        turns = SPEED / (2.0 * np.pi * RADIUS)
+        scale = RADIUS / CLEARANCE
+        leak = -found.outputs["flow_lower_edge"] - found.outputs["flow_upper_edge"]
+        case = f"Journal bearing L/D={ratio:g}, e={eccentricity:g}, groove, jfo, 120x24"
+        for name, value, reference in (
+            (
+                "Sommerfeld number S",
+                VISCOSITY * turns * 2.0 * RADIUS * length / found.load * scale**2,
+                number,
+            ),
+            ("attitude angle [deg]", found.attitude, angle),
+            ("friction (R/C) f", found.moment / RADIUS / found.load * scale, friction),
+            ("side flow Q/(R C N L)", leak / (RADIUS * CLEARANCE * turns * length), flow * side),
+        ):
+            yield Check(
+                case,
+                name if "[" in name else f"{name} [-]",
+                value,
+                reference,
+                0.016,
+                kind="relative",
+                source="published table (Raimondi and Boyd 1958)",
+                reason="three digits on a coarse grid of 1958; re-solved by others within 1.5 %",
+            )
+        yield at_most(
+            case,
+            "mass imbalance [-]",
+            found.outputs["mass_imbalance"],
+            1e-13,
+            source="conservation",
+            reason="round-off",
+        )
+
+
+def long_bearing_checks() -> Checks:
+    """Infinitely long bearing with a full film."""
+    e = 0.6
+    shape = (240, 4)
+    # a shell of 1 mm radius and 2 m length leaks at its ends nothing that counts
+    radius, length = 1e-3, 2.0
+    model = bearing(shape, length, bore_radius=radius, cavitation_model="full_film")
+    outputs = steady(model, eccentric(shape, e))
+    inner = outputs["nodal_pressure_force"] * [0.0, 2.0, 2.0, 0.0]  # ends left out
+    x, y = resultant(inner) / length
+    s = np.sqrt(1.0 - e**2)
+    stress = VISCOSITY * SPEED * (radius / CLEARANCE) ** 2
+    case = "Long journal bearing, e=0.6, full film, 240 cells"
+    load = 12.0 * np.pi * stress * e / ((2.0 + e**2) * s)  # Eq. (V5)
+    moment = 4.0 * np.pi * stress * CLEARANCE * (1.0 + 2.0 * e**2) / ((2.0 + e**2) * s)
+    for name, value, reference in (
+        ("load F/L [N/m]", np.hypot(x, y), load),
+        ("moment of friction M/L [N]", outputs["friction_power"] * radius / SPEED / length, moment),
+    ):
+        yield Check(
+            case,
+            name,
+            value,
+            reference,
+            2e-3,
+            kind="relative",
+            source="closed form (Sommerfeld 1904)",
+            reason="second order in the cell size, and 1e-3 of the length at its ends",
+        )
+    yield Check(
+        case,
+        "attitude angle [deg]",
+        np.degrees(np.arctan2(-y, x)),
+        90.0,
+        1e-6,
+        kind="absolute",
+        source="closed form (Sommerfeld 1904)",
+        reason="symmetry",
+    )
+
+
+def short_load(length: float, e: float) -> float:
+    """F of Eq. (V6) [N]."""
+    square = 1.0 - e**2
+    scale = VISCOSITY * SPEED * length**3 / (4.0 * CLEARANCE**2)
+    return scale * e / square**2 * np.sqrt(16.0 * e**2 + np.pi**2 * square)  # Eq. (V6)
+
+
+def short_bearing_checks() -> Checks:
+    """Short bearing, pressure below zero cut off."""
+    ratio = 0.02
+    length = 2.0 * RADIUS * ratio
+    for e in (0.3, 0.6, 0.8):
+        s = np.sqrt(1.0 - e**2)
+        found = journal(ratio, e, (180, 24), cavitation_model="gumbel", cavity_shear="full_film")
+        case = f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 180x24"
+        load = short_load(length, e)
+        angle = np.arctan2(np.pi * s, 4.0 * e)  # Eq. (V6)
+        # Eq. (V7)
+        couette = 2.0 * np.pi * VISCOSITY * SPEED * RADIUS * length * RADIUS / CLEARANCE / s
+        moment = couette + 0.5 * load * CLEARANCE * e * np.sin(angle)
+        for name, value, reference in (
+            ("load F [N]", found.load, load),
+            ("attitude angle [deg]", found.attitude, np.degrees(angle)),
+            ("moment of friction M [N m]", found.moment, moment),
+        ):
+            yield Check(
+                case,
+                name,
+                value,
+                reference,
+                5e-3,
+                kind="relative",
+                source="closed form (Ocvirk 1952)",
+                reason="length over diameter squared, 4e-4, and second order in the cell size",
+            )
+
+
+def balance_checks() -> Checks:
+    """Power of the journal and its moment about its own axis, and forces on both surfaces."""
+    shape = (90, 12)
+    e = 0.7
+    found = journal(0.5, e, shape)
+    _, y = resultant(found.outputs["nodal_pressure_force"])
+    step = 2.0 * np.pi / shape[0]
+    lever = CLEARANCE * e * np.sin(step) / step  # the cosine by differences over two cells
+    yield Check(
+        "Journal bearing L/D=0.5, e=0.7, jfo, 90x12",
+        "power over speed against the moment about the journal's axis [N m]",
+        found.moment,
+        -found.outputs["friction_torque"] - lever * y,
+        1e-9,
+        kind="relative",
+        source="moment balance",
+        reason="round-off: summation by parts",
+    )
+
+
+# ---- grooves and holes
+
+
+def circumferential_groove_checks() -> Checks:
+    """Bearing at rest, fed in the middle by a groove all around.
+
+    Eq. (V9):  Q = pi R C^3 p_s (1 + 3/2 e^2) / (3 mu l),   l length of each land
+    """
+    shape = (120, 21)
+    length = 0.042
+    supply = 3e5
+    cells = np.zeros(shape, dtype=bool)
+    cells[:, 10] = True
+    e = 0.5
+    model = bearing(shape, length, open_cells=cells, opening_supply="own", pressure_openings=supply)
+    outputs = steady(model, eccentric(shape, e), 0.0)
+    # Eq. (V9)
+    flow = np.pi * RADIUS * CLEARANCE**3 * supply * (1.0 + 1.5 * e**2) / (3.0 * VISCOSITY * 0.02)
+    yield Check(
+        "Circumferential groove, e=0.5, at rest, 120x21",
+        "flow [m3/s]",
+        outputs["flow_openings"],
+        flow,
+        1e-9,
+        kind="relative",
+        source="closed form",
+        reason="pressure straight along each land: exact on the grid",
+    )
+
+
+def plain_reynolds(
+    film_thickness: Array, turning: float, length: float, fed: Flags, supply: float
+) -> Array:
+    """Pressure of a full film by a solution of its own: finite differences between cell centres of
+    div(h^3 grad p)/(12 mu) = U/2 dh/dx, scipy's sparse solver; `fed` cells hold `supply` [Pa].
+    """
+    n_c, n_a = film_thickness.shape
+    dx = 2.0 * np.pi * RADIUS / n_c
+    dy = length / n_a
+    matrix = lil_matrix((n_c * n_a, n_c * n_a))
+    right = np.zeros(n_c * n_a)
+    for i in range(n_c):
+        for j in range(n_a):
+            row = i * n_a + j
+            if fed[i, j]:
+                matrix[row, row] = 1.0
+                right[row] = supply
+                continue
+            for k, m, across, along in (
+                ((i - 1) % n_c, j, dx, dy),
+                ((i + 1) % n_c, j, dx, dy),
+                (i, j - 1, dy, dx),
+                (i, j + 1, dy, dx),
+            ):
+                inside = 0 <= m < n_a
+                other = film_thickness[k, m] if inside else film_thickness[i, j]
+                mean = (0.5 * (film_thickness[i, j] + other)) ** 3 / (12.0 * VISCOSITY)
+                # a fed neighbour begins at the face
+                distance = across if inside and not fed[k, m] else 0.5 * across
+                weight = mean * along / distance
+                matrix[row, row] += weight
+                if inside:
+                    matrix[row, k * n_a + m] -= weight
+            slope = film_thickness[(i + 1) % n_c, j] - film_thickness[(i - 1) % n_c, j]
+            right[row] = -0.5 * turning * 0.5 * slope * dy
+    return np.asarray(spsolve(matrix.tocsr(), right)).reshape(n_c, n_a)
+
+
+def fed_checks() -> Checks:
+    """A hole, and an axial groove shorter than the bearing, in a full film that turns."""
+    length = 0.05
+    supply = 2e5
+    shape = (180, 60)
+    film = eccentric(shape, 0.4)
+    for name, rows, columns in (
+        ("hole", slice(6, 12), slice(24, 36)),
+        ("axial groove", slice(4, 6), slice(10, 50)),
+    ):
+        cells = np.zeros(shape, dtype=bool)
+        cells[rows, columns] = True
+        model = bearing(
+            shape,
+            length,
+            open_cells=cells,
+            opening_supply="own",
+            pressure_openings=supply,
+            cavitation_model="full_film",
+        )
+        outputs = steady(model, film)
+        pressure = plain_reynolds(film, SPEED, length, cells, supply)
+        area = np.where(cells, 0.0, model.grid.cell_area)
+        load = np.hypot(*resultant(pressure * area))
+        leak = (film[:, [0, -1]] ** 3 * pressure[:, [0, -1]]).sum() * model.grid.cells.dx
+        leak /= 12.0 * VISCOSITY * 0.5 * model.grid.cells.dy
+        case = f"Bearing L/D=0.5, e=0.4, full film, {name} with supply, 180x60"
+        for what, value, reference, tolerance in (
+            ("load [N]", np.hypot(*resultant(outputs["nodal_pressure_force"])), load, 1e-3),
+            ("flow [m3/s]", outputs["flow_openings"], leak, 4e-3),
+        ):
+            yield Check(
+                case,
+                what,
+                value,
+                reference,
+                tolerance,
+                kind="relative",
+                source="independent sparse solution",
+                reason="other means of the film at faces: second order in the cell size",
+            )
+
+
+def misalignment_checks() -> Checks:
+    """A journal tilted in its shell: moments of the pressure."""
+    shape = (90, 30)
+    length = 0.05
+    y = (np.arange(shape[1]) + 0.5) / shape[1] - 0.5
+    theta = angles(shape)[:, None]
+    film = CLEARANCE * (1.0 + 0.4 * np.cos(theta) + 0.5 * y * np.cos(theta - 0.8))
+    model = bearing(shape, length, cavitation_model="full_film")
+    force = steady(model, film)["nodal_pressure_force"]
+    pressure = plain_reynolds(film, SPEED, length, np.zeros(shape, dtype=bool), 0.0)
+    for name, direction in (("cosine", np.cos(theta)), ("sine", np.sin(theta))):
+        lever = y * length * direction
+        yield Check(
+            "Bearing L/D=0.5, e=0.4, tilted by half its clearance, full film, 90x30",
+            f"moment, {name} part [N m]",
+            float((force * lever).sum()),
+            float((pressure * model.grid.cell_area * lever).sum()),
+            2e-3,
+            kind="relative",
+            source="independent sparse solution",
+            reason="other means of the film at faces: second order in the cell size",
+        )
+
+
+# ---- journals that move
+
+
+class Motion(NamedTuple):
+    """Positions of a journal, ndarray of shape (n, 2) [m], at times [s]; imbalance: largest of a
+    step [-].
+    """
+
+    times: Array
+    positions: Array
+    imbalance: float
+
+
+class Rotor:
+    """A rigid journal in a bearing, alone with its film: m x'' = F + W by the trapezoidal rule, F +
+    W = 0 at each end of a step without mass; Newton's method on the exact tangent.
+
+    Parameters
+    ----------
+    model : LubricationModel
+    load : callable
+        W(t), ndarray of shape (2,) [N].
+    mass : float
+        [kg].
+    """
+
+    def __init__(self, model: LubricationModel, load: Callable[[float], Array], mass: float = 0.0):
+        self.model = model
+        self.load = load
+        self.mass = mass
+        theta = angles(model.grid.shape)[:, None]
+        self.directions = np.array([np.cos(theta), np.sin(theta)])
+        self.still = np.zeros(model.grid.shape)
+        self.turning = np.full(model.grid.shape, SPEED)
+
+    def film(self, position: Array) -> Array:
+        """Film thickness, Eq. (V4) [m]."""
+        h = CLEARANCE - np.tensordot(position, self.directions, 1)  # Eq. (V4)
+        return np.ascontiguousarray(np.broadcast_to(h, self.still.shape))
+
+    def move(self, position: Array, step: float, steps: int) -> Motion:
+        """Motion from a position [m] on, at rest and with a mass in equilibrium."""
+        state, _ = self.model.start(self.film(position), self.still, self.turning)
+        positions = [position]
+        velocity = np.zeros(2)
+        total = np.zeros(2)
+        imbalance = 0.0
+        for k in range(1, steps + 1):
+            before = positions[-1]
+            last = velocity
+            position = before + step * last
+            for _ in range(NEWTON):
+                after, outputs = self.model.advance(
+                    state, self.film(position), self.still, step, self.turning
+                )
+                load = self.load(k * step)
+                sum_of_forces = resultant(outputs["nodal_pressure_force"]) + load
+                velocity = (position - before) / step
+                missing = sum_of_forces
+                stiffness = self.stiffness()
+                if self.mass > 0.0:
+                    velocity = 2.0 * velocity - last
+                    missing = 0.5 * (total + sum_of_forces) - self.mass * (velocity - last) / step
+                    stiffness = 0.5 * stiffness + 2.0 * self.mass / step**2 * np.eye(2)
+                if np.abs(missing).max() < 1e-10 * np.abs(load).max():
+                    break
+                change = np.linalg.solve(stiffness, missing)
+                room = 0.3 * (CLEARANCE - np.hypot(*position))
+                position = position + change * min(1.0, room / np.hypot(*change))
+            else:
+                raise NotConverged(f"journal at {k * step:g} s: forces {missing} N are left")
+            state = after
+            total = sum_of_forces
+            imbalance = max(imbalance, outputs["mass_imbalance"])
+            positions.append(position)
+        times: Array = np.arange(0.0, steps + 1.0) * step
+        return Motion(times, np.array(positions), imbalance)
+
+    def stiffness(self) -> Array:
+        """-dF/dx of the step just taken, shape (2, 2) [N/m]."""
+        dfilm = -np.broadcast_to(self.directions, (2, *self.still.shape))
+        normal, *_ = self.model.tangent(dfilm, np.zeros_like(dfilm))
+        return -np.array([resultant(part) for part in normal]).T
+
+
+def short_film_force(position: Array, velocity: Array, length: float, turns: float) -> Array:
+    """F of a short film on a journal, pressure cut off below zero, Eqs. (V4), (V8) [N].
+
+    Parameters
+    ----------
+    position, velocity : ndarray, shape (2,)
+        [m], [m/s].
+    length : float
+        L [m].
+    turns : float
+        omega [rad/s].
+    """
+    theta = 2.0 * np.pi / QUADRATURE * np.arange(QUADRATURE)
+    cos = np.cos(theta)
+    sin = np.sin(theta)
+    x, y = position
+    h = CLEARANCE - x * cos - y * sin  # Eq. (V4)
+    vx, vy = velocity
+    growth = -vx * cos - vy * sin + 0.5 * turns * (x * sin - y * cos)
+    pressure = np.maximum(-VISCOSITY * length**2 * growth / h**3, 0.0)  # Eq. (V8)
+    area = 2.0 * np.pi / QUADRATURE * RADIUS * length
+    return -area * np.array([pressure @ cos, pressure @ sin])
+
+
+def mobility_orbit(
+    length: float, load: Callable[[float], Array], times: Array, start: Array
+) -> Array:
+    """Positions of a massless journal in a short bearing, shape (n, 2) [m]: at each instant the
+    velocity with which the film, Eq. (V8), carries the load.
+    """
+    omega = SPEED / RADIUS
+    guess = np.zeros(2)
+
+    def velocity(time, place):
+        nonlocal guess
+        force = load(time)
+
+        def missing(speed):
+            film = short_film_force(CLEARANCE * place, CLEARANCE * speed, length, omega)
+            return (film + force) / np.abs(force).max()
+
+        guess = root(missing, guess, tol=1e-12).x
+        return guess
+
+    found = solve_ivp(
+        velocity, (0.0, times[-1]), start / CLEARANCE, t_eval=times, rtol=1e-6, atol=1e-8
+    )
+    return CLEARANCE * found.y.T
+
+
+def orbit_checks() -> Checks:
+    """Orbit of a massless journal in a short bearing under a load that turns and one that swings,
+    against the mobility method.
+    """
+    ratio = 0.04
+    length = 2.0 * RADIUS * ratio
+    omega = SPEED / RADIUS
+    size = short_load(length, 0.4)
+
+    def rotating(time):
+        return size * np.array([np.cos(0.7 * omega * time), np.sin(0.7 * omega * time)])
+
+    def swinging(time):
+        return size * np.array([1.0, 0.6 * np.sin(omega * time)])
+
+    start = np.array([0.2, 0.1]) * CLEARANCE
+    for name, load in (("rotating", rotating), ("swinging", swinging)):
+        steps = 120
+        step = 2.0 * 2.0 * np.pi / omega / steps
+        model = bearing((90, 16), length, cavitation_model="gumbel")
+        motion = Rotor(model, load).move(start, step, steps)
+        exact = mobility_orbit(length, load, motion.times, start)
+        distance = np.linalg.norm(motion.positions - exact, axis=1)
+        yield Check(
+            f"Short journal bearing L/D=1/25, {name} load, two turns, half Sommerfeld, 90x16",
+            "largest eccentricity [m]",
+            np.linalg.norm(motion.positions, axis=1).max(),
+            np.linalg.norm(exact, axis=1).max(),
+            8e-3,
+            kind="relative",
+            source="mobility method on Ocvirk's film (Booker 1965)",
+            reason="second order in the cell size, length over diameter squared",
+        )
+        yield at_most(
+            f"Short journal bearing L/D=1/25, {name} load, two turns, half Sommerfeld, 90x16",
+            "distance of the orbits, rms over the clearance [-]",
+            np.sqrt(np.mean(distance**2)) / CLEARANCE,
+            6e-3,
+            source="mobility method on Ocvirk's film (Booker 1965)",
+            reason="second order in the cell size, length over diameter squared",
+        )
+
+
+def critical_mass(stiffness: Array, damping: Array) -> float:
+    """Mass of a rigid rotor above which it whirls of itself, K and D of shape (2, 2) [kg].
+
+    Eq. (V10):  det(K - m nu^2 + i nu D) = 0 for a real nu
+    """
+    cross = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+    def mixed(a, b):
+        """det of a matrix is bilinear in its columns: the mixed part."""
+        return float(np.sum(a * (cross @ b @ cross.T)))
+
+    # Eq. (V10): imaginary part gives k = m nu^2, real part nu^2
+    k = mixed(stiffness, damping) / np.trace(damping)
+    rest = stiffness - k * np.eye(2)
+    return k * np.linalg.det(damping) / np.linalg.det(rest)
+
+
+def film_coefficients(length: float, e: float, model: str) -> tuple[Array, Array]:
+    """K and D of a bearing about its steady position, from the tangents of a steady and of a short
+    step, shape (2, 2) [N/m], [N s/m].
+    """
+    shape = (360, 24)
+    film = bearing(shape, length, cavitation_model=model)
+    rotor = Rotor(film, lambda time: np.zeros(2))
+    thickness = rotor.film(np.array([-e * CLEARANCE, 0.0]))
+    state, _ = film.start(thickness, rotor.still, rotor.turning)
+    state, _ = film.advance(state, thickness, rotor.still, STEADY, rotor.turning)
+    stiffness = rotor.stiffness()
+    short = 1e-6
+    length_of_step = euler_step(state.past, short).length
+    film.advance(state, thickness, rotor.still, short, rotor.turning)
+    # the balance holds dh over the length of the step: K + D / H_e
+    return stiffness, (rotor.stiffness() - stiffness) * length_of_step
+
+
+def whirl_checks() -> Checks:
+    """Onset of whirl of a rigid rotor in a short bearing."""
+    ratio = 0.02
+    length = 2.0 * RADIUS * ratio
+    omega = SPEED / RADIUS
+    for e in (0.3, 0.5):
+        place = np.array([-e * CLEARANCE, 0.0])
+        small = 1e-6 * CLEARANCE
+        stiffness = np.empty((2, 2))
+        damping = np.empty((2, 2))
+        for k, to in enumerate(np.eye(2)):
+            moved = [
+                short_film_force(place + by * to, np.zeros(2), length, omega)
+                for by in (small, -small)
+            ]
+            stiffness[:, k] = -(moved[0] - moved[1]) / (2.0 * small)
+            damped = [
+                short_film_force(place, by * omega * to, length, omega) for by in (small, -small)
+            ]
+            damping[:, k] = -(damped[0] - damped[1]) / (2.0 * small * omega)
+        found = critical_mass(*film_coefficients(length, e, "gumbel"))
+        load = short_load(length, e)
+        yield Check(
+            f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 360x24",
+            "onset of whirl: omega (m C / W)^(1/2) [-]",
+            omega * np.sqrt(found * CLEARANCE / load),
+            omega * np.sqrt(critical_mass(stiffness, damping) * CLEARANCE / load),
+            1e-2,
+            kind="relative",
+            source="short bearing by quadrature",
+            reason="the kink where pressure is cut off lies in a cell: first order",
+        )
+
+
+def checks() -> Checks:
+    """All of a bearing, in order."""
+    for case in (
+        table_checks,
+        long_bearing_checks,
+        short_bearing_checks,
+        balance_checks,
+        circumferential_groove_checks,
+        fed_checks,
+        misalignment_checks,
+        orbit_checks,
+        whirl_checks,
+    ):
+        yield from case()

@@ -1,0 +1,230 @@
+"""Shear around the circumference, and what sliding costs on a grid that rests on the bore.
+
+A bearing slides both ways, and its grid rests on the shell, its bore. Around the circumference, as
+Eqs. (F1), (F2) along the axis:
+
+Eq. (F6):  tau_v = -(f c W - b dp/dx)
+Eq. (F7):  tau_a = -tau_b W / s,   s^2 = V^2 + W^2 + v0^2
+
+both on the journal, their opposites on the shell; V axial, W circumferential velocity of the
+journal relative to the shell. Their moment about the axis of the shell is R sum A (tau_v + tau_a);
+about the journal's own, eccentric, axis that of the pressure comes to it. Pressure at right angles
+to the journal does the work of dh/dt alone, and along it acts its own shear, Eq. (F6) less h grad
+p. So sliding costs
+
+Eq. (F8):  P = -sum A (V tau_y + W tau_x) + sum A h (V dp/dy + W dp/dx)
+
+which is the journal's speed times its moment about its own axis: what a table calls friction.
+
+dp/dx is the central difference of face pressures, as dp/dy in `friction`. Arrays have the shape
+(n_c, n_a).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compiled
+from .films import COUETTE, POISEUILLE, FilmSlopes
+from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
+from .grid import Array
+
+
+class Turning(NamedTuple):
+    """What shear around the circumference knows beyond `friction.ShearInputs`.
+
+    velocity : ndarray, W [m/s]; end : pressure beyond the two ends of a sector [Pa]; dx : cell size
+    around [m]; ring : whether i is periodic.
+    """
+
+    velocity: Array
+    end: float
+    dx: float
+    ring: bool
+
+
+class TurningSlopes(NamedTuple):
+    """Derivatives of the circumferential force of each cell, and of the axial one as far as W and
+    the asperities take part; arrays of shape (n_c, n_a).
+
+    film : to film thickness [N/m]; own, axial : to W and V [N s/m]; shearing, gradient, pressure :
+    as in `friction.ShearSlopes`;
+    axial_own, axial_across : of the axial force, that of its asperities to V, and to W [N s/m].
+    """
+
+    film: Array
+    own: Array
+    axial: Array
+    shearing: Array
+    gradient: Array
+    pressure: Array
+    axial_own: Array
+    axial_across: Array
+
+
+class Changes(NamedTuple):
+    """Changes of film thickness [m], of V and W [m/s] and of the signed unknown, each ndarray of
+    shape (m, n_c, n_a).
+    """
+
+    film: Array
+    axial: Array
+    around: Array
+    unknown: Array
+
+
+@compiled
+def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: bool):
+    """Pressure gradient around the circumference from the pressures on both faces of each cell.
+
+    Parameters
+    ----------
+    pressure, area : ndarray, shape (n_c, n_a)
+        [Pa]; lubricated area, 0 in an opening, whose pressure reaches to its face [m2].
+    end, dx, ring
+        As in `Turning`.
+
+    Returns
+    -------
+    ndarray, shape (n_c, n_a)
+        [Pa/m].
+    """
+    n_c, n_a = pressure.shape
+    gradient = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            here = pressure[i, j]
+            west = pressure[(i - 1) % n_c, j]
+            east = pressure[(i + 1) % n_c, j]
+            before = west if area[(i - 1) % n_c, j] == 0.0 else 0.5 * (west + here)
+            behind = east if area[(i + 1) % n_c, j] == 0.0 else 0.5 * (here + east)
+            if not ring and i == 0:
+                before = end
+            if not ring and i == n_c - 1:
+                behind = end
+            gradient[i, j] = (behind - before) / dx
+    return gradient
+
+
+def boundary_shares(inputs: ShearInputs, turning: Turning) -> tuple[Array, Array]:
+    """Asperity forces along the axis and around it for a boundary stress of 1, Eq. (F7) [m2]."""
+    scale = -inputs.area / _speed(inputs, turning)  # Eq. (F7)
+    return scale * inputs.velocity, scale * turning.velocity
+
+
+def _speed(inputs, turning):
+    """s of Eq. (F7) [m/s]."""
+    square = inputs.velocity**2 + turning.velocity**2
+    return np.sqrt(square + inputs.constants.rounding_velocity**2)
+
+
+def _gradients(inputs, turning, pressure):
+    """Those of `gradients_around` with the pressure of a step."""
+    return gradients_around(pressure, inputs.area, turning.end, turning.dx, turning.ring)
+
+
+def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
+    """Circumferential force of film and asperities on the journal of each cell, Eqs. (F6), (F7);
+    positive with ascending i.
+    """
+    couette = inputs.shearing * inputs.film[COUETTE] * turning.velocity
+    driven = inputs.film[POISEUILLE] * _gradients(inputs, turning, inputs.pressure)
+    _, across = boundary_shares(inputs, turning)
+    # Eq. (F6)
+    return ShearForces(-inputs.area * (couette - driven), across * inputs.boundary_stress)
+
+
+def rubbing_power(inputs: ShearInputs, turning: Turning) -> float:
+    """Heat that shear by turning makes in the film, asperities apart, as Eq. (F5) with W [W]."""
+    couette = inputs.area * inputs.shearing * inputs.film[COUETTE]
+    return float(np.vdot(couette, turning.velocity**2))
+
+
+def carried_power(inputs: ShearInputs, turning: Turning, thickness: Array) -> float:
+    """Second sum of Eq. (F8) [W], for a film thickness h [m] of shape (n_c, n_a)."""
+    pressure, _, velocity, _, _, area, constants = inputs
+    along = gradients(pressure, area, constants.lower, constants.upper, constants.dy)
+    across = _gradients(inputs, turning, pressure)
+    # Eq. (F8)
+    return float(np.vdot(area * thickness, velocity * along + turning.velocity * across))
+
+
+def force_slopes(
+    inputs: ShearInputs, turning: Turning, slopes: tuple[FilmSlopes, FilmSlopes], by_pressure: Array
+) -> TurningSlopes:
+    """Derivatives of the circumferential force of each cell, and of the axial one as far as W and
+    the asperities take part.
+
+    Parameters
+    ----------
+    inputs : friction.ShearInputs
+    turning : Turning
+    slopes : tuple of films.FilmSlopes
+        `by_velocity` to V, and to W.
+    by_pressure : ndarray, shape (n_c, n_a)
+        By piezoviscosity, beyond the gradient [N/Pa].
+
+    Returns
+    -------
+    TurningSlopes
+    """
+    pressure, shearing, v, film, stress, area, _ = inputs
+    w = turning.velocity
+    across = _gradients(inputs, turning, pressure)
+    constants = inputs.constants
+    along = gradients(pressure, area, constants.lower, constants.upper, constants.dy)
+
+    def by(quantities, velocity, gradient):
+        """Derivative of a viscous force through the quantities of the film."""
+        if len(quantities) == 0:
+            return 0.0 * area
+        couette, poiseuille = quantities[COUETTE], quantities[POISEUILLE]
+        return -area * (shearing * velocity * couette - poiseuille * gradient)
+
+    to_v, to_w = slopes
+    s = _speed(inputs, turning)
+    dry = -area * stress / s
+    crosswise = -dry * v * w / s**2
+    return TurningSlopes(
+        film=by(to_w.by_film, w, across),
+        own=-area * shearing * film[COUETTE]
+        + by(to_w.by_velocity, w, across)
+        + dry * (1.0 - (w / s) ** 2),
+        axial=by(to_v.by_velocity, w, across) + crosswise,
+        shearing=-area * film[COUETTE] * w,
+        gradient=area * film[POISEUILLE],
+        pressure=by_pressure,
+        axial_own=dry * (1.0 - (v / s) ** 2),
+        axial_across=by(to_w.by_velocity, v, along) + crosswise,
+    )
+
+
+def force_changes(
+    slopes: TurningSlopes, shared: ForceSlopes, turning: Turning, changes: Changes, shear: Array
+) -> Array:
+    """Changes of the circumferential force, but for contact, shape (m, n_c, n_a) [N].
+
+    Parameters
+    ----------
+    slopes : TurningSlopes
+    shared : friction.ForceSlopes
+    turning : Turning
+    changes : Changes
+    shear : ndarray, shape (m, n_c, n_a)
+        Changes of the axial force by `friction.force_changes`, with no boundary stress; what W and
+        the asperities add is added in place [N].
+    """
+    dfilm, dv, dw, dunknown = changes
+    dpressure = shared.pressure_share * dunknown
+    dgradient = np.stack(
+        [gradients_around(dp, shared.area, 0.0, turning.dx, turning.ring) for dp in dpressure]
+    )
+    shear += slopes.axial_own * dv + slopes.axial_across * dw
+    return (
+        slopes.film * dfilm
+        + slopes.own * dw
+        + slopes.axial * dv
+        + slopes.shearing * shared.fraction_share * dunknown
+        + slopes.pressure * dpressure
+        + slopes.gradient * dgradient
+    )

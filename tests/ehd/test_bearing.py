@@ -1,0 +1,270 @@
+"""The film of a bearing: sliding around, sectors, and what does not go with it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import piston_cosim as pc
+from piston_cosim.fmu_ehd import bearing_verification as bearings
+from piston_cosim.fmu_ehd.build import prepare
+from piston_cosim.fmu_ehd.circumferential import gradients_around
+from piston_cosim.fmu_ehd.grid import Grid
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.fmu_ehd.slave import Ehd
+from piston_cosim.master.fmi.errors import BadInput
+
+SHAPE = (24, 8)
+
+
+def cut(shape):
+    """A groove and a hole."""
+    cells = np.zeros(shape, dtype=bool)
+    cells[0] = True
+    cells[7:9, 3:5] = True
+    return cells
+
+
+PHYSICS = {
+    "plain": dict(),
+    "reynolds": dict(cavitation_model="reynolds"),
+    "gumbel": dict(cavitation_model="gumbel"),
+    "full film": dict(cavitation_model="full_film", cavity_shear="full_film"),
+    "contact": dict(roughness_rms=6e-6),
+    "fed": dict(open_cells=cut(SHAPE), opening_supply="own", pressure_openings=3e5),
+    "barus": dict(oil=Oil(pressure_viscosity_law="barus_1893"), pressure_upper_edge=1e5),
+    "cross": dict(oil=Oil(shear_thinning_law="cross_1965")),
+    "coating": dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=6e-6),
+    "sector": dict(
+        sector_angle=2.5, opening_supply="own", pressure_openings=1e5, roughness_rms=6e-6
+    ),
+}
+
+
+def motion(time):
+    """Film thickness [m], axial and circumferential velocity [m/s] of a journal that turns, tilts
+    and shifts.
+    """
+    theta = np.arange(SHAPE[0]) * 2.0 * np.pi / SHAPE[0]
+    y = (np.arange(SHAPE[1]) + 0.5) / SHAPE[1] - 0.5
+    turn = 2.0 * np.pi * 50.0 * time
+    film = 3e-5 * (1.0 + (0.5 + 0.2 * y + 0.1 * np.sin(turn)) * np.cos(theta[:, None] - turn))
+    uneven = 1.0 + 0.2 * np.cos(theta[:, None] + 3.0 * y)
+    return film, 1.5 * np.cos(turn) * uneven, 6.0 * (1.0 + 0.3 * np.sin(turn)) / uneven
+
+
+def run(changes, ends):
+    """A bearing after steps that end at given times [s]."""
+    model = LubricationModel(Parameters(SHAPE, surface="bearing", skirt_length=0.03, **changes))
+    film, axial, around = motion(0.0)
+    state, outputs = model.start(film, axial, around)
+    before = 0.0
+    for end in ends:
+        film, axial, around = motion(end)
+        state, outputs = model.advance(state, film, axial, end - before, around)
+        before = end
+    return model, state, outputs
+
+
+@pytest.mark.parametrize("name", PHYSICS)
+def test_tangent_is_exact_with_both_velocities(name):
+    step = 4e-5
+    model, state, _ = run(PHYSICS[name], step * np.arange(1, 31))
+    motions = motion(31 * step)
+    rng = np.random.default_rng(1)
+    names = ("nodal_pressure_force", "nodal_friction_force", "nodal_circumferential_force")
+    tried = 0
+    for _ in range(20):
+        change = [size * rng.standard_normal(SHAPE) for size in (1e-6, 1.0, 1.0)]
+
+        ends = []
+        for by in (1e-5, -1e-5):
+            film, axial, around = (m + by * c for m, c in zip(motions, change))
+            ends.append(model.advance(state, film, axial, step, around))
+        (ahead_state, ahead), (behind_state, behind) = ends
+        if not np.array_equal(ahead_state.unknown > 0.0, behind_state.unknown > 0.0):
+            continue  # a cell ruptures meanwhile: no derivative
+        film, axial, around = motions
+        model.advance(state, film, axial, step, around)
+        for found, output in zip(model.tangent(*change), names):
+            difference = (ahead[output] - behind[output]) / 2e-5
+            # third derivative times the difference squared, and round-off over the difference
+            assert np.abs(found - difference).max() < 2e-7 * np.abs(difference).max()
+        tried += 1
+        if tried == 2:
+            return
+    raise AssertionError("no direction without switching")
+
+
+def test_oil_is_conserved_to_round_off_and_the_film_ruptures():
+    ends = 5e-5 * np.arange(1, 41)
+    model, state, outputs = run({}, ends)
+    assert (outputs["film_fraction"] < 0.9).any()
+    assert outputs["mass_imbalance"] < 1e-12  # round-off
+
+
+def test_a_turning_bearing_is_an_axial_slider_on_its_side():
+    """One row around, a sector with both ends at ambient, is the pad of the skirt along its axis;
+    the grid rests on the bore, so sliding is the other way.
+    """
+    n = 30
+    slope = 1.0 + np.linspace(1.0, 0.0, n)
+    pad = LubricationModel(Parameters((4, n), skirt_length=0.03, bore_radius=0.02))
+    film = np.broadcast_to(2e-5 * slope, (4, n)).copy()
+    still = np.zeros((4, n))
+    state, _ = pad.start(film, still - 4.0)
+    _, along = pad.advance(state, film, still - 4.0, 1e-4)
+    # so wide along that its open edges do not count in the middle
+    around = LubricationModel(
+        Parameters((n, 4), surface="bearing", bore_radius=0.02, sector_angle=1.5, skirt_length=2.0)
+    )
+    film = np.ascontiguousarray(np.broadcast_to(2e-5 * slope[:, None], (n, 4)))
+    still = np.zeros((n, 4))
+    state, _ = around.start(film, still, still + 4.0)
+    _, across = around.advance(state, film, still, 1e-4, still + 4.0)
+    # both reach 30 mm in sliding; ends of a length 2 m leak 1e-3 of their cell
+    assert np.allclose(across["pressure"][:, 1], along["pressure"][0], rtol=1e-4)
+    shear = along["nodal_friction_force"][0] / pad.grid.cell_area
+    turned = across["nodal_circumferential_force"][:, 1] / around.grid.cell_area
+    # the slope belongs to the other surface: forces on both differ by h dp/dx, Eq. (F8)
+    pressure = along["pressure"][0]
+    carried = film[1:-1, 1] * (pressure[2:] - pressure[:-2]) / (2.0 * 1e-3)
+    assert np.allclose((turned + shear)[1:-1], carried, rtol=1e-4, atol=1e-4 * shear.max())
+
+
+def test_a_skirt_given_nothing_around_has_its_axial_pressure_on_a_bearing_too():
+    """The grid of a bearing rests on the other surface: with a film that is steady there, sliding
+    to and fro change places.
+    """
+    film = np.ascontiguousarray(np.broadcast_to(np.linspace(1e-5, 2e-5, 8), SHAPE))
+    still = np.zeros(SHAPE)
+    found = {}
+    for surface, velocity in (("skirt", 3.0), ("bearing", -3.0)):
+        model = LubricationModel(Parameters(SHAPE, surface=surface))
+        state, _ = model.start(film, still + velocity)
+        _, found[surface] = model.advance(state, film, still + velocity, 1e9)
+    assert np.array_equal(found["skirt"]["pressure"], found["bearing"]["pressure"])
+    assert found["skirt"]["nodal_friction_force"].sum() < 0.0
+    assert found["bearing"]["nodal_friction_force"].sum() > 0.0
+
+
+def test_couette_torque_and_power_of_a_concentric_journal():
+    film = np.full(SHAPE, 2e-5)
+    still = np.zeros(SHAPE)
+    p = Parameters(SHAPE, surface="bearing", oil=Oil(viscosity=0.02), skirt_length=0.04)
+    model = LubricationModel(p)
+    state, _ = model.start(film, still + 3.0, still + 4.0)
+    _, outputs = model.advance(state, film, still + 3.0, 1e-4, still + 4.0)
+    area = 2.0 * np.pi * p.bore_radius * 0.04
+    # Petroff: mu W / h by area and radius; power mu (V^2 + W^2) / h
+    assert outputs["friction_torque"] == pytest.approx(-0.02 * 4.0 / 2e-5 * area * p.bore_radius)
+    assert outputs["friction_power"] == pytest.approx(0.02 * 25.0 / 2e-5 * area)
+
+
+def test_coulomb_friction_points_against_both_velocities():
+    film = np.full(SHAPE, 1e-6)
+    still = np.zeros(SHAPE)
+    p = Parameters(SHAPE, surface="bearing", roughness_rms=1e-6, oil=Oil(viscosity=1e-5))
+    model = LubricationModel(p)
+    state, _ = model.start(film, still + 3.0, still - 4.0)
+    _, outputs = model.advance(state, film, still + 3.0, 1e-4, still - 4.0)
+    normal = p.boundary_friction_coefficient * outputs["asperity_pressure"] * model.grid.cell_area
+    viscous = 1e-5 / 1e-6 * model.grid.cell_area
+    # v0 = 1 mm/s beside 5 m/s: 2e-8
+    assert np.allclose(outputs["nodal_friction_force"], -0.6 * normal - 3.0 * viscous, rtol=1e-6)
+    expected = 0.8 * normal + 4.0 * viscous
+    assert np.allclose(outputs["nodal_circumferential_force"], expected, rtol=1e-6)
+
+
+def test_gradient_around_by_hand():
+    pressure = np.array([[1.0], [3.0], [9.0], [4.0]])
+    area = np.ones((4, 1))
+    ring = gradients_around(pressure, area, 0.0, 0.5, True)
+    assert ring.ravel().tolist() == [-1.0, 8.0, 1.0, -8.0]
+    sector = gradients_around(pressure, area, 2.0, 0.5, False)
+    # faces 2, 2 | 2, 6 | 6, 6.5 | 6.5, 2
+    assert sector.ravel().tolist() == [0.0, 8.0, 1.0, -9.0]
+    area[1] = 0.0  # an opening, whose pressure reaches to the face
+    assert gradients_around(pressure, area, 0.0, 0.5, True).ravel().tolist()[2] == 7.0
+
+
+def test_sector_has_the_supply_at_its_ends():
+    """Between parallel surfaces at rest pressure falls straight from end to end of a long film."""
+    p = Parameters(
+        (20, 4),
+        surface="bearing",
+        sector_angle=1.0,
+        skirt_length=2.0,
+        bore_radius=0.01,
+        opening_supply="own",
+        pressure_openings=2e5,
+    )
+    model = LubricationModel(p)
+    film = np.full((20, 4), 2e-5)
+    state, _ = model.start(film, 0.0 * film)
+    _, outputs = model.advance(state, film, 0.0 * film, 1e9)
+    assert model.grid == Grid((20, 4), 0.01, 2.0, ring=False)
+    assert np.allclose(outputs["pressure"][:, 1:3], 2e5, rtol=1e-3)
+    # what comes in at the ends leaves over the edges
+    leak = outputs["flow_lower_edge"] + outputs["flow_upper_edge"]
+    assert outputs["flow_openings"] == pytest.approx(-leak, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "changes, words",
+    [
+        (dict(surface="skirt", sector_angle=2.0), "a skirt is a ring"),
+        (dict(surface="bearing", oil_supply="bore"), "oil_supply = bore on a bearing"),
+        (
+            dict(surface="bearing", flow_factors="patir_cheng_1978", roughness_rms=1e-6),
+            "flow_factors = patir_cheng_1978 on a bearing",
+        ),
+        (dict(surface="bearing", sector_angle=2.0, open_cells=cut(SHAPE)), "with cut-outs"),
+    ],
+)
+def test_what_does_not_go_together_is_said(changes, words):
+    (sentence,) = faults(Parameters(SHAPE, **changes))
+    assert words in sentence
+
+
+def test_the_fmu_of_a_bearing_has_both_velocities_and_no_thrust_side(tmp_path):
+    options, _ = prepare({"grid": list(SHAPE), "surface": "bearing"}, Path("."), print)
+    (tmp_path / "build.json").write_text(json.dumps(options))
+    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    film, axial, around = motion(0.0)
+    slave.views["film_thickness"][...] = film
+    slave.views["sliding_velocity"][...] = axial
+    slave.views["circumferential_velocity"][...] = around
+    slave.exit_initialization_mode()
+    assert slave.do_step(0.0, 1e-4)
+    declared = {v.name for v in slave.table if v.causality == "output"}
+    _, outputs = slave.advance(slave.state, slave._values(), 0.0, 1e-4)
+    assert set(outputs) == declared
+    assert not any("thrust" in name for name in declared)
+    seeds = {name: np.ones(SHAPE) for name in slave.derivative_inputs}
+    assert set(slave.directional_derivative(seeds)) == set(slave.derivative_outputs)
+    assert slave.views["friction_torque"] < 0.0
+
+
+def test_a_film_in_python():
+    film = pc.Film(SHAPE, surface="bearing")
+    film.start(1e-5, 0.0, 2.0)
+    outputs = film.step(1e-5, 0.0, 1e-4, 2.0)
+    assert (outputs["nodal_circumferential_force"] < 0.0).all()
+    with pytest.raises(BadInput, match="surface = 'journal'"):
+        pc.Film(SHAPE, surface="journal")
+    skirt = pc.Film(SHAPE)
+    with pytest.raises(BadInput, match="only surface = bearing slides around"):
+        skirt.start(1e-5, 0.0, 2.0)
+
+
+def test_force_of_a_short_film_is_that_of_the_closed_form():
+    """Eq. (V8) against Eq. (V6): a journal at rest that turns."""
+    position = np.array([-0.6 * bearings.CLEARANCE, 0.0])
+    omega = bearings.SPEED / bearings.RADIUS
+    force = bearings.short_film_force(position, np.zeros(2), 4e-3, omega)
+    # the kink at p = 0 costs the square of the angle between two of 720 points
+    assert np.hypot(*force) == pytest.approx(bearings.short_load(4e-3, 0.6), rel=1e-4)
