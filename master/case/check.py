@@ -120,11 +120,14 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []
     for name, table in case.participants.items():
-        terms = contract().get(table.role or "")
-        for key, source in (terms.agree if terms and name in values else {}).items():
+        if table.role not in contract() or name not in values:
+            continue
+        other = interface(case.wires, name, table.role)
+        if other is None:
+            continue
+        for key, source in contract()[table.role].agree.items():
             role, _, figure = source.partition(".")
-            other = interface(case.wires, name, table.role)
-            if other is None or case.participants[other.owner].role != role:
+            if case.participants[other.owner].role != role:
                 continue
             giver = other.owner
             seen = previews.get(giver, Preview())

@@ -32,8 +32,10 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
         for key, source in roles[table.role].build.items():
             role, _, option = source.partition(".")
             other = interface(case.wires, name, table.role)
-            giver = case.participants[other.owner] if other else None
-            if key in table.build or giver is None or giver.role != role or not giver.package:
+            if key in table.build or other is None:
+                continue
+            giver = case.participants[other.owner]
+            if giver.role != role or not giver.package:
                 continue
             try:
                 prepare = import_part(f"{giver.package}.build").prepare
