@@ -52,6 +52,7 @@ class Chaos:
         self.environment = os.environ | {
             "PISTON_COSIM_CACHE": str(self.cache),
             "OMP_NUM_THREADS": "1",
+            "PYTHONFAULTHANDLER": "1",
         }
         self.seen = Counter()
         library = folder / "counter.so"
@@ -87,8 +88,9 @@ class Chaos:
         try:
             said, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
-            process.kill()
-            raise AssertionError("it hangs") from None
+            process.send_signal(signal.SIGABRT)  # Python then says where it stands
+            said, _ = process.communicate(timeout=LONGEST)
+            raise AssertionError(f"it hangs, after {dict(self.seen)}: {said}") from None
         assert "Traceback" not in said, said
         return said
 
