@@ -219,9 +219,11 @@ def parameters():
     """Every variable of both FMUs, as they declare it."""
     from piston_cosim.fmu_ehd.variables import variables as of_film
     from piston_cosim.fmu_mfbd import variables as of_bodies
+    from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
 
     grid, modes = (40, 40), 120
-    bodies = [*of_bodies.inputs(grid), *of_bodies.outputs(grid, modes), *of_bodies.parameters()]
+    films = (FilmGrid("", grid),)
+    bodies = [*of_bodies.inputs(films), *of_bodies.outputs(films, modes), *of_bodies.parameters()]
     heads = ("name", "causality", "unit", "start", "allowed", "meaning")
     lines = ["# Variables of the FMUs", "", "On 40 x 40 cells, 120 modes; values in SI.", ""]
     for title, rows in (

@@ -14,7 +14,14 @@ import numpy as np
 from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput
 from ..master.fmi.variables import Variable
-from .dynamics.build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
+from .dynamics.build_options import (
+    BlockOptions,
+    BuildOptions,
+    DampingBand,
+    FilmGrid,
+    PistonOptions,
+    SurfaceOptions,
+)
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, check_modes, read_start
 from .dynamics.tables import (
@@ -64,11 +71,14 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         Every fault of the table.
     """
     if options is None:
-        return inputs((4, 4)) + parameters()
+        return inputs((FilmGrid("", (4, 4)),)) + parameters()
     build = read_options(options, folder)
     bodies = build.piston, build.block
     modes = sum(0 if body.rigid else body.modes - len(body.modes_off) for body in bodies)
-    return inputs(build.grid) + outputs(build.grid, modes) + parameters()
+    films = BuildOptions(
+        build.grid, PistonOptions("", 0, 0.0), BlockOptions("", 0), surfaces=film_surfaces(build)
+    ).film_grids()
+    return inputs(films) + outputs(films, modes) + parameters()
 
 
 def prepare(
@@ -125,8 +135,18 @@ def prepare(
         start=tables.start,
         damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         skirt=_skirt(bodies["piston"]),
+        surfaces=film_surfaces(build),
     )
     return prepared.to_json(), [piston_file, block_file]
+
+
+def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
+    """The film surfaces that a build table names."""
+    out = []
+    for one in build.film_surfaces:
+        first, last = one.rows
+        out.append(SurfaceOptions(one.name, first - 1, last))
+    return tuple(out)
 
 
 def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:

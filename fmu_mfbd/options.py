@@ -306,6 +306,28 @@ class Band(BaseModel):
     """Modal damping ratio."""
 
 
+class FilmSurface(BaseModel):
+    """Rows of the film grid that a lubrication FMU of its own takes."""
+
+    model_config = STRICT
+    name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
+    """First word of its variables: NAME.film_thickness and others."""
+    rows: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
+    """Its first and last row of `grid` along the skirt, from 1 at the lower edge."""
+
+    @field_validator("rows")
+    @classmethod
+    def _wide(cls, rows):
+        first, last = rows
+        if last - first + 1 < LEAST_ROWS:
+            raise ValueError(f"a film surface has {LEAST_ROWS} rows or more")
+        return rows
+
+
+LEAST_ROWS = 4
+"""As few as a film grid may have along the skirt."""
+
+
 class Common(BaseModel):
     """What is said beside the bodies."""
 
@@ -318,6 +340,10 @@ class Common(BaseModel):
     """Crank speed over time or crank angle, in place of the input crank_speed."""
     start: str | None = None
     """File of `piston-cosim snapshot` in place of the parameters start_*."""
+    film_surfaces: list[FilmSurface] = []
+    """Bands of the skirt, from below, each with a film of its own; rows between them have none.
+    Without it the whole skirt is one surface, and its variables have plain names.
+    """
     damping_bands: list[Band] = []
     """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency.
@@ -332,6 +358,27 @@ class Common(BaseModel):
         if bands[0].above != 0.0 or not rising:
             raise ValueError("the first band begins at 0 Hz, and the others above the one before")
         return bands
+
+    @model_validator(mode="after")
+    def _apart(self):
+        _, along = self.grid
+        taken = set()
+        below = 0
+        for k, surface in enumerate(self.film_surfaces):
+            first, last = surface.rows
+            where = f"film_surfaces.{k}"
+            if surface.name in taken:
+                raise ValueError(f"{where}.name = {surface.name!r}: is taken by another")
+            if first <= below:
+                raise ValueError(
+                    f"{where}.rows = {[first, last]}: must begin above the surface before, which "
+                    f"ends with row {below}"
+                )
+            if last > along:
+                raise ValueError(f"{where}.rows = {[first, last]}: the grid has {along} rows")
+            taken.add(surface.name)
+            below = last
+        return self
 
 
 class Bodies(Common):

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
-from .build import Tables, read_tables
+from .build import Tables, film_surfaces, read_tables
 from .dynamics.assembly import bore_shape, faults, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import Parameters
@@ -103,6 +103,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         wrong += faults(piston.body, block.body, prepared, chosen)
     figures = [
         *_of_piston(build, piston),
+        *_of_surfaces(prepared, piston),
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
@@ -239,6 +240,7 @@ def _prepared(build: Build, tables: Tables) -> BuildOptions:
         block=BlockOptions("", 0, orders, tables.bore),
         gas=tables.gas,
         speed=tables.speed,
+        surfaces=film_surfaces(build),
     )
 
 
@@ -259,6 +261,16 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
     ]
     modes = 0 if build.piston.rigid else build.piston.modes
     return [*figures, Figure("modes", "piston_modes", modes, "1", _basis(build.piston))]
+
+
+def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
+    """Lengths of several film surfaces."""
+    _, along = prepared.grid
+    row = (piston.body.skirt_upper - piston.body.skirt_lower) / along
+    return [
+        Figure(one.name, f"{one.prefix}skirt_length", (one.last - one.first) * row, "m")
+        for one in prepared.surfaces
+    ]
 
 
 def _basis(body: Piston | Block) -> str:
@@ -324,7 +336,7 @@ def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Paramet
     return Shapes(
         angle=angle,
         height=height,
-        film=np.ones(prepared.grid, dtype=bool) if piston.skirt is None else piston.skirt,
+        film=_with_a_film(prepared, piston),
         skirt_cold=skirt_gap(body, angle, height, prepared.piston, cold),
         skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen),
         bore_height=heights,
@@ -334,6 +346,14 @@ def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Paramet
         + np.zeros((len(angle), len(heights))),
         pin_height=_places(prepared, chosen),
     )
+
+
+def _with_a_film(prepared: BuildOptions, piston: Sized) -> np.ndarray:
+    """Cells of the film grid on a film surface and with the skirt under them."""
+    film = np.zeros(prepared.grid, dtype=bool)
+    for one in prepared.film_surfaces():
+        film[:, one.first : one.last] = True
+    return film if piston.skirt is None else film & piston.skirt
 
 
 def _places(prepared: BuildOptions, chosen: Parameters) -> np.ndarray:

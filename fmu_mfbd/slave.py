@@ -1,6 +1,7 @@
 """The body FMU: a table of variables and a step."""
 
 from dataclasses import fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,13 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
-from .dynamics.instant import Response, RingForce
-from .dynamics.model import Inputs, NotConverged, PistonInBore, State
+from .dynamics.instant import RingForce
+from .dynamics.model import MOTION, Inputs, NotConverged, PistonInBore, State
 from .dynamics.parameters import Parameters
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
+
+FORCES = ("nodal_pressure_force", "nodal_friction_force")
+RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
 class Mfbd(FieldSlave):
@@ -26,14 +30,25 @@ class Mfbd(FieldSlave):
         "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
     )
     state_type = State
-    derivative_inputs = (
-        "nodal_pressure_force",
-        "nodal_friction_force",
-        "ring_side_force",
-        "ring_axial_force",
-        "ring_moment",
-    )
-    derivative_outputs = Response._fields
+
+    @cached_property
+    def built(self) -> BuildOptions:
+        """What build.json says."""
+        return BuildOptions.from_json(self.options)
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Forces of all films, and of the rings."""
+        return (*self._of_films(FORCES), *RINGS)
+
+    @property
+    def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Fields of all films, and the piston's motion."""
+        return (*self._of_films(("film_thickness", "sliding_velocity")), *MOTION)
+
+    def _of_films(self, names: tuple[str, ...]) -> list[str]:
+        """Variables of these names of all film surfaces."""
+        return [f"{film.prefix}{name}" for film in self.built.film_grids() for name in names]
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
@@ -44,7 +59,7 @@ class Mfbd(FieldSlave):
         """Load the reduced bodies and begin at rest, or with the motion that the build names;
         returns (state, outputs).
         """
-        options = BuildOptions.from_json(self.options)
+        options = self.built
         parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
         piston = load(ReducedPiston, self.resources / options.piston.file)
         block = load(ReducedBlock, self.resources / options.block.file)
@@ -53,11 +68,12 @@ class Mfbd(FieldSlave):
             raise BadInput(wrong)
         self.model = assemble(piston, block, options, parameters)
         try:
-            state, outputs = self._begin(self.model, options, parameters, values)
-            _, straight = self._begin(self.model.unyielding(), options, parameters, values)
+            state, outputs = self._begin(self.model, parameters, values)
+            _, straight = self._begin(self.model.unyielding(), parameters, values)
         except NotConverged as error:
             raise BadInput([f"start: {error}"]) from None
-        self._tell_of_bend(np.abs(outputs["film_thickness"] - straight["film_thickness"]).max())
+        gaps = self._of_films(("film_thickness",))
+        self._tell_of_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
         return state, outputs
 
     def _tell_of_bend(self, bend: float) -> None:
@@ -72,28 +88,22 @@ class Mfbd(FieldSlave):
                 Fmi2Status.warning,
             )
 
-    @staticmethod
     def _begin(
-        model: PistonInBore,
-        options: BuildOptions,
-        parameters: Parameters,
-        values: dict[str, Any],
+        self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]
     ) -> tuple[State, dict[str, Any]]:
         """State and outputs at the start."""
-        if not options.start:
+        begin = self.built.start
+        if not begin:
             return model.start(
                 parameters.start_crank_angle,
                 parameters.start_lateral_displacement,
                 parameters.start_rocking_angle,
-                _inputs(values),
+                self._inputs(values),
             )
         if parameters.crank_free:
-            values = values | {"crank_speed": options.start.rotation_speed}
+            values = values | {"crank_speed": begin.rotation_speed}
         return model.start_moving(
-            options.start.crank_angle,
-            options.start.position(),
-            options.start.velocity(),
-            _inputs(values),
+            begin.crank_angle, begin.position(), begin.velocity(), self._inputs(values)
         )
 
     def advance(
@@ -101,29 +111,30 @@ class Mfbd(FieldSlave):
     ) -> tuple[State, dict[str, Any]]:
         """One step; returns (state, outputs)."""
         try:
-            return self.model.advance(state, _inputs(values), step)
+            return self.model.advance(state, self._inputs(values), step)
         except NotConverged as error:
             raise Discard(str(error)) from None
 
-    def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:
         """Product of the step map's derivative with the seed fields."""
-        response = self.model.directional_derivative(
-            seeds["nodal_pressure_force"], seeds["nodal_friction_force"], _rings(seeds)
+        pressure, friction = (self._stacked(seeds, name) for name in FORCES)
+        return self.model.directional_derivative(pressure, friction, _rings(seeds))
+
+    def _inputs(self, values: dict[str, Any]) -> Inputs:
+        pressure, friction = (self._stacked(values, name) for name in FORCES)
+        return Inputs(
+            values["crank_speed"],
+            values["gas_pressure"],
+            pressure,
+            friction,
+            _rings(values),
+            float(values["land_pressure"]),
         )
-        return response._asdict()
 
-
-def _inputs(values: dict[str, Any]) -> Inputs:
-    return Inputs(
-        values["crank_speed"],
-        values["gas_pressure"],
-        values["nodal_pressure_force"],
-        values["nodal_friction_force"],
-        _rings(values),
-        float(values["land_pressure"]),
-    )
+    def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:
+        """A field of all film surfaces, their cells one after another."""
+        return np.concatenate([values[field].ravel() for field in self._of_films((name,))])
 
 
 def _rings(values: dict[str, Any]) -> RingForce:
-    names = ("ring_side_force", "ring_axial_force", "ring_moment")
-    return RingForce(*(float(values[name]) for name in names))
+    return RingForce(*(float(values[name]) for name in RINGS))

@@ -4,35 +4,43 @@ from dataclasses import fields
 from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
-from .dynamics.build_options import BuildOptions
+from .dynamics.build_options import BuildOptions, FilmGrid
 from .dynamics.parameters import Parameters
 
 
 def variables(options: BuildOptions) -> list[Variable]:
     """The table of variables of an FMU built so."""
     modes = options.piston.modes + options.block.modes
-    return inputs(options.grid) + outputs(options.grid, modes) + parameters() + properties(options)
+    films = options.film_grids()
+    return inputs(films) + outputs(films, modes) + parameters() + properties(options)
 
 
-def inputs(grid: tuple[int, int]) -> list[Variable]:
+def inputs(films: tuple[FilmGrid, ...]) -> list[Variable]:
     """What acts on the bodies."""
+    of_films = [
+        (
+            input_variable(
+                f"{film.prefix}nodal_pressure_force",
+                "N",
+                "Pressure force on a grid cell; positive pushes skirt and bore apart",
+                0.0,
+                1.0,
+                film.shape,
+            ),
+            input_variable(
+                f"{film.prefix}nodal_friction_force",
+                "N",
+                "Axial force of the film on the skirt in a grid cell; its opposite acts on the "
+                "bore",
+                0.0,
+                0.1,
+                film.shape,
+            ),
+        )
+        for film in films
+    ]
     return [
-        input_variable(
-            "nodal_pressure_force",
-            "N",
-            "Pressure force on a grid cell; positive pushes skirt and bore apart",
-            0.0,
-            1.0,
-            grid,
-        ),
-        input_variable(
-            "nodal_friction_force",
-            "N",
-            "Axial force of the film on the skirt in a grid cell; its opposite acts on the bore",
-            0.0,
-            0.1,
-            grid,
-        ),
+        *(one for pair in of_films for one in pair),
         input_variable(
             "gas_pressure",
             "Pa",
@@ -77,23 +85,29 @@ def inputs(grid: tuple[int, int]) -> list[Variable]:
     ]
 
 
-def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
+def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
     """What the bodies answer."""
+    of_films = [
+        (
+            output_variable(
+                f"{film.prefix}film_thickness",
+                "m",
+                "Radial distance bore minus skirt; negative where they overlap",
+                1e-5,
+                film.shape,
+            ),
+            output_variable(
+                f"{film.prefix}sliding_velocity",
+                "m/s",
+                "Axial velocity of the skirt minus that of the bore",
+                1.0,
+                film.shape,
+            ),
+        )
+        for film in films
+    ]
     out = [
-        output_variable(
-            "film_thickness",
-            "m",
-            "Radial distance bore minus skirt; negative where they overlap",
-            1e-5,
-            grid,
-        ),
-        output_variable(
-            "sliding_velocity",
-            "m/s",
-            "Axial velocity of the skirt minus that of the bore",
-            1.0,
-            grid,
-        ),
+        *(one for pair in of_films for one in pair),
         output_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
         output_variable("rotation_speed", "rad/s", "Speed of the crank now", 300.0),
         output_variable("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
@@ -138,10 +152,13 @@ def outputs(grid: tuple[int, int], modes: int) -> list[Variable]:
         output_variable(
             "pin_friction_power", "W", "What friction at the pin turns into heat", 10.0
         ),
-        output_variable(
-            "interface_work_error",
-            "1",
-            "Power of the interface forces on the grid minus that in the coordinates, relative",
+        *(
+            output_variable(
+                f"{film.prefix}interface_work_error",
+                "1",
+                "Power of the interface forces on the grid minus that in the coordinates, relative",
+            )
+            for film in films
         ),
         output_variable(
             "kinetic_energy",
@@ -210,10 +227,15 @@ def parameters() -> list[Variable]:
 
 def properties(options: BuildOptions) -> list[Variable]:
     """Properties of the built FMU, readable and never settable."""
-    around, along = options.grid
+    sizes = []
+    for film in options.film_grids():
+        around, along = film.shape
+        sizes += [
+            constant(f"{film.prefix}n_circumferential", around, "Film grid cells around the skirt"),
+            constant(f"{film.prefix}n_axial", along, "Film grid cells along the skirt"),
+        ]
     return [
-        constant("n_circumferential", around, "Film grid cells around the skirt"),
-        constant("n_axial", along, "Film grid cells along the skirt"),
+        *sizes,
         constant("piston_modes", options.piston.modes, "Modes of the piston"),
         constant("block_modes", options.block.modes, "Modes of the cylinder block"),
         constant("contract_version", 2, "Version of the interface contract"),

@@ -628,7 +628,7 @@ def step_checks():
         for e in (apart, -apart)
     ]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    for name, product in model.directional_derivative(drag, push)._asdict().items():
+    for name, product in model.directional_derivative(drag, push).items():
         difference = (ends[0][name] - ends[1][name]) / (2 * apart)
         yield at_most(
             "60 + 60 modes, one step",

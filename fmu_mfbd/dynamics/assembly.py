@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.film import Bore, Skirt, bore_splines
+from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.profile import (
@@ -61,7 +61,6 @@ def assemble(
     -------
     PistonInBore
     """
-    angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
     piston_parts = parted_piston(piston, modal_damping(piston, options, parameters), parameters)
     block_parts = parted_block(block, modal_damping(block, options, parameters), parameters)
     system = System(
@@ -70,8 +69,8 @@ def assemble(
         block=block_parts.moving,
         block_static=block_parts.static,
         mechanism=mechanism(piston.radius, options.piston, parameters),
-        skirt=skirt(piston, block.radius, angle, height, options.piston, parameters),
-        bore=bore(block, angle, options.block, parameters),
+        surfaces=surfaces(piston, block, options, parameters),
+        pin_offset=options.piston.pin_offset,
         gas_force=np.ascontiguousarray(piston.gas_force),
         wall=bore_wall(
             block.heights,
@@ -94,6 +93,7 @@ def assemble(
         gas_area,
         parameters.spectral_radius,
         options.gas,
+        options.film_grids(),
     )
 
 
@@ -269,27 +269,32 @@ def mechanism(skirt_radius: float, options: PistonOptions, parameters: Parameter
     )
 
 
-def skirt(
-    piston: ReducedPiston,
-    bore_radius: float,
-    angle: np.ndarray,
-    height: np.ndarray,
-    options: PistonOptions,
-    parameters: Parameters,
-) -> Skirt:
-    """Skirt side of the film at the cells of the grid: angles (c,) [rad], heights (a,) above A
-    [m].
-    """
+def surfaces(
+    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+) -> tuple[FilmSurface, ...]:
+    """All film surfaces, from below: bands of one skirt in one bore."""
+    angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
+    gap = skirt_gap(piston, angle, height, options.piston, parameters)
     classes = mode_classes(piston)
     grid = (len(angle), len(height), len(piston.omega))
-    return Skirt(
-        angle,
-        height,
-        skirt_gap(piston, angle, height, options, parameters),
-        bore_radius,
-        options.pin_offset,
-        modal_field(piston.radial.reshape(grid), classes),
-        modal_field(piston.axial.reshape(grid), classes),
+    radial = piston.radial.reshape(grid)
+    axial = piston.axial.reshape(grid)
+    one_bore = bore(block, angle, options.block, parameters)
+    bands = [slice(one.first, one.last) for one in options.film_surfaces()]
+    return tuple(
+        FilmSurface(
+            Skirt(
+                angle,
+                height[rows],
+                np.ascontiguousarray(gap[:, rows]),
+                block.radius,
+                options.piston.pin_offset,
+                modal_field(radial[:, rows], classes),
+                modal_field(axial[:, rows], classes),
+            ),
+            one_bore,
+        )
+        for rows in bands
     )
 
 

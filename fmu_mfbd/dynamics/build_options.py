@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -62,6 +62,35 @@ class DampingBand:
 
 
 @dataclass(frozen=True)
+class SurfaceOptions:
+    """A film surface: rows of the film grid that a film of its own takes.
+
+    Parameters
+    ----------
+    name : str
+        First word of its variables; "" of the whole skirt, the one surface with plain names.
+    first, last : int
+        Rows along the skirt, from 0; `last` is not among them.
+    """
+
+    name: str
+    first: int
+    last: int
+
+    @property
+    def prefix(self) -> str:
+        """What its variables' names begin with."""
+        return f"{self.name}." if self.name else ""
+
+
+class FilmGrid(NamedTuple):
+    """Fields of a film surface: what their names begin with, and their shape."""
+
+    prefix: str
+    shape: tuple[int, int]
+
+
+@dataclass(frozen=True)
 class BuildOptions:
     """All of it, in SI.
 
@@ -83,6 +112,8 @@ class BuildOptions:
     skirt : list of list of int, optional
         Cells of the film grid with the skirt under them (1) and without (0), one row a
         circumferential cell, for who builds a film to it; None where it is not known, or whole.
+    surfaces : tuple of SurfaceOptions
+        From below; empty: the whole skirt is one.
     """
 
     grid: tuple[int, int]
@@ -93,10 +124,32 @@ class BuildOptions:
     start: StartState | None = None
     damping_bands: tuple[DampingBand, ...] = ()
     skirt: list[list[int]] | None = None
+    surfaces: tuple[SurfaceOptions, ...] = ()
+
+    def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
+        """All film surfaces, at least one."""
+        _, along = self.grid
+        return self.surfaces or (SurfaceOptions("", 0, along),)
+
+    def film_grids(self) -> tuple[FilmGrid, ...]:
+        """Names and shapes of their fields."""
+        around, _ = self.grid
+        return tuple(
+            FilmGrid(one.prefix, (around, one.last - one.first)) for one in self.film_surfaces()
+        )
 
     def to_json(self) -> dict[str, Any]:
-        """As build.json holds it: numbers, texts, lists and tables of them."""
-        return json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
+        """As build.json holds it: numbers, texts, lists and tables of them; of several surfaces
+        with the skirt of each, NAME.skirt, besides.
+        """
+        content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
+        parts = {}
+        if self.skirt is not None:
+            parts = {
+                f"{one.prefix}skirt": [row[one.first : one.last] for row in self.skirt]
+                for one in self.surfaces
+            }
+        return content | parts
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> "BuildOptions":
@@ -119,6 +172,7 @@ class BuildOptions:
             start=StartState(**_arrays(start)) if start else None,
             damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
             skirt=content["skirt"],
+            surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
         )
 
 

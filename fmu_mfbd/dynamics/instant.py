@@ -9,11 +9,10 @@ import numpy as np
 
 from ...master.fmi.compiled import compiled
 from ..geometry.film import (
-    Bore,
     FilmForces,
     FilmState,
+    FilmSurface,
     NodalForces,
-    Skirt,
     Window,
     film_now,
     generalised,
@@ -60,10 +59,12 @@ class Block(NamedTuple):
 
 
 class System(NamedTuple):
-    """Both bodies, the mechanism and the film's geometry.
+    """Both bodies, the mechanism and the geometry of all films.
 
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
-    s,) is the modal force of a unit gas force on the crown [kg^-1/2].
+    s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
+    skirt's axis [m]. Fields of all surfaces are stacked: the cells of the first, (c, a) in C order,
+    then those of the second.
     """
 
     piston: FlexibleBody
@@ -71,8 +72,8 @@ class System(NamedTuple):
     block: Block
     block_static: StaticModes
     mechanism: Mechanism
-    skirt: Skirt
-    bore: Bore
+    surfaces: tuple[FilmSurface, ...]
+    pin_offset: float
     gas_force: np.ndarray
     wall: BoreWall
 
@@ -128,13 +129,14 @@ class Instant(NamedTuple):
         Energy across the bore.
     other_forces : ndarray, shape (n,)
         All but the film's, on the motion across the bore.
-    window : Window
+    guided : float
+        Height at which the bore is read: that of A when x_A = 0 [m].
     load : Load
         On the piston, all but the pin's.
     side_force : float
-        Of the piston on the bore through the film [N].
-    film_thickness, sliding_velocity : ndarray, shape (c, a)
-        [m], [m/s]
+        Of the piston on the bore through all films [N].
+    film_thickness, sliding_velocity : ndarray, shape (cells,)
+        Of all surfaces, stacked [m], [m/s].
     piston_position, piston_velocity : float
         Height of A [m] and its velocity [m/s].
     pin_x, pin_y, pin_moment, torque : float
@@ -142,8 +144,8 @@ class Instant(NamedTuple):
         without its own inertia [N m].
     pin_friction_power : float
         What that friction turns into heat [W].
-    work_error : float
-        `work_error` [-].
+    work_error : ndarray, shape (surfaces,)
+        `work_error` of each film [-].
     evaluations, tangents, change : int, int, float
         As of `piston_motion.Solution`.
     """
@@ -157,7 +159,7 @@ class Instant(NamedTuple):
     impact: bool
     ledger: Ledger
     other_forces: np.ndarray
-    window: Window
+    guided: float
     load: Load
     side_force: float
     film_thickness: np.ndarray
@@ -169,7 +171,7 @@ class Instant(NamedTuple):
     pin_moment: float
     torque: float
     pin_friction_power: float
-    work_error: float
+    work_error: np.ndarray
     evaluations: int
     tangents: int
     change: float
@@ -210,23 +212,21 @@ def end_of_step(
         At its end.
     others : OtherForces
         At its end.
-    pressure_force, friction_force : ndarray, shape (c, a)
-        On the film grid at its end [N].
+    pressure_force, friction_force : ndarray, shape (cells,)
+        On all film grids at its end, stacked [N].
 
     Returns
     -------
     Instant
     """
     mechanism = system.mechanism
-    skirt = system.skirt
-    bore = system.bore
     n = RIGID + len(system.piston.stiffness)
-    forces = NodalForces(pressure_force, friction_force)
     predicted = predict(c, before, auxiliary)
     guided = height(mechanism, 0.0, crank.angle)  # the bore is read where A stands when x_A = 0
     guided_velocity = guided.lever * crank.speed
-    window = window_at(bore.lowest, bore.spacing, guided.height, skirt.height)
-    film_forces = generalised(skirt, bore, window, forces)
+    film_forces, parts, windows = film_forces_of(
+        system, guided.height, pressure_force, friction_force
+    )
     push = _piston_push(system, film_forces, others.gas)
     block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
     rings = others.rings
@@ -234,7 +234,7 @@ def end_of_step(
     load = Load(
         lateral=film_forces.lateral + rings.lateral,
         axial=film_forces.axial - guided_force,
-        moment=film_forces.moment + skirt.pin_offset * guided_force + rings.moment,  # Eq. (D8)
+        moment=film_forces.moment + system.pin_offset * guided_force + rings.moment,  # Eq. (D8)
         guided=guided_force,
         modal=push[: n - RIGID],
     )
@@ -260,10 +260,31 @@ def end_of_step(
     )
     now = height(mechanism, end.position[LATERAL], crank.angle)
     axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
-    film = film_now(
-        skirt, bore, window, forces, axial_velocity, guided_velocity, end.position, end.velocity
-    )
-    axial_power = film_forces.axial * axial_velocity + film.axial_force * guided_velocity
+    thickness = np.empty(len(pressure_force))
+    sliding_velocity = np.empty(len(pressure_force))
+    transfer_error = np.empty(len(parts))
+    on_slopes = 0.0  # axial force of pressure on bores that are not straight
+    first = 0
+    for k, surface in enumerate(system.surfaces):
+        last = first + surface.skirt.gap.size
+        film = film_now(
+            surface.skirt,
+            surface.bore,
+            windows[k],
+            _nodal(surface, pressure_force[first:last], friction_force[first:last]),
+            axial_velocity,
+            guided_velocity,
+            end.position,
+            end.velocity,
+        )
+        thickness[first:last] = film.film_thickness.ravel()
+        sliding_velocity[first:last] = film.sliding_velocity.ravel()
+        transfer_error[k] = work_error(
+            parts[k], film, axial_velocity, guided_velocity, end.velocity
+        )
+        on_slopes += film.axial_force
+        first = last
+    axial_power = film_forces.axial * axial_velocity + on_slopes * guided_velocity
     axial_work = c.step * axial_power
     ledger = Ledger(
         kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
@@ -282,23 +303,74 @@ def end_of_step(
         impact=impact,
         ledger=ledger,
         other_forces=other_forces(moving, end.acceleration, film_forces),
-        window=window,
+        guided=guided.height,
         load=load,
         side_force=-film_forces.lateral,
-        film_thickness=film.film_thickness,
-        sliding_velocity=film.sliding_velocity,
+        film_thickness=thickness,
+        sliding_velocity=sliding_velocity,
         piston_position=now.height,
         piston_velocity=axial_velocity,
         pin_x=own.pin_x,
-        pin_y=own.pin_y - film.axial_force,
+        pin_y=own.pin_y - on_slopes,
         pin_moment=own.pin_moment,
-        torque=own.torque - film.axial_force * guided.lever,
+        torque=own.torque - on_slopes * guided.lever,
         pin_friction_power=own.pin_moment * (rod.velocity - end.velocity[ROCKING]),
-        work_error=work_error(film_forces, film, axial_velocity, guided_velocity, end.velocity),
+        work_error=transfer_error,
         evaluations=own.evaluations,
         tangents=own.tangents,
         change=own.change,
     )
+
+
+@compiled
+def _nodal(surface, pressure_force, friction_force):
+    """A surface's part of stacked forces, on its grid."""
+    shape = surface.skirt.gap.shape
+    return NodalForces(pressure_force.reshape(shape), friction_force.reshape(shape))
+
+
+@compiled
+def film_forces_of(
+    system: System, guided: float, pressure_force: np.ndarray, friction_force: np.ndarray
+) -> tuple[FilmForces, list[FilmForces], list[Window]]:
+    """Generalised forces of all films together and of each, and where each stands in the bore.
+
+    Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
+
+    Parameters
+    ----------
+    system : System
+    guided : float
+        Height at which the bore is read [m].
+    pressure_force, friction_force : ndarray, shape (cells,)
+        Stacked [N].
+    """
+    windows = []
+    parts = []
+    lateral = 0.0
+    axial = 0.0
+    moment = 0.0
+    piston = np.zeros(len(system.gas_force))
+    block = np.zeros(len(system.block.stiffness) + len(system.block_static.stiffness))
+    first = 0
+    for surface in system.surfaces:
+        bore = surface.bore
+        last = first + surface.skirt.gap.size
+        window = window_at(bore.lowest, bore.spacing, guided, surface.skirt.height)
+        nodal = _nodal(surface, pressure_force[first:last], friction_force[first:last])
+        part = generalised(surface.skirt, bore, window, nodal)
+        # Eq. (G2)
+        lateral += part.lateral
+        axial += part.axial
+        moment += part.moment
+        for k in range(len(piston)):
+            piston[k] += part.piston[k]
+        for k in range(len(block)):
+            block[k] += part.block[k]
+        windows.append(window)
+        parts.append(part)
+        first = last
+    return FilmForces(lateral, axial, moment, piston, block), parts, windows
 
 
 @compiled
@@ -515,7 +587,7 @@ def linearise(
         coupling=mode_coupling(piston, now.acceleration[ROCKING], w, c1, c2),
         slope=link.slope,
         axial_velocity_slope=link.axial_by_velocity / 2,
-        arm=system.skirt.pin_offset + lateral.position,
+        arm=system.pin_offset + lateral.position,
         rod_slope=rod.slope,
         friction_x=friction.by_x,
         friction_y=friction.by_y,
@@ -531,12 +603,12 @@ def linearise(
 
 
 class Response(NamedTuple):
-    """Change of the film's geometry and of the piston's motion.
+    """Change of the films' geometry and of the piston's motion.
 
     Parameters
     ----------
-    film_thickness, sliding_velocity : ndarray, shape (c, a)
-        [m], [m/s]
+    film_thickness, sliding_velocity : ndarray, shape (cells,)
+        Of all surfaces, stacked [m], [m/s].
     lateral_velocity, rocking_velocity, piston_velocity : float
         [m/s], [rad/s], [m/s]
     """
@@ -558,7 +630,7 @@ class Change(NamedTuple):
 @compiled
 def response(
     system: System,
-    window: Window,
+    guided: float,
     linear: Linear,
     pressure_force: np.ndarray,
     friction_force: np.ndarray,
@@ -573,10 +645,11 @@ def response(
     Parameters
     ----------
     system : System
-    window : Window
+    guided : float
+        Height at which the bore is read [m].
     linear : Linear
-    pressure_force, friction_force : ndarray, shape (c, a)
-        Direction [N].
+    pressure_force, friction_force : ndarray, shape (cells,)
+        Direction, stacked [N].
     rings : RingForce
         Direction.
 
@@ -584,9 +657,7 @@ def response(
     -------
     Response
     """
-    skirt = system.skirt
-    bore = system.bore
-    film_forces = generalised(skirt, bore, window, NodalForces(pressure_force, friction_force))
+    film_forces, _, windows = film_forces_of(system, guided, pressure_force, friction_force)
     acceleration = solve_coupled(  # Eq. (D7)
         linear.arrow, linear.coupling, _right_side(linear, film_forces, rings)
     )
@@ -596,25 +667,33 @@ def response(
     )
     piston = _piston_change(system, linear, acceleration, film_forces.piston)
     block = _block_change(system, linear, film_forces.block)
-    return Response(
-        opening(
-            skirt,
-            bore,
-            window,
+    thickness = np.empty(len(pressure_force))
+    sliding_velocity = np.empty(len(pressure_force))
+    first = 0
+    for k, surface in enumerate(system.surfaces):
+        last = first + surface.skirt.gap.size
+        thickness[first:last] = opening(
+            surface.skirt,
+            surface.bore,
+            windows[k],
             piston.position[LATERAL],
             piston.position[ROCKING],
             piston.position[RIGID:],
             block.position,
-        ),
-        sliding(
-            skirt,
-            bore,
-            window,
+        ).ravel()
+        sliding_velocity[first:last] = sliding(
+            surface.skirt,
+            surface.bore,
+            windows[k],
             axial_slope * lateral,
             piston.velocity[ROCKING],
             piston.velocity[RIGID:],
             block.velocity,
-        ),
+        ).ravel()
+        first = last
+    return Response(
+        thickness,
+        sliding_velocity,
         piston.velocity[LATERAL],
         piston.velocity[ROCKING],
         axial_slope * lateral,

@@ -8,15 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.film import Window
 from .account import account
+from .build_options import FilmGrid
 from .gas_on_bore import WallPressures
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
     NO_RINGS,
     Instant,
     OtherForces,
-    Response,
     RingForce,
     System,
     end_of_step,
@@ -27,6 +26,9 @@ from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
 from .slider_crank import CrankMotion, PistonLoad, side_force_demand
 from .speed_table import SpeedTable, crank_motion
 from .tables import GasTable, gas_pressure
+
+MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
+"""Scalar outputs whose derivatives are known beside those of the films' fields."""
 
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
@@ -82,8 +84,8 @@ class Inputs:
         tabled one never.
     gas_pressure : float
         On the crown, gauge [Pa].
-    pressure_force, friction_force : ndarray, shape (c, a)
-        On the skirt grid [N].
+    pressure_force, friction_force : ndarray, shape (c, a), or of several surfaces (cells,)
+        On the film grid, of several surfaces stacked [N].
     rings : RingForce
     land_pressure : float
         Between the rings, gauge [Pa].
@@ -154,12 +156,12 @@ class LastStep(NamedTuple):
     load: Load
     end: Motion
     crank: CrankMotion
-    window: Window
+    guided: float
 
 
 class PistonInBore:
-    """Flexible piston, rigid rod and crank at given speed, flexible block, and the film's geometry
-    between them.
+    """Flexible piston, rigid rod and crank at given speed, flexible block, and the geometry of any
+    number of films between them.
 
     Parameters
     ----------
@@ -171,6 +173,8 @@ class PistonInBore:
         Of the time integrator at infinite frequency [-], 0 to 1.
     gas_table : GasTable, optional
         Gas pressure over crank angle, added to the input.
+    films : tuple of FilmGrid
+        Names and shapes of the surfaces' fields, in the order of `system.surfaces`.
     """
 
     def __init__(
@@ -179,15 +183,22 @@ class PistonInBore:
         crank: Crank,
         gas_area: float,
         spectral_radius: float,
-        gas_table: GasTable | None = None,
+        gas_table: GasTable | None,
+        films: tuple[FilmGrid, ...],
     ):
         self.system = system
         self.crank = crank
         self.gas_area = gas_area
         self.spectral_radius = spectral_radius
         self.gas_table = gas_table
+        self.films = films
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
-        self.coordinates = RIGID + system.skirt.radial.modes + system.bore.radial.modes
+        self.coordinates = (
+            RIGID
+            + len(system.gas_force)
+            + len(system.block.stiffness)
+            + len(system.block_static.stiffness)
+        )
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
 
@@ -318,8 +329,8 @@ class PistonInBore:
                 inputs.rings,
                 WallPressures(pressure, inputs.land_pressure),
             ),
-            inputs.pressure_force,
-            inputs.friction_force,
+            np.ravel(inputs.pressure_force),
+            np.ravel(inputs.friction_force),
         )
         if not now.evaluations:
             raise NotConverged(
@@ -342,7 +353,7 @@ class PistonInBore:
             other_forces=now.other_forces,
         )
         end = Motion(now.position, now.velocity, now.acceleration)
-        self._last = LastStep(c, now.load, end, crank, now.window)
+        self._last = LastStep(c, now.load, end, crank, now.guided)
         self._linear = None
         outputs = self._outputs(now, crank) | {
             "cylinder_pressure": pressure,
@@ -385,8 +396,12 @@ class PistonInBore:
         position = now.position
         velocity = now.kept_velocity
         outputs = {
-            "film_thickness": now.film_thickness,
-            "sliding_velocity": now.sliding_velocity,
+            **self._by_film("film_thickness", now.film_thickness),
+            **self._by_film("sliding_velocity", now.sliding_velocity),
+            **{
+                f"{film.prefix}interface_work_error": error
+                for film, error in zip(self.films, now.work_error)
+            },
             "crank_angle": crank.angle,
             "rotation_speed": crank.speed,
             "piston_position": now.piston_position,
@@ -401,7 +416,6 @@ class PistonInBore:
             "pin_force_y": now.pin_y,
             "pin_friction_moment": now.pin_moment,
             "pin_friction_power": now.pin_friction_power,
-            "interface_work_error": now.work_error,
             "kinetic_energy": now.ledger.kinetic,
             "elastic_energy": now.ledger.elastic,
             "film_work": now.ledger.film_work,
@@ -416,31 +430,52 @@ class PistonInBore:
             outputs["modal_velocity"] = velocity[RIGID:].copy()
         return outputs
 
+    def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
+        """A stacked field of all surfaces as one of each, by name."""
+        fields = {}
+        first = 0
+        for film in self.films:
+            last = first + np.prod(film.shape)
+            fields[f"{film.prefix}{name}"] = stacked[first:last].reshape(film.shape)
+            first = last
+        return fields
+
     def directional_derivative(
         self,
         pressure_force: np.ndarray,
         friction_force: np.ndarray,
         rings: RingForce = NO_RINGS,
-    ) -> Response:
+    ) -> dict[str, np.ndarray | float]:
         """Change of film and motion at the end of the last step with the forces at its end
         (Eq. (D7)).
 
         Parameters
         ----------
-        pressure_force, friction_force : ndarray, shape (c, a)
-            Direction [N].
+        pressure_force, friction_force : ndarray
+            Direction, as in `Inputs` [N].
         rings : RingForce
             Direction.
 
         Returns
         -------
-        Response
+        dict of str to ndarray or float
+            By output.
         """
         last = self._last
         if self._linear is None:
             piston = self._of_piston(last.end)
             self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
             self.jacobian_evaluations += 1
-        return response(
-            self.system, last.window, self._linear, pressure_force, friction_force, rings
+        change = response(
+            self.system,
+            last.guided,
+            self._linear,
+            np.ravel(pressure_force),
+            np.ravel(friction_force),
+            rings,
         )
+        return {
+            **self._by_film("film_thickness", change.film_thickness),
+            **self._by_film("sliding_velocity", change.sliding_velocity),
+            **{name: getattr(change, name) for name in MOTION},
+        }

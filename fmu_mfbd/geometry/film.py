@@ -59,6 +59,13 @@ class Bore(NamedTuple):
     shape: np.ndarray
 
 
+class FilmSurface(NamedTuple):
+    """One film surface: a part of the piston that slides in the bore on a film of its own."""
+
+    skirt: Skirt
+    bore: Bore
+
+
 class NodalForces(NamedTuple):
     """Forces at the cells of the film grid.
 

@@ -1,6 +1,7 @@
 """What a film has done to the bodies in a finished run, read from its results file."""
 
 import hashlib
+import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,7 +67,11 @@ class Training(NamedTuple):
 
 
 def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
-    """Nodal forces that a run has recorded.
+    """Nodal forces that a run has recorded, of all films on the skirt's grid.
+
+    Which films press on the skirt, and on which of its rows, the wires and the build table in the
+    run's case tell; rows without a film have no forces. Of a file that names no such wires it is
+    the one participant that has recorded forces.
 
     Parameters
     ----------
@@ -79,7 +84,7 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
     Raises
     ------
     NotRecorded
-        If the file lacks them, or has them on another grid.
+        If the file lacks them, has them on another grid, or of several bodies.
     """
     import h5py  # slow to import, and used after runs alone
 
@@ -87,22 +92,78 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
     try:
         with h5py.File(path, "r") as opened:
             file: Any = opened
-            pressure, friction = (_named(file["fields"], name, path) for name in FORCES)
+            pressure, friction = (_force(file, name, path, grid) for name in FORCES)
             height = _named(file, HEIGHT, path)
             if pressure is None or friction is None or height is None:
                 raise NotRecorded(
                     f"{path.name} has not recorded {FORCES[0]} and {FORCES[1]}: the case must name "
                     "both in record.fields"
                 )
-            if pressure.shape[1:] != tuple(grid):
-                raise NotRecorded(
-                    f"{path.name} has recorded nodal forces of shape {pressure.shape[1:]}, the "
-                    f"film grid is {tuple(grid)}"
-                )
             at = np.interp(file["fields/time"][:], file["time"][:], height[:])
-            return RecordedLoads(FilmLoads(pressure[:], friction[:]), at)
+            return RecordedLoads(FilmLoads(pressure, friction), at)
     except (OSError, KeyError) as error:
         raise NotRecorded(f"{path.name} is no results file of a run: {error}") from None
+
+
+class Band(NamedTuple):
+    """Where a force on some rows of the grid is recorded: port, and rows from 0 on (`last` is not
+    among them; None: up to the grid's end).
+    """
+
+    port: str
+    first: int
+    last: int | None
+
+
+def _force(file: Any, name: str, path: Path, grid: tuple[int, int]) -> np.ndarray | None:
+    """A nodal force on the whole grid, (m, c, a); None if not all of it was recorded."""
+    bands = _bands(json.loads(file.attrs.get("case", "{}")), name, path)
+    fields = file["fields"]
+    if not bands:
+        found = _named(fields, name, path)
+        return None if found is None else _shaped(found[:], grid, path)
+    whole = np.zeros((len(fields["time"]), *grid))
+    for band in bands:
+        dataset = fields.get(band.port.replace(".", "/", 1))
+        if dataset is None:
+            return None
+        around, along = grid
+        last = along if band.last is None else band.last
+        whole[:, :, band.first : last] = _shaped(dataset[:], (around, last - band.first), path)
+    return whole
+
+
+def _shaped(force: np.ndarray, shape: tuple[int, int], path: Path) -> np.ndarray:
+    """The force; NotRecorded if it has another shape."""
+    if force.shape[1:] != tuple(shape):
+        raise NotRecorded(
+            f"{path.name} has recorded nodal forces of shape {force.shape[1:]}, the "
+            f"film grid is {tuple(shape)}"
+        )
+    return force
+
+
+def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
+    """Whence the wires of a run's case bring a force to the skirt."""
+    wires = [(*wire["to"].split(".", 1), wire["from"]) for wire in case.get("wires", ())]
+    ours = [
+        (owner, variable.removesuffix(name), source)
+        for owner, variable, source in wires
+        if variable == name or variable.endswith(f".{name}")
+    ]
+    owners = sorted({owner for owner, _, _ in ours})
+    if len(owners) > 1:
+        raise NotRecorded(
+            f"{path.name} has {name} on {' and '.join(owners)}: of one piston it can be said, not "
+            "of several"
+        )
+    bands = []
+    for owner, prefix, source in ours:
+        build = case["participants"][owner].get("build", {})
+        rows = {f"{one['name']}.": one["rows"] for one in build.get("film_surfaces", ())}
+        first, last = rows.get(prefix, (1, None))
+        bands.append(Band(source, first - 1, last))
+    return bands
 
 
 def _named(group: Any, name: str, path: Path) -> Any:
@@ -114,8 +175,8 @@ def _named(group: Any, name: str, path: Path) -> Any:
     }
     if len(found) > 1:
         raise NotRecorded(
-            f"{path.name} has {name} of {', '.join(found)}: of one film and one piston it can be "
-            "said, not of several"
+            f"{path.name} has {name} of {', '.join(found)}, and its case has no wire that tells "
+            "which of them acts on the skirt"
         )
     return next(iter(found.values()), None)
 

@@ -11,7 +11,7 @@ from ..fmi.errors import BadInput
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short
 from ..fmi.tree import import_part
-from .contract import contract
+from .contract import contract, interface
 from .keys import declared_variables
 from .schema import Case, check_case, find_case, read_tree
 from .system import declared_participants, faults_ahead, parameters_ahead
@@ -120,11 +120,18 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []
     for name, table in case.participants.items():
-        terms = contract().get(table.role or "")
-        for key, source in (terms.agree if terms and name in values else {}).items():
+        if table.role not in contract() or name not in values:
+            continue
+        other = interface(case.wires, name, table.role)
+        if other is None:
+            continue
+        for key, source in contract()[table.role].agree.items():
             role, _, figure = source.partition(".")
-            giver = next((one for one, t in case.participants.items() if t.role == role), None)
-            measured = previews[giver].figure(figure) if giver in previews else None
+            if case.participants[other.owner].role != role:
+                continue
+            giver = other.owner
+            seen = previews.get(giver, Preview())
+            measured = seen.figure(f"{other.surface}{figure}") or seen.figure(figure)
             declared = {one.name: one for one in declared_variables(table, folder) or []}
             if measured is None or key not in declared:
                 continue
@@ -135,7 +142,8 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
                 default = "" if key in values[name] else ", its default"
                 faults.append(
                     f"participants.{name}.parameters.{key} = {short(given, measured.unit, 5)}"
-                    f"{default}: the {figure.replace('_', ' ')} of {giver} is "
+                    f"{default}: the {figure.replace('_', ' ')} of "
+                    f"{f'{giver}.{other.surface}'.removesuffix('.')} is "
                     f"{short(measured.value, measured.unit, 5)}"
                 )
     return faults

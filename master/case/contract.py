@@ -3,12 +3,14 @@ case's participant.
 """
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from ...models import MODELS
+from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from ..participants.open import open_fmu
 from .schema import reduced
@@ -55,6 +57,7 @@ class Role:
     energy: str | None = None
     energy_size: str | None = None
     agree: dict[str, str] = field(default_factory=dict)
+    of_each_film: tuple[str, ...] = ()
 
 
 @cache
@@ -72,10 +75,46 @@ def contract() -> dict[str, Role]:
 
 def role_of(participant) -> str | None:
     """Role whose outputs the FMU has; None if it has those of none."""
-    outputs = {f.name for f in participant.fields.values() if f.causality == "output"}
-    for name, role in contract().items():
-        if role.outputs["field"].keys() <= outputs:
-            return name
+    return next((name for name in contract() if surfaces_of(participant, name)), None)
+
+
+def surfaces_of(participant, role: str) -> list[str]:
+    """What the names of a role's fields begin with in an FMU: "" where they are plain, "SURFACE."
+    for each of several film surfaces; none where outputs of the role are lacking.
+    """
+    terms = contract()[role]
+    outputs = [f.name for f in participant.fields.values() if f.causality == "output"]
+    wanted = list(terms.outputs["field"])
+    found = [name.removesuffix(wanted[0]) for name in outputs if name.endswith(wanted[0])]
+    allowed = [one for one in found if not one or terms.of_each_film and one.endswith(".")]
+    return [one for one in allowed if all(f"{one}{name}" in outputs for name in wanted)]
+
+
+class Interface(NamedTuple):
+    """The other side of a participant's fields: which participant, and what their names begin
+    with there ("", or "SURFACE." of one of several film surfaces).
+    """
+
+    owner: str
+    surface: str
+
+
+def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) -> Interface | None:
+    """Where the wires to the fields that participant `name` takes in its role come from; None
+    without such a wire.
+
+    Parameters
+    ----------
+    wires : iterable
+        Of a case, or of its TOML tree.
+    """
+    for wire in wires:
+        ends = (
+            (wire["from"], wire["to"]) if isinstance(wire, Mapping) else (wire.source, wire.target)
+        )
+        (giver, given), (taker, taken) = map(port_of, ends)
+        if taker == name and taken in contract()[role].inputs["field"] and given.endswith(taken):
+            return Interface(giver, given.removesuffix(taken))
     return None
 
 
@@ -143,19 +182,34 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
         raise BadInput(f"{path}: has the outputs of no role of the contract ({wanted})")
     terms = contract()[role]
     breaches, remarks = _capabilities(participant)
-    _compare(participant, {"scalar": terms.parameters}, ("local", "parameter"), breaches)
-    _compare(participant, terms.inputs, ("input", "parameter"), breaches)
-    _compare(participant, terms.outputs, ("output",), breaches)
+    surfaces = surfaces_of(participant, role) or [""]
+    _compare(participant, {"scalar": _named(terms, surfaces)}, ("local", "parameter"), breaches)
+    for side, causalities in ((terms.inputs, ("input", "parameter")), (terms.outputs, ("output",))):
+        scalars = {"scalar": side.get("scalar", {})}
+        fields = {f"{one}{name}": unit for one in surfaces for name, unit in side["field"].items()}
+        _compare(participant, scalars | {"field": fields}, causalities, breaches)
     _compare(participant, terms.reported, ("output",), remarks)
-    shapes = {
-        participant.fields[name].shape
-        for side in (terms.inputs, terms.outputs)
-        for name in side.get("field", {})
-        if name in participant.fields
-    }
-    if len(shapes) > 1:
-        breaches.append(f"the fields have different shapes: {', '.join(map(str, sorted(shapes)))}")
+    for one in surfaces:
+        shapes = {
+            participant.fields[f"{one}{name}"].shape
+            for side in (terms.inputs, terms.outputs)
+            for name in side["field"]
+            if f"{one}{name}" in participant.fields
+        }
+        if len(shapes) > 1:
+            of = f" of {one.removesuffix('.')}" if one else ""
+            told = ", ".join(map(str, sorted(shapes)))
+            breaches.append(f"the fields{of} have different shapes: {told}")
     return role, breaches, remarks
+
+
+def _named(terms, surfaces):
+    """Parameters of a role with their units, those of each film by the names they have."""
+    return {
+        f"{one}{name}": unit
+        for name, unit in terms.parameters.items()
+        for one in (surfaces if name in terms.of_each_film else ("",))
+    }
 
 
 def _compare(participant, terms, causalities, faults):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
-from .contract import contract
+from .contract import contract, interface
 
 
 def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
@@ -31,19 +31,20 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
             continue
         for key, source in roles[table.role].build.items():
             role, _, option = source.partition(".")
-            giver = next((one for one in case.participants.values() if one.role == role), None)
-            if key in table.build or giver is None or not giver.package:
+            other = interface(case.wires, name, table.role)
+            if key in table.build or other is None:
                 continue
-            grids = [one.build["grid"] for one in (table, giver) if "grid" in one.build]
-            if grids[1:] and grids[0] != grids[1]:
-                continue  # told by the wires between them
+            giver = case.participants[other.owner]
+            if giver.role != role or not giver.package:
+                continue
             try:
                 prepare = import_part(f"{giver.package}.build").prepare
                 given, _ = prepare(giver.build, Path(folder), progress)
             except BadInput:
                 continue  # told where the giver is built
-            if given.get(option) is not None:
-                builds[name][key] = given[option]
+            value = given.get(f"{other.surface}{option}")
+            if value is not None:
+                builds[name][key] = value
     return builds
 
 

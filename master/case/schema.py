@@ -390,7 +390,9 @@ class Axes(Table):
     """
 
     participants: list[str] = Field(min_length=1)
-    """Whose fields have these axes."""
+    """Whose fields have these axes: "PARTICIPANT", or "PARTICIPANT.SURFACE" of one that has several
+    film surfaces.
+    """
     first: Axis = Axis(label="first index / its number")
     """What the first index runs along."""
     second: Axis = Axis(label="second index / its number")
@@ -525,7 +527,7 @@ class Case(Table):
     @model_validator(mode="after")
     def names_exist(self):
         used = {port.partition(".")[0] for port in self._ports()}
-        used |= {name for pair in self.axes for name in pair.participants}
+        used |= {name.partition(".")[0] for pair in self.axes for name in pair.participants}
         unknown = sorted((used | set(self.coupling.order)) - set(self.participants))
         if unknown:
             raise ValueError(
@@ -584,8 +586,13 @@ class Case(Table):
 
     def axes_of(self, port: str) -> Axes:
         """What the indices of a field "participant.name" run along."""
-        owner = port.partition(".")[0]
-        return next((pair for pair in self.axes if owner in pair.participants), NEUTRAL)
+        named = [
+            (len(name), pair)
+            for pair in self.axes
+            for name in pair.participants
+            if port.startswith(f"{name}.")
+        ]
+        return max(named, key=lambda one: one[0])[1] if named else NEUTRAL
 
 
 def case_names():

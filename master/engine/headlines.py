@@ -50,22 +50,36 @@ def headlines(case, results) -> list[Headline]:
     case : Case
     results : Results
     """
-    film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
-    if not film or not bodies:
+    films, bodies = (players(results.case, role) for role in ("lubrication", "bodies"))
+    if not films or not bodies:
         return []
-    run = Run(case, results, *film, *bodies)
-    lines = {
-        "thinnest film": _thinnest(run),
-        "highest pressure": _highest(run),
-        "friction": _friction(run),
-        "asperities": _asperities(run),
-        "side force": _side_force(run),
-        "slap": _slap(run),
-        "across the bore": _across(run),
-        "tilt": _tilt(run),
-        "oil": _oil(run),
-    }
-    return [Headline(name, said) for name, said in lines.items() if said]
+    runs = [Run(case, results, film, bodies[0]) for film in films]
+    first = runs[0]
+    lines = [
+        *_of_each(runs, "thinnest film", _thinnest),
+        *_of_each(runs, "highest pressure", _highest),
+        ("friction", _friction(first)),
+        *_of_each(runs, "asperities", _asperities),
+        ("side force", _side_force(first)),
+        ("slap", _slap(first)),
+        ("across the bore", _across(first)),
+        ("tilt", _tilt(first)),
+        *_of_each(runs, "oil", _oil),
+    ]
+    return [Headline(name, said) for name, said in lines if said]
+
+
+def _of_each(runs, name, line):
+    """A line of each film, named after it where there are several."""
+    return [(name if len(runs) == 1 else f"{name}, {run.film}", line(run)) for run in runs]
+
+
+def friction_power(results) -> np.ndarray | None:
+    """Friction power of all films over the macro steps [W]; None unless every film tells it."""
+    ports = [f"{film}.friction_power" for film in players(results.case, "lubrication")]
+    if not ports or not {*ports} <= {*results.ports}:
+        return None
+    return np.sum([results.series(port).values for port in ports], axis=0)
 
 
 def _at(run, k):
@@ -122,13 +136,14 @@ def friction_pressure(case, results) -> float | None:
     or does not say what it takes.
 
     Eq. (X12):  FMEP = int P dt / V,   V = pi R^2 (max Y - min Y)
-                P the friction power, by trapezia; R the bore's radius, Y the pin's height
+                P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
+                height
     """
     film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
     if not film or not bodies:
         return None
     run = Run(case, results, *film, *bodies)
-    power = run.values(f"{run.film}.friction_power")
+    power = friction_power(results)
     height = run.values(f"{run.bodies}.piston_position")
     given = results.case["participants"][run.film].get("parameters", {})
     within = last_cycle(results, run.bodies)
@@ -141,7 +156,7 @@ def friction_pressure(case, results) -> float | None:
 
 
 def _friction(run):
-    power = run.values(f"{run.film}.friction_power")
+    power = friction_power(run.results)
     if power is None:
         return ""
     within = last_cycle(run.results, run.bodies)

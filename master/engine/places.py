@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..case.contract import players
+from ..case.contract import interface
 from ..results.instants import told
 
 
@@ -52,14 +52,21 @@ def worst_place(case, results, port, lowest) -> Place | None:
     return _place(case, results, port, int(row), (int(i), int(j)), values.shape)
 
 
+def gap_port(results, film) -> str:
+    """The film thickness of participant `film`, as the side that gives it records it; that of the
+    film itself where no wire brings it.
+    """
+    other = interface(results.case.get("wires", ()), film, "lubrication")
+    return f"{other.owner}.{other.surface}film_thickness" if other else f"{film}.film_thickness"
+
+
 def thinnest_place(case, results, film) -> Place | None:
     """Where the film of participant `film` is thinnest, of the instants of the recorded fields.
 
     Bodies give a gap also where there is no skirt; the film's own smallest value tells which cell
     it is.
     """
-    bodies = players(results.case, "bodies")
-    port = f"{bodies[0]}.film_thickness" if bodies else ""
+    port = gap_port(results, film)
     smallest = f"{film}.minimum_film_thickness"
     if port not in results.recorded or smallest not in results.ports:
         return None

@@ -6,6 +6,7 @@ Only what was recorded is drawn.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -31,6 +32,7 @@ from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.report import Special
 from ..results.solids import Solid
+from .places import gap_port
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """From firing top dead centre on, 180 deg each."""
@@ -67,16 +69,12 @@ def special(
     films = players(next(iter(runs.values())).case, "lubrication")
     if not bodies or not films or any(crank_angle(results) is None for results in runs.values()):
         return Special()
-    body, film = bodies[0], films[0]
+    body = bodies[0]
     skirt = next((skin.skirt for own in skins.values() for skin in own if skin.skirt), None)
     sections = [
         _motion(runs, body, skirt),
-        _forces(runs, body, film),
-        _friction(runs, film),
-        _films(case, runs, body, film),
-        _oil(runs, film),
-        _carpets(case, runs, body, film),
-        _envelopes(case, runs, body, film),
+        _forces(runs, body, films),
+        *(section for film in films for section in _of_film(case, runs, body, film, len(films))),
     ]
     return Special(
         sections=[section for section in sections if section.drawn],
@@ -84,6 +82,22 @@ def special(
         strip={f"{body}.cylinder_pressure": "MPa", f"{body}.side_force": "kN"},
         solids={label: _solids(own, runs[label], body) for label, own in skins.items()},
     )
+
+
+def _of_film(case, runs, body, film, films) -> list[Section]:
+    """Sections of a film, named after it where there are several."""
+    first = next(iter(runs.values()))
+    gap = gap_port(first, film)
+    sections = [
+        _friction(runs, film),
+        _films(case, runs, film, gap),
+        _oil(runs, film),
+        _carpets(case, runs, film, gap),
+        _envelopes(case, runs, body, film, gap),
+    ]
+    if films == 1:
+        return sections
+    return [replace(section, title=f"{section.title}: {film}") for section in sections]
 
 
 def _solids(skins, results, body) -> list[Solid]:
@@ -200,13 +214,9 @@ def _eccentricity(runs, body, skirt) -> list[Drawn]:
     return [Chart(title, CRANK, "[µm]", curves, cursor=True)] if curves else []
 
 
-def _forces(runs, body, film):
-    sides = [
-        Line(side, f"{film}.radial_force_{side.replace('-', '_')}_side")
-        for side in ("thrust", "anti-thrust")
-    ]
+def _forces(runs, body, films):
     drawn = [
-        *_chart(runs, "Radial force of the film by side", "[N]", *sides),
+        *(chart for film in films for chart in _radial(runs, film, len(films))),
         *_chart(runs, "Side force on the bore", "[N]", Line("side", f"{body}.side_force")),
         *_chart(
             runs,
@@ -221,6 +231,16 @@ def _forces(runs, body, film):
         *_over_position(runs, body),
     ]
     return Section("Forces", drawn)
+
+
+def _radial(runs, film, films):
+    """A film's radial force, named after it where there are several."""
+    of = "the film" if films == 1 else film
+    sides = [
+        Line(side, f"{film}.radial_force_{side.replace('-', '_')}_side")
+        for side in ("thrust", "anti-thrust")
+    ]
+    return _chart(runs, f"Radial force of {of} by side", "[N]", *sides)
 
 
 def _over_position(runs, body) -> list[Drawn]:
@@ -267,7 +287,7 @@ def _friction(runs, film):
     return Section("Friction", drawn)
 
 
-def _films(case, runs, body, film):
+def _films(case, runs, film, gap):
     drawn = [
         *_chart(
             runs,
@@ -279,7 +299,7 @@ def _films(case, runs, body, film):
         *_chart(
             runs, "Highest film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
         ),
-        *_place_of_thinnest(case, runs, f"{body}.film_thickness"),
+        *_place_of_thinnest(case, runs, gap),
     ]
     return Section("Film", drawn)
 
@@ -349,11 +369,11 @@ class _Carpeted(NamedTuple):
     factor: float
 
 
-def _carpets(case, runs, body, film):
+def _carpets(case, runs, film, gap):
     """Height over crank angle along the lines that the case marks, one scale a field."""
     shown = (
         _Carpeted(f"{film}.pressure", "Pressure", "MPa", 1e-6),
-        _Carpeted(f"{body}.film_thickness", "Film thickness", "µm", 1e6),
+        _Carpeted(gap, "Film thickness", "µm", 1e6),
     )
     drawn = [carpet for one in shown for carpet in _along_lines(case, runs, one)]
     return Section("Along the thrust lines", drawn)
@@ -392,10 +412,10 @@ class _Envelope(NamedTuple):
     of: Callable[[np.ndarray, Results], np.ndarray]
 
 
-def _envelopes(case, runs, body, film):
+def _envelopes(case, runs, body, film, gap):
     envelopes = (
         _Envelope("Highest pressure of all instants", "MPa", f"{film}.pressure", _highest(1e-6)),
-        _Envelope("Thinnest film of all instants", "µm", f"{body}.film_thickness", _lowest(1e6)),
+        _Envelope("Thinnest film of all instants", "µm", gap, _lowest(1e6)),
         _Envelope(
             "Highest contact pressure of all instants",
             "MPa",

@@ -63,9 +63,11 @@ def verdicts(case, results) -> list[Verdict]:
     """
     summary = results.summary or {}
     found = [*_of_summary(summary), *_of_truncation(summary)]
-    for name in players(results.case, "lubrication"):
-        found += _of_film(case, results, name)
-        found += _of_grid(case, results, name)
+    films = players(results.case, "lubrication")
+    for name in films:
+        own = [*_of_film(case, results, name), *_of_grid(case, results, name)]
+        of = f" of {name}" if len(films) > 1 else ""
+        found += [one._replace(what=f"{one.what}{of}") for one in own]
     for name in players(results.case, "bodies"):
         found += _of_side_force(results, name)
     if "periodic" in summary:

@@ -12,6 +12,7 @@ from piston_cosim.fmu_mfbd.offline import truncations
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.film_loads import (
+    FORCES,
     FilmLoads,
     NotRecorded,
     RecordedLoads,
@@ -181,8 +182,60 @@ def test_what_is_not_recorded_is_said(tmp_path):
     two = results(tmp_path / "d.h5", {}, film)
     with h5py.File(two, "a") as file:
         file["fields/rings/nodal_pressure_force"] = film.pressure
-    with pytest.raises(NotRecorded, match="d.h5 has nodal_pressure_force of ehd, rings: of one"):
+    with pytest.raises(NotRecorded, match="of ehd, rings, and its case has no wire that tells"):
         recorded_loads(two, GRID)
+
+
+def case_text(wires, surfaces=()):
+    """A run's case: wires, and film surfaces of its bodies."""
+    return json.dumps(
+        {
+            "wires": [{"from": source, "to": target} for source, target in wires],
+            "participants": {"bodies": {"build": {"film_surfaces": list(surfaces)}}, "other": {}},
+        }
+    )
+
+
+def test_wires_tell_which_film_acts_on_the_skirt(tmp_path):
+    """A second film that records forces, of rings, has no part in it."""
+    film = film_forces(GRID)
+    path = results(tmp_path / "run.h5", {}, film)
+    wires = [(f"ehd.{name}", f"bodies.{name}") for name in FORCES]
+    with h5py.File(path, "a") as file:
+        for name in FORCES:
+            file[f"fields/rings/{name}"] = 7.0 * film.pressure
+        file.attrs["case"] = case_text([("rings.nodal_pressure_force", "other.force"), *wires])
+    found = recorded_loads(path, GRID)
+    np.testing.assert_array_equal(found.film.pressure, film.pressure)
+    with h5py.File(path, "a") as file:
+        file.attrs["case"] = case_text(
+            [*wires, ("rings.nodal_pressure_force", f"other.{FORCES[0]}")]
+        )
+    with pytest.raises(NotRecorded, match="on bodies and other: of one piston"):
+        recorded_loads(path, GRID)
+
+
+def test_forces_of_several_films_are_those_of_the_skirt(tmp_path):
+    """Rows 1 to 5 and 7 to 12; on row 6, a groove, there is nothing."""
+    film = film_forces(GRID)
+    path = results(tmp_path / "run.h5", {}, film)
+    bands = {"lower": (1, 5), "upper": (7, 12)}
+    with h5py.File(path, "a") as file:
+        for name in FORCES:
+            whole = file[f"fields/ehd/{name}"][:]
+            del file[f"fields/ehd/{name}"]
+            for band, (first, last) in bands.items():
+                file[f"fields/{band}/{name}"] = whole[:, :, first - 1 : last]
+        wires = [(f"{b}.{name}", f"bodies.{b}.{name}") for b in bands for name in FORCES]
+        surfaces = [{"name": name, "rows": rows} for name, rows in bands.items()]
+        file.attrs["case"] = case_text(wires, surfaces)
+    found = recorded_loads(path, GRID)
+    there = np.arange(12) != 5
+    np.testing.assert_array_equal(found.film.friction, np.where(there, film.friction, 0.0))
+    with h5py.File(path, "a") as file:
+        del file["fields/upper/nodal_pressure_force"]
+    with pytest.raises(NotRecorded, match="has not recorded"):
+        recorded_loads(path, GRID)
 
 
 @pytest.fixture

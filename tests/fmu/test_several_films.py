@@ -1,0 +1,196 @@
+"""Several films on one body, each a lubrication FMU of its own: as one film with a groove, oil and
+work of every film to round-off, kill -9 and resume, checks and rivals by film.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.check import check
+from piston_cosim.master.case.contract import check_fmu, interface
+from piston_cosim.master.case.given import build_options
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.engine.headlines import headlines
+from piston_cosim.master.engine.sections import special
+from piston_cosim.master.engine.verdicts import verdicts
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.rivals import rivals_of
+from piston_cosim.master.runs.run import run
+
+from .films import PATH, even_bands, one_film, several_films
+from .test_resume import compare
+
+GRID = (24, 20)
+STOP = "60 deg"
+GROOVED = [(1, 9), (12, 20)]
+
+
+def computed(tree, path):
+    """Results of a case's tree."""
+    case = check_case(tree, PATH)
+    system = open_system(case, PATH.parent, lambda text: None)
+    run(system, case, tree, path)
+    return Results(path)
+
+
+@pytest.fixture(scope="module")
+def grooved(tmp_path_factory):
+    return computed(several_films(GRID, STOP, GROOVED), tmp_path_factory.mktemp("two") / "two.h5")
+
+
+@pytest.fixture(scope="module")
+def masked(tmp_path_factory):
+    """One film, rows 10 and 11 cut out: its groove holds what the films' edges hold."""
+    tree = one_film(GRID, STOP)
+    mask = np.ones(GRID, dtype=int)
+    mask[:, 9:11] = 0
+    tree["participants"]["ehd"]["build"]["mask"] = mask.tolist()
+    return computed(tree, tmp_path_factory.mktemp("one") / "one.h5")
+
+
+def test_two_films_beside_a_groove_are_one_film_with_a_groove(grooved, masked):
+    """The same equations, solved together or apart. Steps agree to 1 nm of film; both runs take the
+    same iterations, and what GMRES leaves in them is a tenth of that at most. Motion stands a
+    thousandth of its 2e-5 apart, friction, which goes with the thinnest cells, a twentieth.
+    """
+    for name in ("lateral_displacement", "rocking_angle", "side_force"):
+        one, two = (r.series(f"bodies.{name}").values for r in (masked, grooved))
+        assert np.abs(two - one).max() <= 2e-8 * np.ptp(one)
+    power = sum(grooved.series(f"film_{k}.friction_power").values for k in (1, 2))
+    assert power == pytest.approx(masked.series("ehd.friction_power").values, rel=1e-6)
+    joined = [grooved.dataset(f"bodies.band_{k}.film_thickness")[:] for k in (1, 2)]
+    whole = masked.dataset("bodies.film_thickness")[:]
+    np.testing.assert_allclose(joined[0], whole[:, :, :9], rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(joined[1], whole[:, :, 11:], rtol=0.0, atol=1e-10)
+
+
+def test_as_many_iterations_as_with_one(grooved, masked):
+    """Interface Newton sees one system, however many films it is cut into."""
+    counts = [r.series("coupling.iterations").values for r in (masked, grooved)]
+    assert counts[1].sum() <= counts[0].sum() + 2 and counts[1].max() <= 4
+
+
+@pytest.fixture(scope="module")
+def four(tmp_path_factory):
+    """Four films that touch, each with edges of its own."""
+    tree = several_films(GRID, STOP, even_bands(20, 4))
+    return computed(tree, tmp_path_factory.mktemp("four") / "four.h5")
+
+
+@pytest.mark.parametrize("which, films", [("grooved", 2), ("four", 4)])
+def test_oil_and_work_of_every_film_to_round_off(which, films, request):
+    results = request.getfixturevalue(which)
+    for k in range(1, films + 1):
+        assert results.series(f"film_{k}.mass_imbalance").values.max() <= 1e-12
+        assert results.series(f"bodies.band_{k}.interface_work_error").values.max() <= 1e-12
+    assert results.summary["unconverged_steps"] == 0
+    assert abs(results.summary["interface_work_imbalance"]) <= 1e-5
+    assert {f"energy_taken_film_{k}_j" for k in range(1, films + 1)} <= results.summary.keys()
+
+
+def test_four_films_converge_as_one(four):
+    assert four.series("coupling.iterations").values.max() <= 4
+
+
+def test_the_report_speaks_of_every_film(grooved):
+    case = check_case(grooved.case, PATH)
+    lines = {one.name: one.said for one in headlines(case, grooved)}
+    assert {"thinnest film, film_1", "thinnest film, film_2", "oil, film_2"} <= lines.keys()
+    power = sum(grooved.series(f"film_{k}.friction_power").values for k in (1, 2))
+    mean = np.diff(grooved.time) @ power[1:] / np.ptp(grooved.time)
+    assert float(lines["friction"].split()[0]) == pytest.approx(mean, rel=5e-3)  # three digits
+    judged = {one.what for one in verdicts(case, grooved)}
+    assert {"film of film_1", "film of film_2"} <= judged
+    titles = [one.title for one in special(case, {"r": grooved}).sections]
+    assert {"Friction: film_1", "Friction: film_2", "Motion of the piston", "Forces"} <= set(titles)
+
+
+def test_a_body_with_two_films_keeps_the_contract():
+    tree = several_films(GRID, STOP, GROOVED)
+    case = check_case(tree, PATH)
+    system = open_system(case, PATH.parent, lambda text: None)
+    role, breaches, _ = check_fmu(system.participants["bodies"].path)
+    assert (role, breaches) == ("bodies", [])
+
+
+def test_models_of_one_film_among_two():
+    tree = several_films(GRID, STOP, GROOVED)
+    rivals = rivals_of(tree, "lubrication", ["film_2=jfo", "film_2=gumbel"])
+    assert rivals.ports["film_thickness"] == "bodies.band_2.film_thickness"
+    changed = rivals.trees["gumbel"]["participants"]
+    assert changed["film_2"]["parameters"]["cavitation_model"] == "gumbel"
+    assert "cavitation_model" not in changed["film_1"]["parameters"]
+
+
+def test_the_wires_tell_which_surface_a_film_lies_on():
+    tree = several_films(GRID, STOP, GROOVED)
+    assert interface(tree["wires"], "film_2", "lubrication") == ("bodies", "band_2.")
+    wires = check_case(tree, PATH).wires
+    assert interface(wires, "film_1", "lubrication") == ("bodies", "band_1.")
+    assert interface(wires, "elsewhere", "lubrication") is None
+
+
+def test_each_film_is_held_against_its_own_surface():
+    """9 of 20 rows of 82.8 mm: 37.26 mm; told of the film that says otherwise alone."""
+    change = ("participants.upper_film.parameters.skirt_length", "40 mm")
+    (fault,) = check("grooved_skirt", [change]).faults
+    assert "upper_film.parameters.skirt_length = 40 mm" in fault
+    assert "the skirt length of bodies.upper is 39.33 mm" in fault
+
+
+def test_each_film_has_the_mask_of_its_own_surface(tmp_path, monkeypatch):
+    """Of the shipped skirt with pin holes: the rows of each band."""
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    path = find_case("fired_motorcycle")
+    tree = read_tree(path)
+    for body in ("piston", "block"):
+        tree["participants"]["bodies"]["build"][body]["modes"] = 0
+    whole = build_options(check_case(tree, path), path.parent, lambda text: None)["ehd"]["mask"]
+    participants = tree["participants"]
+    participants["bodies"]["build"]["film_surfaces"] = [
+        {"name": "lower", "rows": [1, 18]},
+        {"name": "upper", "rows": [19, 40]},
+    ]
+    participants["ehd"]["build"]["grid"] = [40, 22]
+    for wire in tree["wires"]:
+        for key, text in wire.items():
+            if str(text).startswith("bodies.") and str(text).endswith(
+                (
+                    "film_thickness",
+                    "sliding_velocity",
+                    "nodal_pressure_force",
+                    "nodal_friction_force",
+                )
+            ):
+                wire[key] = text.replace("bodies.", "bodies.upper.")
+    mask = build_options(check_case(tree, path), path.parent, lambda text: None)["ehd"]["mask"]
+    np.testing.assert_array_equal(mask, np.array(whole)[:, 18:])
+    assert np.array(mask).min() == 0
+
+
+RUN = [
+    *(sys.executable, "-m", "piston_cosim", "run", "grooved_skirt", "--no-plots"),
+    *("--set", "time.stop=60 deg", "--set", "record.checkpoint_every=7", "--output"),
+]
+
+
+def test_killed_and_resumed_gives_the_same_bits(tmp_path):
+    whole = tmp_path / "whole"
+    subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
+    cut = tmp_path / "cut"
+    process = subprocess.Popen([*RUN, str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    checkpoint = cut / "rigid.h5.checkpoint"
+    deadline = time.monotonic() + 300
+    while not checkpoint.exists() and time.monotonic() < deadline:
+        time.sleep(0.002)
+    os.kill(process.pid, signal.SIGKILL)
+    assert process.wait(60) == -signal.SIGKILL
+    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
+    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
+    assert compare(whole / "rigid.h5", cut / "rigid.h5") == []

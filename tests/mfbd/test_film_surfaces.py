@@ -1,0 +1,183 @@
+"""Several film surfaces on one piston: the same motion as with one, each with its own fields."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.build_options import SurfaceOptions
+from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
+from piston_cosim.fmu_mfbd.dynamics.model import MOTION, Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.options import read_options
+from piston_cosim.fmu_mfbd.variables import variables
+from piston_cosim.master.fmi.errors import BadInput
+
+SPEED = 314.0
+STEP = np.pi / 180 / SPEED
+AROUND, ALONG = 16, 12
+BANDS = (SurfaceOptions("lower", 0, 5), SurfaceOptions("upper", 5, ALONG))
+GROOVE = (SurfaceOptions("lower", 0, 5), SurfaceOptions("upper", 6, ALONG))
+
+
+@pytest.fixture
+def built(reduced):
+    """Maker of the small bodies with given surfaces, an offset crank and a machined profile."""
+    options, piston, block = reduced
+
+    def make(surfaces):
+        parameters = Parameters(crank_offset=1e-3, barrel=15e-6, ovality=20e-6)
+        return assemble(piston, block, dataclasses.replace(options, surfaces=surfaces), parameters)
+
+    return make
+
+
+def loads(seed):
+    """Pressure and friction forces on the whole skirt, most of them on the thrust side."""
+    rng = np.random.default_rng(seed)
+    theta = np.pi / 2 + (np.arange(AROUND) - AROUND // 4) * 2 * np.pi / AROUND
+    push = np.maximum(np.sin(theta)[:, None] + 0.3, 0.0) * rng.random((AROUND, ALONG))
+    return 2.0 * push, -0.2 * push
+
+
+def stacked(field, surfaces):
+    """The rows of a field that surfaces have, one surface after another."""
+    return np.concatenate([field[:, one.first : one.last].ravel() for one in surfaces])
+
+
+def steps(model, surfaces, count=8):
+    """Outputs after some steps under `loads`."""
+    nothing = stacked(np.zeros((AROUND, ALONG)), surfaces)
+    state, out = model.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, nothing, nothing))
+    for k in range(count):
+        push, drag = (stacked(field, surfaces) for field in loads(k))
+        state, out = model.advance(state, Inputs(SPEED, 5e5, push, drag), STEP)
+    return state, out
+
+
+def test_two_surfaces_that_cover_the_skirt_are_the_skirt(built):
+    """The sums over both run in another order: round-off, some 1e-13 of each output's size."""
+    whole = steps(built(()), (SurfaceOptions("", 0, ALONG),))[1]
+    parts = steps(built(BANDS), BANDS)[1]
+    for name in ("film_thickness", "sliding_velocity"):
+        joined = np.concatenate([parts[f"{one.name}.{name}"] for one in BANDS], axis=1)
+        np.testing.assert_allclose(joined, whole[name], rtol=1e-12, atol=0.0)
+    for name in ("rocking_angle", "side_force", "pin_force_y", "crank_torque", "film_work"):
+        assert parts[name] == pytest.approx(whole[name], rel=1e-11)
+    np.testing.assert_allclose(
+        parts["modal_coordinate"],
+        whole["modal_coordinate"],
+        rtol=0.0,
+        atol=1e-12 * np.abs(whole["modal_coordinate"]).max(),
+    )
+
+
+def test_a_row_between_two_surfaces_carries_nothing(built):
+    """As the whole skirt with no forces on that row."""
+    whole = built(())
+    plain = (SurfaceOptions("", 0, ALONG),)
+    nothing = np.zeros((AROUND, ALONG))
+    state, _ = whole.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, nothing, nothing))
+    push, drag = (np.where(np.arange(ALONG) == 5, 0.0, field) for field in loads(0))
+    _, one = whole.advance(
+        state, Inputs(SPEED, 0.0, stacked(push, plain), stacked(drag, plain)), STEP
+    )
+    grooved = built(GROOVE)
+    none = stacked(nothing, GROOVE)
+    state, _ = grooved.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, none, none))
+    _, two = grooved.advance(
+        state, Inputs(SPEED, 0.0, stacked(push, GROOVE), stacked(drag, GROOVE)), STEP
+    )
+    assert two["rocking_velocity"] == pytest.approx(one["rocking_velocity"], rel=1e-11)
+    assert two["upper.film_thickness"].shape == (AROUND, 6)
+    np.testing.assert_allclose(
+        two["upper.film_thickness"], one["film_thickness"][:, 6:], rtol=1e-12, atol=0.0
+    )
+
+
+@pytest.mark.parametrize("surfaces", [BANDS, GROOVE])
+def test_derivative_of_all_films_against_differences(built, surfaces):
+    """Central differences of the step, smooth and nearly affine: 1e-7 holds with unit changes."""
+    model = built(surfaces)
+    state, _ = steps(model, surfaces)
+    push, drag = (stacked(field, surfaces) for field in loads(50))
+    rng = np.random.default_rng(1)
+    to_push, to_drag = rng.standard_normal((2, len(push)))
+    rings = RingForce(0.3, -0.2, 0.005)
+    ends = [
+        model.advance(
+            state,
+            Inputs(
+                SPEED,
+                5e5,
+                push + e * to_push,
+                drag + e * to_drag,
+                RingForce(*(e * np.array(rings))),
+            ),
+            STEP,
+        )[1]
+        for e in (1.0, -1.0)
+    ]
+    model.advance(state, Inputs(SPEED, 5e5, push, drag), STEP)
+    products = model.directional_derivative(to_push, to_drag, rings)
+    fields = {f"{s.name}.{f}" for s in surfaces for f in ("film_thickness", "sliding_velocity")}
+    assert products.keys() == fields | set(MOTION)
+    for name, product in products.items():
+        difference = (ends[0][name] - ends[1][name]) / 2
+        assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
+
+
+def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(built):
+    _, out = steps(built(GROOVE), GROOVE)
+    for one in GROOVE:
+        assert out[f"{one.name}.interface_work_error"] <= 1e-13
+    assert "interface_work_error" not in out
+
+
+def test_one_surface_keeps_plain_names_and_several_have_their_own(reduced):
+    options, _, _ = reduced
+    plain = {one.name for one in variables(options)}
+    named = {one.name for one in variables(dataclasses.replace(options, surfaces=GROOVE))}
+    own = {
+        "film_thickness",
+        "sliding_velocity",
+        "nodal_pressure_force",
+        "nodal_friction_force",
+        "interface_work_error",
+        "n_circumferential",
+        "n_axial",
+    }
+    assert own <= plain
+    assert plain - named == own
+    assert named - plain == {f"{one.name}.{name}" for one in GROOVE for name in own}
+
+
+def table(*surfaces, grid=(16, 12)):
+    return {
+        "grid": list(grid),
+        "film_surfaces": [{"name": name, "rows": rows} for name, rows in surfaces],
+        "piston": {
+            "mesh": "piston.msh",
+            "density": "2700 kg/m^3",
+            "young": "75 GPa",
+            "poisson": 0.3,
+        },
+        "block": {"mesh": "block.msh", "density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.3},
+    }
+
+
+def faults(options, folder):
+    with pytest.raises(BadInput) as error:
+        read_options(options, folder)
+    return "\n".join(error.value.faults)
+
+
+def test_surfaces_that_cannot_be_are_refused(tmp_path):
+    assert "film_surfaces.1.rows = [5, 9]: must begin above" in faults(
+        table(("a", [1, 5]), ("b", [5, 9])), tmp_path
+    )
+    assert "'a': is taken" in faults(table(("a", [1, 5]), ("a", [6, 9])), tmp_path)
+    assert "the grid has 12 rows" in faults(table(("a", [1, 5]), ("b", [6, 13])), tmp_path)
+    assert "has 4 rows or more" in faults(table(("a", [1, 3])), tmp_path)
+    assert "film_surfaces.0.name" in faults(table(("Upper band", [1, 5])), tmp_path)
