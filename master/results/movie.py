@@ -90,7 +90,7 @@ def write_movie(
             for panel, images, norm, axes in drawn:
                 panel.clear()
                 draw_map(panel, images[k], norm, axes)
-            figure.suptitle(told(results, results.instants[instant]))
+            figure.suptitle(told(results, float(results.instants[instant])))
             film.grab_frame()
     plt.close(figure)
     return chosen
