@@ -26,6 +26,7 @@ COMMANDS = {
     "run": "Run a case and its variants: results file, summary, pictures.",
     "resume": "Go on with an interrupted run, with the same bits.",
     "plot": "Draw runs side by side.",
+    "movie": "Draw recorded fields of a run as a moving picture.",
     "report": "Write one self-contained HTML page about runs.",
     "scalars": "Write all scalar outputs of a run as CSV.",
     "fields": "Write recorded fields as CSV, HDF5 or VTU.",

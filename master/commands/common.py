@@ -127,13 +127,15 @@ def print_answers(answers, verbose=False):
             console.print(f"[{colour}]{what:11s}[/] {whose}{said}", highlight=False, soft_wrap=True)
 
 
-def draw_pictures(case, runs, folder):
-    """Draw a case's pictures of its runs (label -> Results) and say where they are."""
+def draw_pictures(case, runs, folder, kind=None):
+    """Draw a case's pictures of its runs (label -> Results) and say where they are; as files of
+    another `kind` where one is given.
+    """
     from ..results.pictures import draw, left_out
 
     for picture, why in left_out(case, runs).items():
         say(f"picture  {picture} is left out: {why}")
     with console.status("drawing"):
-        drawn = draw(case, runs, folder)
+        drawn = draw(case, runs, folder, kind)
     for picture in drawn:
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

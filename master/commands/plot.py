@@ -1,11 +1,16 @@
 """`piston-cosim plot`."""
 
 from pathlib import Path
+from typing import Literal
 
 from .common import draw_pictures, open_runs
 
 
-def command(*files: Path, output: Path = Path("pictures")):
+def command(
+    *files: Path,
+    output: Path = Path("pictures"),
+    format: Literal["png", "svg", "pdf"] | None = None,
+):
     """Draw the pictures of one or several results files, side by side, as the first one's case
     describes them.
 
@@ -17,5 +22,7 @@ def command(*files: Path, output: Path = Path("pictures")):
         Results files.
     output
         Folder for the pictures.
+    format
+        Of the files; what the case's names end with, PNG, without it.
     """
-    draw_pictures(*open_runs(files), output)
+    draw_pictures(*open_runs(files), output, format)

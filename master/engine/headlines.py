@@ -131,9 +131,24 @@ def last_cycle(results, name):
     return crank.angle >= begin - 1e-6
 
 
+class Cycle(NamedTuple):
+    """Friction mean effective pressure [Pa] of the cycle that ends at a crank angle [rad]."""
+
+    end: float
+    pressure: float
+
+
 def friction_pressure(case, results) -> float | None:
     """Friction mean effective pressure [Pa] of the last whole cycle; None where the run is shorter,
-    or does not say what it takes.
+    or does not say what it takes (Eq. (X12)).
+    """
+    found = friction_pressures(case, results)
+    return found[-1].pressure if found else None
+
+
+def friction_pressures(case, results) -> list[Cycle]:
+    """Friction mean effective pressure of every whole cycle, counted back from the end; none where
+    the run is shorter, or does not say what it takes.
 
     Eq. (X12):  FMEP = int P dt / V,   V = pi R^2 (max Y - min Y)
                 P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
@@ -141,18 +156,26 @@ def friction_pressure(case, results) -> float | None:
     """
     film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
     if not film or not bodies:
-        return None
+        return []
     run = Run(case, results, *film, *bodies)
     power = friction_power(results)
     height = run.values(f"{run.bodies}.piston_position")
     given = results.case["participants"][run.film].get("parameters", {})
-    within = last_cycle(results, run.bodies)
-    if power is None or height is None or within is None or "bore_radius" not in given:
-        return None
+    crank = crank_angle(results)
+    if power is None or height is None or crank is None or "bore_radius" not in given:
+        return []
     area = np.pi * to_si(given["bore_radius"], "m") ** 2
-    volume = area * np.ptp(height[within])
-    # Eq. (X12)
-    return float(trapezoid(power[within], results.time[within]) / volume)
+    begin, *_, end = crank.angle
+    length = cycle_of(results, run.bodies)
+    found = []
+    for k in reversed(range(int((end - begin) / length + 1e-6))):
+        last = end - k * length
+        within = (crank.angle >= last - length - 1e-6) & (crank.angle <= last + 1e-6)
+        volume = area * np.ptp(height[within])
+        # Eq. (X12)
+        work = float(trapezoid(power[within], results.time[within]))
+        found.append(Cycle(float(last), work / volume))
+    return found
 
 
 def _friction(run):

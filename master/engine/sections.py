@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import trapezoid
+from scipy.signal import find_peaks
 
 from ..case.contract import players
 from ..case.schema import Case
@@ -32,6 +33,7 @@ from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.report import Special
 from ..results.solids import Solid
+from .headlines import friction_pressures
 from .places import gap_port
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
@@ -40,6 +42,10 @@ WEAR_COEFFICIENT = 1e-17
 """Archard's [1/Pa], of Eq. (X15): our own choice for a run-in, lubricated skirt; the depth is
 proportional to it.
 """
+LEAST_SLAP = 0.1
+"""Of the run's largest kinetic energy across the bore: smaller peaks are not marked."""
+LEAST_LOAD = 0.05
+"""Of the run's largest radial load: a coefficient of friction over less says little."""
 CRANK = "crank angle [deg]"
 
 Runs = dict[str, Results]
@@ -75,6 +81,7 @@ def special(
         _motion(runs, body, skirt),
         _forces(runs, body, films),
         *(section for film in films for section in _of_film(case, runs, body, film, len(films))),
+        Section("Friction over the cycles", _cycles(case, runs)),
     ]
     return Special(
         sections=[section for section in sections if section.drawn],
@@ -89,7 +96,7 @@ def _of_film(case, runs, body, film, films) -> list[Section]:
     first = next(iter(runs.values()))
     gap = gap_port(first, film)
     sections = [
-        _friction(runs, film),
+        _friction(runs, body, film),
         _films(case, runs, film, gap),
         _oil(runs, film),
         _carpets(case, runs, film, gap),
@@ -193,7 +200,25 @@ def _motion(runs, body, skirt):
         Line("kinetic", f"{body}.kinetic_energy", 1e3),
         Line("elastic", f"{body}.elastic_energy", 1e3),
     )
+    drawn += _slaps(runs, body)
     return Section("Motion of the piston", drawn)
+
+
+def _slaps(runs, body) -> list[Drawn]:
+    """Kinetic energy across the bore where it is largest between two falls, at least a tenth of the
+    run's largest.
+    """
+    curves = []
+    for k, (label, results) in enumerate(runs.items()):
+        port = f"{body}.kinetic_energy"
+        if port not in results.ports:
+            continue
+        energy = results.series(port).values
+        peaks, _ = find_peaks(energy, height=LEAST_SLAP * energy.max())
+        shown = 1e3 * energy[peaks]
+        curves.append(Curve(label, k, _degrees(results)[peaks], shown, points=True))
+    title = "Slaps: kinetic energy across the bore before it falls"
+    return [Chart(title, CRANK, "[mJ]", curves, cursor=True)] if curves else []
 
 
 def _eccentricity(runs, body, skirt) -> list[Drawn]:
@@ -260,7 +285,7 @@ def _over_position(runs, body) -> list[Drawn]:
     return [Chart(title, "height [mm]", "[MPa]", curves)] if curves else []
 
 
-def _friction(runs, film):
+def _friction(runs, body, film):
     drawn = [
         *_chart(
             runs,
@@ -283,8 +308,54 @@ def _friction(runs, film):
             "[-]",
             Line("area", f"{film}.contact_area_fraction"),
         ),
+        *_stribeck(runs, body, film),
     ]
     return Section("Friction", drawn)
+
+
+def _cycles(case, runs) -> list[Drawn]:
+    """FMEP of every whole cycle."""
+    curves = []
+    for k, (label, results) in enumerate(runs.items()):
+        if found := friction_pressures(case, results):
+            ends = np.degrees([cycle.end for cycle in found])
+            shown = np.array([cycle.pressure for cycle in found]) * 1e-3
+            curves.append(Curve(label, k, ends, shown, points=True))
+    title = "Friction mean effective pressure of every whole cycle"
+    return [Chart(title, "end of the cycle, crank angle [deg]", "[kPa]", curves)] if curves else []
+
+
+def _stribeck(runs, body, film) -> list[Drawn]:
+    """Friction coefficient of every step over the bearing number of the skirt; steps that carry
+    little are left out.
+
+    Eq. (X17):  f = |F_film + F_contact| / W,   S = mu |v| L / W
+                W the radial forces on thrust and anti-thrust side added up, mu the oil's viscosity
+                as the case gives it, v the piston's speed, L the length of the skirt
+    """
+    ports = [
+        f"{film}.friction_force_hydrodynamic",
+        f"{film}.friction_force_asperity",
+        f"{film}.radial_force_thrust_side",
+        f"{film}.radial_force_anti_thrust_side",
+        f"{body}.piston_velocity",
+    ]
+    curves = []
+    for k, (label, results) in enumerate(runs.items()):
+        given = results.case["participants"][film].get("parameters", {})
+        if not {*ports} <= {*results.ports} or not {"viscosity", "skirt_length"} <= {*given}:
+            continue
+        hydrodynamic, contact, thrust, anti, speed = (results.series(port).values for port in ports)
+        load = np.abs(thrust) + np.abs(anti)
+        carries = load > LEAST_LOAD * load.max()
+        scale = to_si(given["viscosity"], "Pa.s") * to_si(given["skirt_length"], "m")
+        # Eq. (X17)
+        number = scale * np.abs(speed[carries]) / load[carries]
+        coefficient = np.abs(hydrodynamic + contact)[carries] / load[carries]
+        curves.append(Curve(label, k, 1e6 * number, coefficient, points=True))
+    title = f"Friction coefficient, steps with more than {LEAST_LOAD:.0%} of the largest load"
+    x = "viscosity x speed x skirt length / load [1e-6]"
+    return [Chart(title, x, "[-]", curves, logarithmic=True)] if curves else []
 
 
 def _films(case, runs, film, gap):

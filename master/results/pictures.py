@@ -24,7 +24,7 @@ MICRO = ("um", "urad", "us", "uN")
 """Units written without a micro sign, as a case file may."""
 
 
-def draw(case, runs, folder):
+def draw(case, runs, folder, kind=None):
     """Draw every picture of the case that can be drawn of the runs.
 
     Parameters
@@ -33,16 +33,19 @@ def draw(case, runs, folder):
     runs : dict of str to Results
         Label -> results, all drawn into the same pictures.
     folder : Path
+    kind : str, optional
+        png, svg or pdf, in place of what the case's file names end with.
 
     Returns
     -------
     list of Path
-        The PNG files.
+        The files.
     """
     Path(folder).mkdir(parents=True, exist_ok=True)
     drawn = []
     for picture, figure in figures(case, runs):
-        drawn.append(Path(folder) / picture.file)
+        file = Path(folder) / picture.file
+        drawn.append(file.with_suffix(f".{kind}") if kind else file)
         figure.savefig(drawn[-1], dpi=130)
     return drawn
 
@@ -189,20 +192,20 @@ def draw_maps(case, picture, runs):
         shown = [results.field(port, instant(results, picture.time)) for results in runs.values()]
         wanted = picture.units.get(port)
         images = [
-            _where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
+            where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
             for field, results in zip(shown, runs.values())
         ]
         unit = unit_shown(shown[0].unit, wanted)
         norm = colour_norm(images, unit)
         axes = case.axes_of(port)
         for panel, (label, results), image, field in zip(row, runs.items(), images, shown):
-            _draw_map(panel, image, norm, axes)
+            draw_map(panel, image, norm, axes)
             panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
         figure.colorbar(row[0].images[0], ax=list(row), label=labelled(name_of(port), unit))
     return figure
 
 
-def _where_there(image, there):
+def where_there(image, there):
     """The cells that the field has; the others are masked, and stay blank."""
     return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
 
@@ -229,7 +232,7 @@ def colour_norm(images, unit):
     return LogNorm(max(high * FLOOR, min(above, high / 2)), high, clip=True)
 
 
-def _draw_map(panel, image, norm, axes):
+def draw_map(panel, image, norm, axes):
     """One field over its axes; contours where there is something to contour."""
     panel.imshow(
         image.T,

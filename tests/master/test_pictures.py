@@ -9,6 +9,7 @@ from matplotlib.colors import LogNorm
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
 from piston_cosim.master.results.file import RecordedField
 from piston_cosim.master.results.pictures import (
+    draw,
     draw_maps,
     draw_sections,
     figures,
@@ -162,3 +163,18 @@ def test_a_long_title_goes_on_in_a_second_line():
     drawn = figure._suptitle.get_window_extent()
     assert drawn.x0 >= 0.0 and drawn.x1 <= figure.bbox.width
     assert " ".join(figure._suptitle.get_text().split()) == title.strip()
+
+
+@pytest.mark.parametrize("kind, begins", [("svg", b"<?xml"), ("pdf", b"%PDF"), (None, b"\x89PNG")])
+def test_pictures_are_files_of_the_kind_that_is_asked_for(tmp_path, kind, begins):
+    results = SimpleNamespace(
+        field=lambda port, instant: RecordedField(np.ones((3, 2)), 0.0, "1", ""),
+        there=lambda port: None,
+        recorded=["a.x"],
+        case={"participants": {}},
+        time=np.array([0.0, 1.0]),
+    )
+    picture = Picture(file="map.png", title="Map", kind="map", fields=["a.x"], time="0 s")
+    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
+    (file,) = draw(case, {"r": results}, tmp_path, kind)
+    assert file == tmp_path / f"map.{kind or 'png'}" and file.read_bytes().startswith(begins)

@@ -81,6 +81,39 @@ def test_edges_of_the_skirt_move_with_the_tilt():
     assert lower.x == pytest.approx([0.0, 90.0]) and chart.cursor
 
 
+def test_slaps_are_the_peaks_of_a_tenth_or_more():
+    runs = {"r": run([0, 1, 2, 3, 4, 5, 6], kinetic_energy=[0, 1e-3, 0, 5e-5, 0, 2e-4, 0])}
+    section = special(Case.model_construct(), runs).sections[0]
+    chart = next(one for one in section.drawn if one.title.startswith("Slaps"))
+    (curve,) = chart.curves
+    assert curve.x == pytest.approx([1.0, 5.0]) and curve.y == pytest.approx([1.0, 0.2])
+
+
+def test_coefficient_of_friction_over_load_and_speed():
+    """9 mPa s, 50 mm: 4.5e-4 Pa s m times 10 m/s by 900 + 100 N is 4.5e-6, (5 + 15) N by them 0.02;
+    a step that carries 30 N is left out.
+    """
+    results = run([0.0, 1.0], piston_velocity=[-10.0, 3.0])
+    results.case = {"participants": BODIES | {"ehd": {"role": "lubrication"}}}
+    results.case["participants"]["ehd"]["parameters"] = {
+        "viscosity": "9 mPa s",
+        "skirt_length": "50 mm",
+    }
+    forces = {
+        "friction_force_hydrodynamic": [-5.0, 1.0],
+        "friction_force_asperity": [-15.0, 0.0],
+        "radial_force_thrust_side": [900.0, 30.0],
+        "radial_force_anti_thrust_side": [-100.0, 0.0],
+    }
+    series = {f"ehd.{name}": Series(np.array(own), "N", "") for name, own in forces.items()}
+    old = results.series
+    results.series = lambda port: series.get(port) or old(port)
+    results.ports += list(series)
+    drawn = sections._stribeck({"r": results}, "bodies", "ehd")
+    ((curve,),) = (chart.curves for chart in drawn)
+    assert curve.x == pytest.approx([4.5]) and curve.y == pytest.approx([0.02])
+
+
 def test_without_the_skirt_the_pin_is_shown():
     runs = {"r": run([0.0, 90.0], lateral_displacement=[5e-6, 7e-6])}
     chart = special(Case.model_construct(), runs).sections[0].drawn[0]

@@ -8,7 +8,7 @@ import pytest
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.engine.answer import answer
-from piston_cosim.master.engine.headlines import cycle_of, friction_pressure
+from piston_cosim.master.engine.headlines import cycle_of, friction_pressure, friction_pressures
 from piston_cosim.master.engine.places import thinnest_place
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.file import Results
@@ -183,6 +183,9 @@ def test_the_first_screen_by_hand(tmp_path):
         # whole periods of a cosine: trapezia are exact
         expected = 100.0 * 4 * np.pi / 100.0 / volume
         assert friction_pressure(case, results) == pytest.approx(expected, rel=1e-12)
+        each = friction_pressures(case, results)
+        assert [cycle.pressure for cycle in each] == pytest.approx([expected] * 2, rel=1e-12)
+        assert np.degrees([cycle.end for cycle in each]) == pytest.approx([360.0, 1080.0])
         shown = answer(case, results)
     said = {line.name: line.said for line in shown.lines}
     assert said["friction"] == "100 W on average, FMEP 9.18 kPa"

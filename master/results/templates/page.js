@@ -388,7 +388,7 @@ function layoutOf(drawn) {
 function tracesOf(drawn) {
   if (drawn.kind === "chart") return drawn.curves.map(curve => ({
     type: "scatter", mode: curve.points ? "markers" : "lines", name: curve.name, x: column(curve.x), y: column(curve.y), connectgaps: false,
-    line: { color: data.palette[curve.run % data.palette.length], dash: curve.dash, width: 1.5 }, marker: { size: 3, color: data.palette[curve.run % data.palette.length] },
+    line: { color: data.palette[curve.run % data.palette.length], dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: data.palette[curve.run % data.palette.length] },
     hovertemplate: "%{y:.5g}" + (drawn.cursor ? "" : " at %{x:.5g}") + "<extra>" + curve.name + "</extra>",
   }));
   const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), rows = [...y.keys()].map(j => values.subarray(j * x.length, (j + 1) * x.length));

@@ -1,0 +1,96 @@
+"""Recorded fields of a run as a moving picture."""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+
+from ..case.schema import Case
+from ..fmi.errors import BadInput
+from ..fmi.option_classes import near
+from .file import Results
+from .instants import told
+from .pictures import colour_norm, draw_map, labelled, name_of, scaled, where_there
+
+PER_SECOND = 15
+"""Instants shown in a second."""
+WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+
+
+def write_movie(
+    case: Case, results: Results, ports: list[str], frames: int, path: Path
+) -> np.ndarray:
+    """Draw fields over their two indices, a panel each, at instants evenly chosen among the
+    recorded ones.
+
+    Parameters
+    ----------
+    case : Case
+    results : Results
+    ports : list of str
+        Recorded fields of two indices; of the case's first picture of maps without any.
+    frames : int
+        Instants at most.
+    path : Path
+        Ends with .gif or .mp4.
+
+    Returns
+    -------
+    ndarray of int
+        The recorded instants shown.
+
+    Raises
+    ------
+    BadInput
+        For a file of another kind, mp4 without ffmpeg, fewer than 2 instants, and fields that were
+        not recorded.
+    """
+    maps = [picture for picture in case.pictures if picture.kind == "map"]
+    ports = ports or [port for picture in maps[:1] for port in picture.fields]
+    known = [port for port in results.recorded if results.dataset(port).ndim == 3]
+    faults = [
+        f"--field {port}: recorded are {', '.join(known)}{near(port, known)}"
+        for port in ports
+        if port not in known
+    ]
+    if not ports:
+        faults.append(f"--field: the case has no picture of maps; recorded are {', '.join(known)}")
+    if frames < 2:
+        faults.append(f"--frames {frames}: 2 or more")
+    writer = WRITERS.get(path.suffix)
+    if writer is None:
+        faults.append(f"{path}: the file ends with {' or '.join(WRITERS)}")
+    elif not writer.isAvailable():
+        faults.append(f"{path}: needs ffmpeg, which is not installed; .gif needs nothing more")
+    if faults or writer is None:
+        raise BadInput(faults)
+    units = {port: unit for picture in maps for port, unit in picture.units.items()}
+    count = len(results.instants)
+    chosen = np.unique(np.linspace(0, count - 1, min(frames, count)).round().astype(int))
+    figure, panels = plt.subplots(
+        len(ports),
+        1,
+        squeeze=False,
+        layout="constrained",
+        figsize=(6.1, 1 + 2.6 * len(ports)),
+    )
+    drawn = []
+    for panel, port in zip(panels[:, 0], ports):
+        dataset = results.dataset(port)
+        values, unit = scaled(dataset[:][chosen], dataset.attrs["unit"], units.get(port))
+        images = [where_there(image, results.there(port)) for image in values]
+        norm = colour_norm(images, unit)
+        draw_map(panel, images[0], norm, case.axes_of(port))
+        figure.colorbar(panel.images[0], ax=panel, label=labelled(name_of(port), unit))
+        drawn.append((panel, images, norm, case.axes_of(port)))
+    film = writer(fps=PER_SECOND)
+    with film.saving(figure, str(path), dpi=90):
+        for k, instant in enumerate(chosen):
+            for panel, images, norm, axes in drawn:
+                panel.clear()
+                draw_map(panel, images[k], norm, axes)
+            figure.suptitle(told(results, float(results.instants[instant])))
+            film.grab_frame()
+    plt.close(figure)
+    return chosen

@@ -1,0 +1,74 @@
+"""Moving pictures of recorded fields."""
+
+import pytest
+from PIL import Image
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results import movie
+from piston_cosim.master.results.movie import PER_SECOND, write_movie
+
+from .test_page import INSTANTS, TREE, written
+
+
+@pytest.fixture
+def case():
+    return check_case(TREE, "case.toml")
+
+
+@pytest.fixture
+def results(tmp_path):
+    with written(tmp_path / "run.h5") as one:
+        yield one
+
+
+def test_every_chosen_instant_is_a_frame(case, results, tmp_path, monkeypatch):
+    shown = []
+
+    def looked_at(panel, image, norm, axes):
+        shown.append((image.copy(), norm.vmin, norm.vmax))
+        panel.imshow(image.T, norm=norm)
+
+    monkeypatch.setattr(movie, "draw_map", looked_at)
+    target = tmp_path / "run.gif"
+    chosen = write_movie(case, results, ["bodies.film_thickness"], 4, target)
+    assert chosen.tolist() == [0, 6, 12, INSTANTS - 1]
+    with Image.open(target) as picture:
+        assert picture.n_frames == 4
+        # a gif counts in hundredths of a second
+        assert picture.info["duration"] == pytest.approx(1000 / PER_SECOND, abs=10)
+    held = results.dataset("bodies.film_thickness")[:][chosen] * 1e6
+    there = results.there("bodies.film_thickness")
+    # the first one twice: the bar is made for it
+    for (image, low, high), values in zip(shown[1:], held):
+        assert image.data[there] == pytest.approx(values[there])
+        assert (low, high) == pytest.approx((held[:, there].min(), held[:, there].max()))
+
+
+def test_without_fields_those_of_the_case(case, results, tmp_path):
+    assert len(write_movie(case, results, [], 2, tmp_path / "run.gif")) == 2
+    assert (tmp_path / "run.gif").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "ports, frames, name, said",
+    [
+        (["ehd.pressur"], 5, "a.gif", "did you mean"),
+        ([], 1, "a.gif", "2 or more"),
+        ([], 5, "a.avi", "ends with .gif or .mp4"),
+        ([], 5, "a.mp4", "needs ffmpeg"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told(
+    case, results, tmp_path, monkeypatch, ports, frames, name, said
+):
+    monkeypatch.setattr(movie.FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(BadInput, match=said):
+        write_movie(case, results, ports, frames, tmp_path / name)
+    assert not (tmp_path / name).exists()
+
+
+def test_a_run_without_maps_needs_fields(results, tmp_path):
+    case = check_case({k: v for k, v in TREE.items() if k != "pictures"}, "case.toml")
+    with pytest.raises(BadInput, match="no picture of maps"):
+        write_movie(case, results, [], 5, tmp_path / "a.gif")
