@@ -72,6 +72,8 @@ class Predictor:
 
     def __call__(self, time: float) -> np.ndarray:
         """Guess at `time` [s]; the last vector if there is no more to go by."""
+        if len(self.past) == 1:
+            return self.past[0][1]
         guess: Any = 0.0
         for time_a, x in self.past:
             weight = 1.0
@@ -304,6 +306,8 @@ class Stepper:
 
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
-        change = self.predictor(time + step) - start
-        guess = start + step_length(self.interface, start, change) * change
+        guess = self.predictor(time + step)
+        if guess is not start:
+            change = guess - start
+            guess = start + step_length(self.interface, start, change) * change
         return self.method.solve(MacroStep(self.interface, time, step, saved), guess, self.memory)

@@ -11,17 +11,18 @@ from ..case.schema import reduced
 from ..coupling.wiring import port_of
 from ..fmi.quantities import pint_unit, registry, to_si
 
-REDUCTIONS = {
-    "min": lambda time, values: values.min(),
-    "max": lambda time, values: values.max(),
-    "mean": lambda time, values: mean_over(time, values),
-    "last": lambda time, values: values[-1],
-}
-
 
 def mean_over(time: np.ndarray, values: np.ndarray) -> float:
     """Mean over time, each row as heavy as the step is long that ends there: Eq. (Z8)."""
     return float(np.diff(time) @ values[1:] / (time[-1] - time[0]))
+
+
+REDUCTIONS = {
+    "min": lambda time, values: values.min(),
+    "max": lambda time, values: values.max(),
+    "mean": mean_over,
+    "last": lambda time, values: values[-1],
+}
 
 
 @dataclass(frozen=True)

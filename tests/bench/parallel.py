@@ -21,7 +21,6 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
 import heapq
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -34,8 +33,8 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import Stepper
-from piston_cosim.master.fmi.compiler import compiler
 from tests.fmu import vectors
+from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, make
 
 STEP_TAKES = 150_000
@@ -73,8 +72,7 @@ def run(folder, names, wires, isolated, parallel):
 def counters(folder, flag, takes, count):
     """An FMU whose step takes so long [us]; names of participants and the wires of a ring."""
     library = folder / "counter.so"
-    command = [compiler(), "-O1", "-shared", "-fPIC", f"-D{flag}={takes}", SOURCE]
-    subprocess.run([*command, "-o", library], check=True)
+    compile_model(SOURCE, library, f"-D{flag}={takes}")
     make(folder / "model.fmu", library)
     names = [f"p{k}" for k in range(count)]
     return names, [(names[k], names[(k + 1) % count]) for k in range(count)]

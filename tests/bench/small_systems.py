@@ -8,7 +8,6 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -25,7 +24,7 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import Stepper
-from piston_cosim.master.fmi.compiler import compiler
+from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, case_text, make
 
 STEPS, STEP, ROUNDS = 1000, 1e-3, 20
@@ -82,7 +81,7 @@ def stepping(folder, method):
 def main():
     folder = Path(tempfile.mkdtemp())
     library = folder / "counter.so"
-    subprocess.run([compiler(), "-O1", "-shared", "-fPIC", SOURCE, "-o", library], check=True)
+    compile_model(SOURCE, library)
     for name in "ab":
         make(folder / f"{name}.fmu", library)
     methods = ("explicit", "aitken", "iqn_ils", "newton")

@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from piston_cosim.master.fmi.compiler import compiler
+from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, case_text, make
 
 STEPS = 4000
@@ -52,10 +52,11 @@ class Chaos:
         self.environment = os.environ | {
             "PISTON_COSIM_CACHE": str(self.cache),
             "OMP_NUM_THREADS": "1",
+            "PYTHONFAULTHANDLER": "1",
         }
         self.seen = Counter()
         library = folder / "counter.so"
-        subprocess.run([compiler(), "-O1", "-shared", "-fPIC", SOURCE, "-o", library], check=True)
+        compile_model(SOURCE, library)
         for name in "ab":
             make(folder / f"{name}.fmu", library)
         wires = [("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12")]
@@ -87,8 +88,9 @@ class Chaos:
         try:
             said, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
-            process.kill()
-            raise AssertionError("it hangs") from None
+            process.send_signal(signal.SIGABRT)  # Python then says where it stands
+            said, _ = process.communicate(timeout=LONGEST)
+            raise AssertionError(f"it hangs, after {dict(self.seen)}: {said}") from None
         assert "Traceback" not in said, said
         return said
 

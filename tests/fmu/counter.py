@@ -1,14 +1,12 @@
 """The FMU of c_models/counter.c, described as a test wants it, and cases with it."""
 
-import subprocess
 import zipfile
-from pathlib import Path
 
 import pytest
 
-from piston_cosim.master.fmi.compiler import compiler
+from .c_fmus import MODELS, compile_model
 
-SOURCE = Path(__file__).parent / "c_models" / "counter.c"
+SOURCE = MODELS / "counter.c"
 VARIABLES = [
     # name, value reference, causality, type, attributes of the type
     ("k", 0, "parameter", "Real", 'start="1"'),
@@ -34,11 +32,8 @@ VARIABLES = [
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
     """The model compiled."""
-    if not compiler():
-        pytest.skip("no C compiler")
     library = tmp_path_factory.mktemp("counter") / "counter.so"
-    flags = ["-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
-    subprocess.run([compiler(), *flags, str(SOURCE), "-o", str(library)], check=True)
+    compile_model(SOURCE, library)
     return library
 
 

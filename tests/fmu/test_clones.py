@@ -13,7 +13,6 @@ from scipy.optimize import fsolve
 from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.starting import closing, start
-from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
@@ -26,8 +25,6 @@ STEPS, H = 4, 0.1
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    if not compiler():
-        pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("clones")
     vectors.make(folder)
     return folder

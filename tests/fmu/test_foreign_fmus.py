@@ -4,22 +4,18 @@
 Eq. (X3):  dx/dt = -k x + g x, backward Euler through the loop:  x_n = x_0 / (1 + H (k - g))^n
 """
 
-import subprocess
-import zipfile
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
 
-MODELS = Path(__file__).parent / "c_models"
+from .c_fmus import MODELS, compile_model, pack
+
 STATES = (1.0, 2.0, -3.0)
 
 
@@ -123,32 +119,14 @@ boolean = "last loop.boolean_output"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    if not compiler():
-        pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("foreign")
     for name, text, place in (
         ("dahlquist", DAHLQUIST, "linux64"),
         ("feedthrough", FEEDTHROUGH, "x86_64-linux"),
     ):
         library = folder / f"{name}.so"
-        subprocess.run(
-            [
-                compiler(),
-                "-O1",
-                "-Wall",
-                "-Wextra",
-                "-Werror",
-                "-shared",
-                "-fPIC",
-                str(MODELS / f"{name}.c"),
-                "-o",
-                str(library),
-            ],
-            check=True,
-        )
-        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
-            target.writestr("modelDescription.xml", text)
-            target.write(library, f"binaries/{place}/{name}.so")
+        compile_model(MODELS / f"{name}.c", library)
+        pack(folder / f"{name}.fmu", text, library, place)
     return folder
 
 

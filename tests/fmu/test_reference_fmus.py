@@ -101,6 +101,8 @@ def test_in_a_wired_pair(fmu, tmp_path):
     """What the first says is what the second hears, at the end of the same step where it is real,
     a step later where it is held.
     """
+    if fmu.stem == "Clocks":
+        pytest.skip(f"{fmu.stem} {WITHOUT[fmu.stem]}")
     pairs = matched(open_fmu("one", fmu).fields)
     if not pairs:
         pytest.skip(f"{fmu.stem} has no inputs that its outputs fit")

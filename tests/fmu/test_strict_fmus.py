@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu_of_file
-from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.isolated import IsolatedParticipant
 from piston_cosim.master.results.file import Results
+
+from .c_fmus import MODELS, compile_model
 
 HERE = Path(__file__).parent
 STEP, GAIN = 0.1, 30.0
@@ -80,8 +81,6 @@ def description(derivative):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    if not compiler():
-        pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("strict")
     for name, flags, derivative in (
         ("cell", (), "true"),
@@ -89,9 +88,7 @@ def folder(tmp_path_factory):
         ("refuses", ("-DREFUSES",), "true"),
     ):
         library = folder / f"{name}.so"
-        source = str(HERE / "c_models" / "cell.c")
-        call = [compiler(), "-O1", "-w", "-shared", "-fPIC", *flags, source, "-o", str(library)]
-        subprocess.run(call, check=True)
+        compile_model(MODELS / "cell.c", library, *flags)
         with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
             target.writestr("modelDescription.xml", description(derivative))
             target.write(library, "binaries/linux64/cell.so")

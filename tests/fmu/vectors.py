@@ -1,12 +1,9 @@
 """Three bent lags with inputs of three, of c_models/dahlquist.c, in a loop with a gain."""
 
-import subprocess
-import zipfile
 from pathlib import Path
 
-from piston_cosim.master.fmi.compiler import compiler
-
-from .test_foreign_fmus import DAHLQUIST, FEEDTHROUGH, MODELS
+from .c_fmus import MODELS, compile_model, pack
+from .test_foreign_fmus import DAHLQUIST, FEEDTHROUGH
 
 BEND, GAIN = 0.1, 0.5
 SERIALISED = DAHLQUIST.replace(
@@ -41,7 +38,6 @@ fields = ["bent.x"]
 
 def make(folder: Path, wait=0):
     """Both FMUs in a folder; a step of the lags waits so many microseconds."""
-    flags = ["-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
     own = ["-DSERIALISES", f"-DBEND={BEND}", f"-DWAIT={wait}"]
     for name, source, text, place in (
         ("bent", "dahlquist", SERIALISED, "linux64"),
@@ -49,8 +45,5 @@ def make(folder: Path, wait=0):
     ):
         library = folder / f"{source}.so"
         more = own if name == "bent" else []
-        command = [str(compiler()), *flags, *more, str(MODELS / f"{source}.c"), "-o", str(library)]
-        subprocess.run(command, check=True)
-        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
-            target.writestr("modelDescription.xml", text)
-            target.write(library, f"binaries/{place}/{source}.so")
+        compile_model(MODELS / f"{source}.c", library, *more)
+        pack(folder / f"{name}.fmu", text, library, place)

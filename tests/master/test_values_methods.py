@@ -214,7 +214,7 @@ def test_gmres_minimises_the_residual_and_counts_its_products():
     gmres = RecycledGmres(5)
     x, count = gmres.solve(product, np.ones(2), 1e-9)
     assert (x, count) == (pytest.approx([0.5, 1.0], rel=1e-9), 2)
-    # what it learned answers the next system at once, but for the noise 1e-5 of Eq. (K1)
+    # what it learned answers the next system at once, but for the noise 1e-5 of Eq. (Q7)
     x, count = gmres.solve(product, np.array([3.0, -2.0]), 1e-3)
     assert (x, count) == (pytest.approx([1.5, -2.0], rel=1e-4), 1)
     # nothing to do: the right-hand side is within the tolerance

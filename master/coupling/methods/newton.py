@@ -1,6 +1,6 @@
 """Interface Newton-Krylov: the fixed point of a macro step by directional derivatives."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Newton:
     def solve(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
         if self.differences:
             solution = self._iterate(ProbedStep(macro_step), guess, memory)
-            return replace(solution, products=0, probes=solution.products)
+            return solution._replace(products=0, probes=solution.products)
         return self._iterate(macro_step, guess, memory)
 
     def _iterate(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:

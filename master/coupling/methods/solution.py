@@ -3,16 +3,15 @@ update.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from math import isfinite
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ..interface import Evaluation, Interface
 
 
-@dataclass(frozen=True)
-class MacroStep:
+class MacroStep(NamedTuple):
     """One macro step: evaluations of `interface` from `time` over `step` [s], every one from the
     `saved` states.
     """
@@ -31,8 +30,7 @@ class MacroStep:
         return self.interface.derivative(change)
 
 
-@dataclass(frozen=True)
-class Solution:
+class Solution(NamedTuple):
     """An accepted macro step.
 
     x : the wires at its end, which the next step goes by; held : what the inputs were set to where
@@ -97,8 +95,10 @@ class NotConverged(RuntimeError):
 
 
 def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
-    """NotConverged where an output is NaN or infinite."""
-    if not np.isfinite(evaluation.outputs).all():
+    """NotConverged where an output is NaN or infinite: then so is the last measure, which is looked
+    at first.
+    """
+    if not isfinite(history[-1]) and not np.isfinite(evaluation.outputs).all():
         raise NotConverged("a participant's output is not finite", interface, evaluation, history)
 
 
