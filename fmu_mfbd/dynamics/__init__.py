@@ -7,6 +7,7 @@ instant            all of it at one instant, compiled
 floating_frame     a flexible body in its frame
 pin_friction       between piston and pin
 generalised_alpha  time integration
+first_steps        how it begins
 impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
 account            what they took from the film over it

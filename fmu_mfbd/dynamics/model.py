@@ -10,6 +10,7 @@ import numpy as np
 
 from .account import account
 from .build_options import FilmGrid
+from .first_steps import FIRST_STEPS, first_steps
 from .gas_on_bore import WallPressures
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
@@ -58,6 +59,8 @@ class State:
         Energy of the motion across the bore [J].
     other_forces : ndarray, shape (n,)
         On that motion, all but the film's [N], [N m], [kg^-1/2 N].
+    steps : int
+        Taken since the start.
     """
 
     time: float
@@ -71,6 +74,7 @@ class State:
     auxiliary: np.ndarray
     kinetic: float
     other_forces: np.ndarray
+    steps: int = 0
 
 
 @dataclass(frozen=True)
@@ -253,7 +257,7 @@ class PistonInBore:
             if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
                 break
             crank = crank._replace(acceleration=state.crank_acceleration)
-        return replace(state, auxiliary=state.acceleration), outputs
+        return replace(state, auxiliary=at_rest), outputs
 
     def unyielding(self) -> "PistonInBore":
         """The same without a deformation of the modes that follow statically."""
@@ -268,8 +272,8 @@ class PistonInBore:
         return model
 
     def advance(self, state: State, inputs: Inputs, step: float) -> tuple[State, dict]:
-        """One step of the generalised-alpha method; equations hold at its end, with the forces
-        given for its end.
+        """One step of the generalised-alpha method, the first two of backward Euler; equations
+        hold at its end, with the forces given for its end.
 
         The crank follows its table; without one it turns with constant acceleration over the step,
         which the input's change asks for; free, it goes on as its torques asked for up to the start
@@ -291,14 +295,18 @@ class PistonInBore:
         ------
         NotConverged
         """
+        begins = state.steps < FIRST_STEPS
         end, outputs = self._solve(
-            coefficients(step, self.spectral_radius),
+            first_steps(step) if begins else coefficients(step, self.spectral_radius),
             Motion(state.position, state.velocity, state.acceleration),
             state.auxiliary,
             state.time + step,
             self.crank.turn(state, step, inputs.crank_speed),
             inputs,
         )
+        steps = state.steps + 1
+        auxiliary = np.zeros_like(end.auxiliary) if steps < FIRST_STEPS else end.auxiliary
+        end = replace(end, steps=steps, auxiliary=auxiliary)
         found = account(
             (state.kinetic, end.kinetic),
             end.position - state.position,

@@ -28,8 +28,6 @@ SMALL = [
     ("time.stop", f"{STEPS} deg"),
     ("participants.bodies.build.piston.modes", 0),
     ("participants.bodies.build.block.modes", 0),
-    # from rest the pin's friction begins with a jump, whose step error does not fall evenly
-    ("participants.bodies.parameters.pin_friction_coefficient", 0.0),
 ]
 PATH = find_case("numerical_example")
 

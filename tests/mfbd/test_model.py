@@ -45,6 +45,26 @@ def test_start_is_concentric_and_at_rest(model):
     assert out["sliding_velocity"] == pytest.approx(out["piston_velocity"])
 
 
+def test_the_first_two_steps_are_backward_euler(model):
+    """Eq. (N8), of everything that has inertia; the third step is not."""
+    before, _ = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
+    moving = np.r_[: model.moving]
+    apart = []
+    for k in range(3):
+        state, _ = model.advance(before, inputs(model, k), STEP)
+        velocity = before.velocity + STEP * state.acceleration
+        position = before.position + STEP * state.velocity
+        sizes = np.abs(state.velocity[moving]).max(), np.abs(STEP * state.velocity[moving]).max()
+        apart.append(
+            max(
+                np.abs(state.velocity - velocity)[moving].max() / sizes[0],
+                np.abs(state.position - position)[moving].max() / sizes[1],
+            )
+        )
+        before = state
+    assert max(apart[:2]) < 1e-9 and apart[2] > 1e-3
+
+
 @pytest.fixture
 def rubbing(reduced):
     """As `model`, with friction at the pin."""
