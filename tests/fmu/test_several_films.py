@@ -44,21 +44,31 @@ def grooved(tmp_path_factory):
     return computed(several_films(GRID, STOP, GROOVED), tmp_path_factory.mktemp("two") / "two.h5")
 
 
-@pytest.fixture(scope="module")
-def masked(tmp_path_factory):
+def with_cut_out():
     """One film, rows 10 and 11 cut out: its groove holds what the films' edges hold."""
     tree = one_film(GRID, STOP)
     mask = np.ones(GRID, dtype=int)
     mask[:, 9:11] = 0
     tree["participants"]["ehd"]["build"]["mask"] = mask.tolist()
-    return computed(tree, tmp_path_factory.mktemp("one") / "one.h5")
+    return tree
 
 
-def test_two_films_beside_a_groove_are_one_film_with_a_groove(grooved, masked):
-    """The same equations, solved together or apart. Steps agree to 1 nm of film; both runs take the
-    same iterations, and what GMRES leaves in them is a tenth of that at most. Motion stands a
-    thousandth of its 2e-5 apart, friction, which goes with the thinnest cells, a twentieth.
+@pytest.fixture(scope="module")
+def masked(tmp_path_factory):
+    return computed(with_cut_out(), tmp_path_factory.mktemp("one") / "one.h5")
+
+
+def test_two_films_beside_a_groove_are_one_film_with_a_groove(tmp_path):
+    """The same equations, solved together or apart, in steps that agree to 1 pm of film: films of
+    1e-5 m then stand at most a tenth of that apart, motion a few 1e-9 of its range. Friction is the
+    same to 2e-12 until a cavity reaches the groove, and to 2e-7 from there on: why has not been
+    found.
     """
+    trees = {"one": with_cut_out(), "two": several_films(GRID, STOP, GROOVED)}
+    for tree in trees.values():
+        for wire in tree["wires"]:
+            wire |= {"tolerance": "1 pm"} if "tolerance" in wire else {}
+    masked, grooved = (computed(tree, tmp_path / f"{name}.h5") for name, tree in trees.items())
     for name in ("lateral_displacement", "rocking_angle", "side_force"):
         one, two = (r.series(f"bodies.{name}").values for r in (masked, grooved))
         assert np.abs(two - one).max() <= 2e-8 * np.ptp(one)
@@ -66,8 +76,8 @@ def test_two_films_beside_a_groove_are_one_film_with_a_groove(grooved, masked):
     assert power == pytest.approx(masked.series("ehd.friction_power").values, rel=1e-6)
     joined = [grooved.dataset(f"bodies.band_{k}.film_thickness")[:] for k in (1, 2)]
     whole = masked.dataset("bodies.film_thickness")[:]
-    np.testing.assert_allclose(joined[0], whole[:, :, :9], rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(joined[1], whole[:, :, 11:], rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(joined[0], whole[:, :, :9], rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(joined[1], whole[:, :, 11:], rtol=0.0, atol=1e-12)
 
 
 def test_as_many_iterations_as_with_one(grooved, masked):
