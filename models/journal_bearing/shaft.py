@@ -1,0 +1,120 @@
+"""A rigid shaft that turns in a bearing: two translations, its weight, an unbalance.
+
+Eq. (U17):  m x'' = W + m_u r_u w^2 (cos w t, sin w t) + F,   by the trapezoidal rule
+Eq. (U18):  F = sum of pressure force (-cos a, -sin a) + circumferential force (-sin a, cos a)
+Eq. (U19):  h = C - x cos a - y sin a
+
+x to the right, y upwards from the axis of the shell; a angle of a cell around the shell from x,
+a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell and turns at constant speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from piston_cosim.master.fmi.errors import Discard
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
+
+GRID = (60, 12)  # cells around and along, those of the film
+GRAVITY = 9.80665  # [m/s2]
+ANGLE = 2.0 * np.pi / GRID[0] * np.arange(GRID[0])
+OUTWARD = np.array([np.cos(ANGLE), np.sin(ANGLE)])
+ONWARD = np.array([-np.sin(ANGLE), np.cos(ANGLE)])
+
+
+@dataclass(frozen=True)
+class State:
+    """place, velocity, force : ndarray, shape (2,) [m], [m/s], all that acts [N]; step : length of
+    the last one [s].
+    """
+
+    place: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+    step: float
+
+
+class Shaft(FieldSlave):
+    """Eqs. (U17) to (U19)."""
+
+    name, description, state_type = "shaft", "Rigid shaft in a bearing", State
+    derivative_inputs = ("nodal_pressure_force", "nodal_circumferential_force")
+    derivative_outputs = ("film_thickness", "circumferential_velocity")
+
+    @staticmethod
+    def variables(options):
+        return [
+            input_variable("nodal_pressure_force", "N", "Film on the shaft", 0.0, 1.0, GRID),
+            input_variable("nodal_circumferential_force", "N", "Its friction", 0.0, 0.1, GRID),
+            parameter("radius", "m", "Of the shaft", 25e-3, 1e-3, 1.0),
+            parameter("clearance", "m", "C, radial", 40e-6, 1e-6, 1e-3),
+            parameter("mass", "kg", "m, share of this bearing", 20.0, 1e-3, 1e5),
+            parameter("speed", "rad/s", "w, with ascending cells", 314.15926535897933, -1e5, 1e5),
+            parameter("unbalance", "kg.m", "m_u r_u, share of this bearing", 0.0, 0.0, 10.0),
+            parameter("start_x", "m", "x at the start", 0.0, -1e-3, 1e-3),
+            parameter("start_y", "m", "y at the start", 0.0, -1e-3, 1e-3),
+            output_variable("film_thickness", "m", "h", 1e-5, GRID, start=1e-5),
+            output_variable("circumferential_velocity", "m/s", "Of the surface", 1.0, GRID),
+            output_variable("horizontal_displacement", "m", "x", 1e-5),
+            output_variable("vertical_displacement", "m", "y", 1e-5),
+            output_variable("eccentricity", "1", "Displacement over clearance"),
+            output_variable("horizontal_force", "N", "F along x", 100.0),
+            output_variable("vertical_force", "N", "F along y", 100.0),
+            output_variable("drive_torque", "N.m", "That keeps the speed", 1.0),
+        ]
+
+    def start(self, values):
+        place = np.array([values["start_x"], values["start_y"]])
+        state = State(place, np.zeros(2), self._load(values, 0.0), 0.0)
+        return state, self._shown(state, values)
+
+    def advance(self, state, values, time, step):
+        force = self._film(values) + self._load(values, time + step)
+        change = 0.5 * step * (state.force + force) / values["mass"]  # Eq. (U17)
+        velocity = state.velocity + change
+        place = state.place + 0.5 * step * (state.velocity + velocity)
+        if np.hypot(*place) > 5.0 * values["clearance"]:
+            raise Discard(f"the shaft left its bearing: x, y = {place} m at {time + step:g} s")
+        state = State(place, velocity, force, step)
+        return state, self._shown(state, values)
+
+    def directional_derivative(self, seeds):
+        gain = 0.25 * self.state.step**2 / self.views["mass"].item()
+        move = gain * film_force(*(seeds[name] for name in self.derivative_inputs))
+        thinner = -np.broadcast_to((move @ OUTWARD)[:, None], GRID)
+        return dict(film_thickness=thinner, circumferential_velocity=np.zeros(GRID))
+
+    def _film(self, values):
+        return film_force(values["nodal_pressure_force"], values["nodal_circumferential_force"])
+
+    def _load(self, values, time):
+        """Weight and unbalance, Eq. (U17) [N]."""
+        turned = values["speed"] * time
+        thrown = values["unbalance"] * values["speed"] ** 2
+        down = np.array([0.0, -values["mass"] * GRAVITY])
+        return down + thrown * np.array([np.cos(turned), np.sin(turned)])
+
+    def _shown(self, state, values):
+        x, y = state.place
+        horizontal, vertical = force = self._film(values)
+        # about the axis of the shaft: what acts around, less the lever of the film's force
+        around = values["radius"] * values["nodal_circumferential_force"].sum()
+        moment = around - (x * vertical - y * horizontal)
+        film = values["clearance"] - state.place @ OUTWARD  # Eq. (U19)
+        return dict(
+            film_thickness=np.broadcast_to(film[:, None], GRID),
+            circumferential_velocity=np.full(GRID, values["radius"] * values["speed"]),
+            horizontal_displacement=x,
+            vertical_displacement=y,
+            eccentricity=np.hypot(x, y) / values["clearance"],
+            horizontal_force=force[0],
+            vertical_force=force[1],
+            drive_torque=-moment,
+        )
+
+
+def film_force(pressure, around):
+    """F [N]."""
+    # Eq. (U18)
+    return ONWARD @ around.sum(axis=1) - OUTWARD @ pressure.sum(axis=1)

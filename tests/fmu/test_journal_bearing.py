@@ -1,0 +1,67 @@
+"""The shaft in models/journal_bearing: numbers by hand, and coupled with its film."""
+
+import importlib.util
+
+import numpy as np
+
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+PATH = find_case("journal_bearing")
+
+
+def shaft():
+    """The module of the shaft."""
+    spec = importlib.util.spec_from_file_location("shaft", PATH.parent / "shaft.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_forces_by_hand():
+    """A pressure force of 2 N to the right pushes to the left; 3 N of friction there pull up."""
+    model = shaft()
+    pressure = np.zeros(model.GRID)
+    around = np.zeros(model.GRID)
+    pressure[0, 4] = 2.0
+    around[0, 7] = 3.0
+    assert np.allclose(model.film_force(pressure, around), [-2.0, 3.0], atol=1e-15)
+    quarter = model.GRID[0] // 4
+    around = np.roll(around, quarter, axis=0)
+    assert np.allclose(model.film_force(0.0 * pressure, around), [-3.0, 0.0], atol=1e-15)
+
+
+def ran(tmp_path, *changes):
+    """Results of the case, changed, every step converged."""
+    tree = read_tree(PATH, list(changes))
+    case, output = check_case(tree, PATH), tmp_path / "shaft.h5"
+    system = open_system(case, PATH.parent, print)
+    assert run(system, case, tree, output)["unconverged_steps"] == 0
+    return Results(output)
+
+
+def test_motion_forces_and_power_of_the_coupled_shaft(tmp_path):
+    """5 ms of the shipped case: Newton's law between film and shaft, oil, and the power of the
+    drive beside that of the film.
+    """
+    results = ran(tmp_path, ("time.stop", "5 ms"))
+
+    def of(name):
+        return results.series(name).values
+
+    step = 0.2e-3
+    speed = 100.0 * np.pi
+    time = step * np.arange(len(of("shaft.horizontal_force")))
+    across = of("shaft.horizontal_force") + 1e-3 * speed**2 * np.cos(speed * time)
+    x = of("shaft.horizontal_displacement")
+    # trapezoidal rule twice: m (x2 - 2 x1 + x0) / h^2 = (f2 + 2 f1 + f0) / 4
+    acceleration = 20.0 * np.diff(x, 2) / step**2
+    mean = 0.25 * (across[2:] + 2.0 * across[1:-1] + across[:-2])
+    # a tolerance of 1 nm on the film is 4 m / h^2 times as much of a force: 2 N
+    assert np.allclose(acceleration[1:], mean[1:], atol=2.0)
+    assert of("film.mass_imbalance").max() < 1e-12
+    # moments about the shaft's axis: differences over two of 60 cells, and C/R of the friction
+    power = of("shaft.drive_torque")[1:] * speed
+    assert np.allclose(power, of("film.friction_power")[1:], rtol=5e-3)
