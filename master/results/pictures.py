@@ -116,15 +116,17 @@ def name_of(port: str) -> str:
 
 def draw_lines(case, picture, runs):
     """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style;
-    windows are shaded.
+    windows are shaded. A way in a plane (a length over a length) is drawn to one scale.
     """
+    first = next(iter(runs.values()))
+    plane = all(first.series(port).unit == "m" for port in (picture.x, *sum(picture.y, [])))
     figure, panels = plt.subplots(
         len(picture.y),
         1,
         sharex=True,
         squeeze=False,
         layout="constrained",
-        figsize=(11, 1.2 + 2.3 * len(picture.y)),
+        figsize=(11, 1.2 + (6.0 if plane else 2.3) * len(picture.y)),
     )
     x_unit = ""
     for panel, ports in zip(panels[:, 0], picture.y):
@@ -137,7 +139,8 @@ def draw_lines(case, picture, runs):
                 y, y_unit = scaled(y, si, picture.units.get(port))
                 name = label if len(ports) == 1 else f"{label}, {name_of(port)}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
-        first = next(iter(runs.values()))
+        if plane:
+            panel.set_aspect("equal")
         _shade(panel, windows_of(ports, case.window, picture.units, first))
         panel.set_ylabel(labelled(_common(ports), y_unit))
         panel.grid(alpha=0.3)

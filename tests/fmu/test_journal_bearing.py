@@ -62,6 +62,9 @@ def test_motion_forces_and_power_of_the_coupled_shaft(tmp_path):
     # a tolerance of 1 nm on the film is 4 m / h^2 times as much of a force: 2 N
     assert np.allclose(acceleration[1:], mean[1:], atol=2.0)
     assert of("film.mass_imbalance").max() < 1e-12
+    # full at the start: what lies between two cylinders without the groove, a sixtieth by 10 of 12
+    gap = 2 * np.pi * 25e-3 * 40e-6 * 25e-3 * (1 - 10 / 720)
+    assert np.isclose(of("film.oil_in_film")[0], gap, rtol=1e-12)
     # moments about the shaft's axis: differences over two of 60 cells, and C/R of the friction
     power = of("shaft.drive_torque")[1:] * speed
     assert np.allclose(power, of("film.friction_power")[1:], rtol=5e-3)

@@ -7,9 +7,10 @@ import pytest
 from matplotlib.colors import LogNorm
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
-from piston_cosim.master.results.file import RecordedField
+from piston_cosim.master.results.file import RecordedField, Series
 from piston_cosim.master.results.pictures import (
     draw,
+    draw_lines,
     draw_maps,
     draw_sections,
     figures,
@@ -178,3 +179,12 @@ def test_pictures_are_files_of_the_kind_that_is_asked_for(tmp_path, kind, begins
     case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
     (file,) = draw(case, {"r": results}, tmp_path, kind)
     assert file == tmp_path / f"map.{kind or 'png'}" and file.read_bytes().startswith(begins)
+
+
+@pytest.mark.parametrize("y, to_scale", [("m", True), ("N", False)])
+def test_a_way_in_a_plane_is_drawn_to_scale(y, to_scale):
+    held = {"a.x": Series(np.array([0.0, 2.0]), "m", ""), "a.y": Series(np.ones(2), y, "")}
+    picture = Picture(file="orbit.png", title="Orbit", kind="lines", x="a.x", y=[["a.y"]])
+    results = SimpleNamespace(series=held.get)
+    (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
+    assert (panel.get_aspect() == 1.0) == to_scale
