@@ -225,10 +225,14 @@ def parameters():
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
     bodies = [*of_bodies.inputs(films), *of_bodies.outputs(films, modes), *of_bodies.parameters()]
+    skirt = of_film(grid)
+    known = {variable.name for variable in skirt}
+    bearing = [v for v in of_film(grid, surface="bearing") if v.name not in known]
     heads = ("name", "causality", "unit", "start", "allowed", "meaning")
     lines = ["# Variables of the FMUs", "", "On 40 x 40 cells, 120 modes; values in SI.", ""]
     for title, rows in (
-        ("Lubrication, `fmu_ehd`", of_film(grid)),
+        ("Lubrication, `fmu_ehd`", skirt),
+        ('Besides, of a bearing (`surface = "bearing"`)', bearing),
         ("Bodies, `fmu_mfbd`", bodies),
     ):
         lines += [f"## {title}", "", *table(heads, map(row_of, rows))]
