@@ -1,6 +1,6 @@
 """Runs of a coupled pair that are killed, frozen, starved of disk or whose files are damaged, and
 resumed until they end: the tables must be those of an undisturbed run, bit for bit.
-Run: python tests/fmu/chaos.py 3600
+Run: python tests/fmu/chaos.py 120; an hour: piston-cosim bench chaos
 
 What cannot be gone on with (a damaged checkpoint) must be refused by a sentence; it is begun again
 then, as a user would.
@@ -200,13 +200,14 @@ def chaos(seconds, folder, seed=0):
     return rounds, driver.seen
 
 
-def main():
+def main(seconds):
+    """So many seconds of it, and what was done."""
     folder = Path(tempfile.mkdtemp())
     seed = int(np.random.default_rng().integers(2**31))
-    print("seed", seed)
-    print(*chaos(float(sys.argv[1]), folder, seed))
+    print("seed", seed, flush=True)
+    print(*chaos(seconds, folder, seed))
     shutil.rmtree(folder)
 
 
 if __name__ == "__main__":
-    main()
+    main(float(sys.argv[1]))
