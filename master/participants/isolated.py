@@ -324,15 +324,18 @@ class Server:
 
 
 def _serve(pipe, memory, recipe):
-    """Answer commands until the pipe closes or `close` is done; Ctrl-C is the master's business."""
+    """Answer commands until the master is gone or `close` is done; Ctrl-C is the master's
+    business.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, daemon=True).start()
     server = Server(open_fmu(*recipe), memory)
-    while True:
-        queue = pipe.recv()
-        pipe.send(answered(server, queue))
-        if queue[-1][0] == "close":
-            return
+    with suppress(EOFError, OSError):  # a master that was killed closes or resets the pipe
+        while True:
+            queue = pipe.recv()
+            pipe.send(answered(server, queue))
+            if queue[-1][0] == "close":
+                return
 
 
 def answered(server, queue):

@@ -131,7 +131,7 @@ def _serve(pipe):
     while True:
         try:
             function, arguments, named = pipe.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return
         try:
             answer = False, function(*arguments, **named)
