@@ -7,10 +7,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import h5py
 import numpy as np
 import pytest
+
+from piston_cosim.master.participants import isolated
 
 CASE = """
 title = "Two cells"
@@ -233,3 +236,16 @@ def test_a_killed_master_leaves_no_process_behind(tmp_path):
             )
         )
     )
+
+
+@pytest.mark.parametrize("gone", [EOFError, ConnectionResetError])
+def test_a_served_fmu_ends_in_silence_where_its_master_is_gone(monkeypatch, gone):
+    # a master killed before it has read an answer resets the pipe; found by `chaos.py`
+    monkeypatch.setattr(isolated.signal, "signal", lambda *arguments: None)
+    monkeypatch.setattr(isolated.threading, "Thread", MagicMock())  # would end this process
+    monkeypatch.setattr(isolated, "open_fmu", lambda *recipe: None)
+    monkeypatch.setattr(isolated, "Server", MagicMock())
+    pipe = MagicMock()
+    pipe.recv.side_effect = gone
+    isolated._serve(pipe, None, ())
+    assert pipe.recv.call_count == 1
