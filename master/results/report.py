@@ -24,7 +24,7 @@ from .charts import Phase, Section, as_data, field_data, health_section, picture
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, figures, name_of, scaled
+from .pictures import PALETTE, PALETTE_DARK, figures, name_of, scaled
 from .solids import Solid, solids_data
 
 COLOURS = "viridis"
@@ -311,6 +311,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
     return {
         "labels": list(runs),
         "palette": PALETTE,
+        "palette_dark": PALETTE_DARK,
         "colours": colours,
         "cursor": {
             "label": cursor.label,

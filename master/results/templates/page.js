@@ -31,6 +31,10 @@ async function framesOf(run) {
   return (frame, cell) => halves[bits[frame * size + cell]] * run.scale;
 }
 
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+const colourOf = run => { const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
+let printing = false;   // on paper colours are those of the day
+
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
 
@@ -301,42 +305,36 @@ function whenSeen(node, paint) {
   return () => { if (seen) paint(); };
 }
 
-// scalar outputs under the cursor, a lane each; pointing sets the cursor
+// scalar outputs under the cursor, a lane each; pointing sets the cursor. The cursor and the values are no part of the canvas
 function strip() {
   const canvas = byId("strip"), lanes = data.strip.filter(lane => lane.runs.some(([, count]) => count));
   if (!lanes.length && !data.phases.length) { canvas.remove(); return; }
-  const tall = 34, left = 0, X = (value, width) => left + (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * (width - left);
-  const still = document.createElement("canvas");   // what does not move with the cursor
-  const drawStill = (width, height, ratio) => {
-    Object.assign(still, { width: Math.round(width * ratio), height: Math.round(height * ratio), age });
-    const pen = still.getContext("2d");
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.font = "11px system-ui, sans-serif";
+  const box = canvas.parentElement, now = element("div", box, "", "now"), tall = 34, X = (value, width) => (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * width;
+  const said = lanes.map((lane, row) => { const made = element("span", box, "", "lane"); made.style.top = 16 + tall * row - 2 + "px"; return made; });
+  const draw = () => {
+    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
     drawPhases(pen, width, height, X);
     lanes.forEach((lane, row) => {
       const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
       const Y = value => 16 + tall * row + (tall - 4) * (1 - (value - low) / ((high - low) || 1));
       runs.forEach((own, k) => {
-        pen.strokeStyle = data.palette[k % data.palette.length]; pen.lineWidth = 1.2; pen.beginPath();
+        pen.strokeStyle = colourOf(k); pen.lineWidth = 1.2; pen.beginPath();
         own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
         pen.stroke();
       });
     });
   };
   const paint = () => {
-    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
-    if (still.age !== age) drawStill(width, height, canvas.ratio);
-    pen.drawImage(still, 0, 0, width, height);
+    const k = +slider.value;
     lanes.forEach((lane, row) => {
-      const runs = lane.runs.map(column);
-      pen.fillStyle = style("--ink"); pen.textAlign = "left";
-      pen.fillText(`${lane.name}: ${runs.map(own => own.length ? withUnit(own[+slider.value], lane.unit) : "\u2013").join(" | ")}`, left + 4, 16 + tall * row + 11);
+      said[row].textContent = `${lane.name}: ${lane.runs.map(column).map(own => own.length ? withUnit(own[k], lane.unit) : "\u2013").join(" | ")}`;
     });
-    pen.fillStyle = style("--bad"); pen.fillRect(X(positions[+slider.value], width) - .5, 0, 1.5, height);
+    now.style.transform = `translateX(${X(positions[k], canvas.wide).toFixed(1)}px)`;
   };
-  const set = event => { if (event.buttons) { const width = canvas.clientWidth; go(nearest(positions[0] + (event.offsetX - left) / (width - left) * (positions[positions.length - 1] - positions[0]))); } };
+  const set = event => { if (event.buttons) go(nearest(positions[0] + event.offsetX / canvas.clientWidth * (positions[positions.length - 1] - positions[0]))); };
   canvas.onpointerdown = canvas.onpointermove = set;
-  painters.push(paint); repainters.push(paint);
+  draw();
+  painters.push(paint); repainters.push(() => { draw(); paint(); });
 }
 
 function drawPhases(pen, width, height, X) {
@@ -388,7 +386,7 @@ function layoutOf(drawn) {
 function tracesOf(drawn) {
   if (drawn.kind === "chart") return drawn.curves.map(curve => ({
     type: "scatter", mode: curve.points ? "markers" : "lines", name: curve.name, x: column(curve.x), y: column(curve.y), connectgaps: false,
-    line: { color: data.palette[curve.run % data.palette.length], dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: data.palette[curve.run % data.palette.length] },
+    line: { color: colourOf(curve.run), dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: colourOf(curve.run) },
     hovertemplate: "%{y:.5g}" + (drawn.cursor ? "" : " at %{x:.5g}") + "<extra>" + curve.name + "</extra>",
   }));
   const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), rows = [...y.keys()].map(j => values.subarray(j * x.length, (j + 1) * x.length));
@@ -484,11 +482,12 @@ function show() {
 }
 function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
 let playing = false, last = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
+const steps = 8, drawnFineness = () => playing ? Math.round(fineness * steps) / steps : 1;   // in steps: another size costs a frame
 function turn(time) {
   if (!playing) return;
   const apart = time - last;
   if (apart > 30) {
-    fineness = Math.min(1, Math.max(.4, fineness * (apart > 38 ? .9 : 1.02)));
+    fineness = Math.min(1, Math.max(3 / steps, fineness * (apart > 38 ? .94 : 1.01)));
     last = time; shown += 1;
     go(+slider.value + 1);
   }
@@ -523,9 +522,9 @@ async function begin() {
   const again = () => { age += 1; repainters.forEach(paint => paint()); };
   let width = window.innerWidth;
   window.addEventListener("resize", () => { if (window.innerWidth !== width) { width = window.innerWidth; again(); } });
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-  window.addEventListener("beforeprint", () => { waiting.forEach(([, draw]) => draw()); again(); });
-  window.addEventListener("afterprint", again);
+  dark.addEventListener("change", again);
+  window.addEventListener("beforeprint", () => { printing = true; waiting.forEach(([, draw]) => draw()); again(); });
+  window.addEventListener("afterprint", () => { printing = false; again(); });
   document.body.dataset.page = "ready";
 }
 begin();
