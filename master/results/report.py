@@ -29,6 +29,8 @@ from .solids import Solid, solids_data
 
 COLOURS = "viridis"
 """Of fields: even steps in lightness, told apart by colour-blind readers."""
+DIFFERENCES = "RdBu_r"
+"""Of differences, white at zero: red and blue are told apart by colour-blind readers."""
 
 
 @dataclass(frozen=True)
@@ -258,7 +260,8 @@ class Cursor:
     """Where the page's cursor can stand: every instant at which any run recorded fields.
 
     positions : rising, in `unit` (crank angle where every run says one, else time);
-    frames, rows : of each run the nearest recorded instant and the nearest macro step.
+    frames, rows : of each run the nearest recorded instant and the nearest macro step;
+    recorded : of each run where its recorded instants are, in `unit`.
     """
 
     label: str
@@ -266,6 +269,7 @@ class Cursor:
     positions: np.ndarray
     frames: list[np.ndarray] = field(default_factory=list)
     rows: list[np.ndarray] = field(default_factory=list)
+    recorded: list[np.ndarray] = field(default_factory=list)
 
 
 def cursor_of(runs) -> Cursor:
@@ -287,6 +291,7 @@ def cursor_of(runs) -> Cursor:
         positions,
         [nearest(own, positions) for own in recorded],
         [nearest(steps, positions) for _, steps in scales],
+        recorded,
     )
 
 
@@ -306,18 +311,19 @@ def page_data(case, runs, special) -> dict[str, Any]:
     cursor = cursor_of(runs)
     columns = Columns()
     strip = [_strip(case, port, unit, runs, cursor) for port, unit in special.strip.items()]
-    colours = (plt.get_cmap(COLOURS)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
         "labels": list(runs),
         "palette": PALETTE,
         "palette_dark": PALETTE_DARK,
-        "colours": colours,
+        "colours": _table(COLOURS),
+        "diverging": _table(DIFFERENCES),
         "cursor": {
             "label": cursor.label,
             "unit": cursor.unit,
             "positions": columns.add(cursor.positions),
             "frames": [frames.tolist() for frames in cursor.frames],
+            "recorded": [columns.add(own) for own in cursor.recorded],
             "start": _telling(strip, cursor),
         },
         "words": [
@@ -330,6 +336,11 @@ def page_data(case, runs, special) -> dict[str, Any]:
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
     }
+
+
+def _table(name):
+    """256 colours of a map of matplotlib's, 0 to 255."""
+    return (plt.get_cmap(name)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
 
 
 def monitor_words(case, results, rows):

