@@ -1,18 +1,15 @@
 """`piston-cosim report`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..api.bodies import OFFLINE, build_table
-from ..case.schema import find_case
 from ..engine.answer import answer
 from ..engine.sections import special
 from ..fmi.errors import BadInput
-from ..fmi.tree import import_part
 from ..results.report import write_report
-from .common import console, open_runs, say
+from .common import body_skins, console, open_runs
 
 
 def command(
@@ -48,20 +45,7 @@ def command(
         raise BadInput(missing)
     with console.status("drawing the page"):
         answers = {label: answer(described, results) for label, results in runs.items()}
-        extra = special(described, runs, _skins(runs, case))
+        extra = special(described, runs, body_skins(runs, case))
         text = notes.read_text() if notes else ""
         page = write_report(described, runs, output, text, study, answers, extra)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
-
-
-def _skins(runs, case) -> dict[str, list[Any]]:
-    """Label -> surfaces of the run's bodies; those that cannot be had are left out with a word."""
-    found = {}
-    for label, results in runs.items():
-        try:
-            table = build_table(results.case)
-            folder = find_case(case or results.path.resolve().parent.name).parent
-            found[label] = import_part(OFFLINE).skins(table, folder, say)
-        except BadInput as error:
-            say(f"{label}: no bodies on the page: {error}")
-    return found
