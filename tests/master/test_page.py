@@ -15,9 +15,11 @@ import pytest
 
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.engine.sections import special
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.compare import check_measured, measured_section, read_measured
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.packing import Columns
-from piston_cosim.master.results.report import write_report
+from piston_cosim.master.results.report import Special, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
 
 from .browser import Browser, pace
@@ -427,6 +429,55 @@ def test_differences_of_two_runs_have_the_colours_of_their_legend(browser, page,
         share = (off.argmin(axis=1) + 0.5) / len(bar)
         shown = one["low"] + share * (one["high"] - one["low"])
         assert shown == pytest.approx(apart[one["k"]], abs=0.01 * (one["high"] - one["low"]))
+
+
+def test_a_measured_band_is_drawn_and_the_share_in_it_said(browser, page, tmp_path):
+    """One run lies in the band in the first half; so does the other, as its forces are the same."""
+    _, runs = page
+    file = tmp_path / "measured.csv"
+    port, at = "bodies.side_force", np.linspace(10, 710, 71)
+    force = np.sin(np.radians(at))
+    low, high = force - 0.1, np.where(at <= 360, force + 0.1, force - 0.05)
+    head = f"bodies.crank_angle [deg],{port} [kN],{port} low [kN],{port} high [kN]"
+    table = np.column_stack([at, force, low, high])
+    np.savetxt(file, table, delimiter=",", header=head, comments="")
+    measured = read_measured(file)
+    check_measured(runs, measured)
+    drawn = Special(sections=[measured_section(runs, measured)])
+    path = write_report(check_case(TREE, "case.toml"), runs, tmp_path / "report", special=drawn)
+    script = """const chart = data.sections[0].drawn[0];
+      waiting.forEach(([, draw]) => draw());
+      const node = document.querySelector(".chart");
+      return { names: node.data.map(one => one.name), fill: node.data[1].fill,
+        low: [...node.data[0].y], high: [...node.data[1].y], title: data.sections[0].title };"""
+    found, console = probed(browser, path, script, tmp_path)
+    assert console == [] and found["title"] == "Against measured values"
+    inside = np.interp(at, np.linspace(0, 720, 73), np.sin(np.linspace(0, 4 * np.pi, 73)))
+    share = np.mean((inside >= low) & (inside <= high))
+    assert share == pytest.approx(36 / 71)  # at <= 360 deg
+    said = [f"{label}: {share:.0%} of the points in the band" for label in ("one", "two")]
+    assert found["names"][1:] == ["measured band", *said, "measured"]
+    assert found["fill"] == "tonexty"
+    assert (found["low"], found["high"]) == (low.tolist(), high.tolist())
+
+
+@pytest.mark.parametrize(
+    "head, said",
+    [
+        ("a.x [s],a.y low [N],a.y high [N]", "a.y low needs a column a.y"),
+        ("a.x [s],a.y [N],a.y low [N]", "a.y low needs a column a.y high"),
+        ("a.x [s],a.y [N],a.y low [kN],a.y high [N]", "a.y low is in kN, a.y in N"),
+        ("a.x [s],a.y [N],a.y high [N],a.y low [N]", "a.y low is above a.y high"),
+    ],
+)
+def test_faulty_bands_are_refused(tmp_path, head, said):
+    file = tmp_path / "measured.csv"
+    count = head.count(",") + 1
+    file.write_text(
+        "\n".join([head, *(",".join(f"{k + n}" for k in range(count)) for n in (1, 2))])
+    )
+    with pytest.raises(BadInput, match=said):
+        read_measured(file)
 
 
 def test_hover_tells_place_instant_value_and_unit(looked, page):

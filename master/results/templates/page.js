@@ -32,7 +32,7 @@ async function framesOf(run) {
 }
 
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
-const colourOf = run => { const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
+const colourOf = run => { if (run < 0) return style("--ink"); const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
 let printing = false;   // on paper colours are those of the day
 
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
@@ -441,12 +441,19 @@ function layoutOf(drawn) {
   return layout;
 }
 
+// a shaded range along the abscissa: its lower edge, and its upper one filled down to it
+function corridorOf({ corridor }) {
+  if (!corridor) return [];
+  const edge = { type: "scatter", mode: "lines", x: column(corridor.x), line: { width: 0 }, hoverinfo: "skip", showlegend: false };
+  return [{ ...edge, y: column(corridor.low) }, { ...edge, y: column(corridor.high), fill: "tonexty", fillcolor: "rgba(120,130,140,.3)", name: corridor.said, showlegend: true }];
+}
+
 function tracesOf(drawn) {
-  if (drawn.kind === "chart") return drawn.curves.map(curve => ({
+  if (drawn.kind === "chart") return corridorOf(drawn).concat(drawn.curves.map(curve => ({
     type: "scatter", mode: curve.points ? "markers" : "lines", name: curve.name, x: column(curve.x), y: column(curve.y), connectgaps: false,
     line: { color: colourOf(curve.run), dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: colourOf(curve.run) },
     hovertemplate: "%{y:.5g}" + (drawn.cursor ? "" : " at %{x:.5g}") + "<extra>" + curve.name + "</extra>",
-  }));
+  })));
   const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), rows = [...y.keys()].map(j => values.subarray(j * x.length, (j + 1) * x.length));
   const { low, high, positive } = drawn.limits, scale = scaleOver(low, high, positive, drawn.logarithmic), log = scale.logarithmic;
   const shown = log ? rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : Math.log10(Math.max(v, scale.low)))) : rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : v));
