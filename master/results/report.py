@@ -24,7 +24,8 @@ from .charts import Phase, Section, as_data, field_data, health_section, picture
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, PALETTE_DARK, figures, name_of, scaled
+from .pictures import PALETTE, PALETTE_DARK, name_of, scaled
+from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
 COLOURS = "viridis"
@@ -58,8 +59,10 @@ class Special:
 PLAIN = Special()
 
 
-def write_report(case, runs, folder, notes="", studies=(), answers=None, special=PLAIN):
-    """Write `<folder>/report.html` and the figures.
+def write_report(
+    case, runs, folder, notes="", studies=(), answers=None, special=PLAIN, figures=True
+):
+    """Write `<folder>/report.html` and, if wanted, the figures.
 
     Parameters
     ----------
@@ -77,6 +80,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
         said).
     special : Special
         What only the kind of machine knows.
+    figures : bool
+        Whether the figures are wanted.
 
     Returns
     -------
@@ -85,7 +90,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    _save_figures(case, runs, folder)
+    if figures:
+        _save_figures(case, runs, folder)
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
     )
@@ -111,7 +117,7 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
 
 def _save_figures(case, runs, folder):
     """The case's pictures but maps, its loops and the coupling's health, as PNG and SVG."""
-    for picture, figure in figures(case, runs):
+    for picture, figure in drawn_figures(case, runs):
         if picture.kind != "map":
             _save(figure, folder / Path(picture.file).stem)
     for name in case.report.loops:
