@@ -38,6 +38,14 @@ RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
 OPTIMISATION = 3  # LLVM's level
 
+OPEN = {
+    "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
+    "shapes": {"numba_attempt_nocopy_reshape"},
+    "functions": {"ceil", "exp", "log10", "pow"},
+}
+"""All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
+libm. Whatever else numba would call is Python's."""
+
 
 def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
     """Object file of a participant's entries for each of `TARGETS` asked for.
@@ -67,13 +75,15 @@ def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
 
 def module_text(part: Any) -> str:
     """All entries of a `NativePart` in LLVM's language, everything else internal."""
+    import numba
     from llvmlite import binding
-    from numba import carray, types  # pyright: ignore[reportAttributeAccessIssue]
+    from numba import types
     from numba.core import compiler
     from numba.core.registry import cpu_target
 
     from .compiled import KERNELS
 
+    carray = numba.__dict__["carray"]
     for kernel in KERNELS:
         kernel.__dict__["_kept"] = None  # what others compile is optimised for this machine
     numbers = types.CPointer(types.float64)
@@ -132,7 +142,17 @@ def translated(text: str, target: Target) -> bytes:
     builder = binding.create_pass_builder(machine, options)
     passes = builder.getModulePassManager()
     passes.run(module, builder)
+    known = set().union(*OPEN.values())
+    strangers = sorted(open_symbols(module) - known)
+    if strangers:
+        raise RuntimeError(f"machine code would call {', '.join(strangers)}, which are not there")
     return machine.emit_object(module)
+
+
+def open_symbols(module: Any) -> set[str]:
+    """Names of functions that a module calls and has not, but for LLVM's own."""
+    named = {f.name for f in module.functions if f.is_declaration}
+    return {name for name in named if not name.startswith("llvm.")}
 
 
 @cache
