@@ -78,7 +78,7 @@ FOLLOWED = OF_PRODUCTS + 2  # 1 for each of NUMBERS that is an input
 TABLES = GIVEN_HEAD + FOLLOWED + len(NUMBERS)
 HALVES = TABLES + 2 * TABLE[0] * TABLE[1]
 NOWHERE = -1.0
-SIZES = 4  # what `size` tells
+WHOLE, FIRST_STATE, STATES, FIRST_FAULT = range(4)  # what `size` tells
 
 
 def given(slave: Any) -> Array:
@@ -280,10 +280,10 @@ def size(real: Array, integer: Array, memory: Array, numbers: Array):
     n_c = int(memory[COLUMNS])
     n_a = int(memory[ROWS])
     first, length = _state(n_c, n_a)
-    numbers[0] = whole_size(n_c, n_a)
-    numbers[1] = first
-    numbers[2] = length
-    numbers[3] = whole_size(n_c, n_a) - 1 - OF_A_FAULT * MOST_FAULTS
+    numbers[WHOLE] = whole_size(n_c, n_a)
+    numbers[FIRST_STATE] = first
+    numbers[STATES] = length
+    numbers[FIRST_FAULT] = whole_size(n_c, n_a) - 1 - OF_A_FAULT * MOST_FAULTS
 
 
 @compiled

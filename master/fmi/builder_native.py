@@ -1,8 +1,8 @@
 """Build an FMU that needs no Python: one library a platform, made of the participant's entries and
 the C front, beside the model description and a file that says what the slave is like.
 
-The library knows no grid: every FMU of a participant has the same one, which is kept. Its code is
-that of the kernels, so a change in them makes a new one.
+The library knows no grid: every FMU of a participant has the same one. What it is made of is kept
+by the content of the kernels; linked it is anew, which takes a second.
 """
 
 import json
@@ -70,7 +70,6 @@ PLATFORMS = {
 """By the names of `native_code.TARGETS`."""
 
 SOURCES = ("native.c", "runtime.c", "common.c")
-HEADERS = ("front.h", "native.h")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 
 
@@ -116,7 +115,7 @@ def build_native_fmu(
         raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
     part = part_of(package)
     resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
-    faults = list(part.uncovered(resolved)) + _missing_compilers(platforms)
+    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
     if faults:
         raise BadInput(faults)
     slave = _slave(package, resolved)
@@ -157,6 +156,17 @@ def _missing_compilers(platforms):
     ]
 
 
+def too_old() -> list[str]:
+    """A sentence where the numba at hand cannot make machine code for others."""
+    binding = import_module("llvmlite.binding")
+    if hasattr(binding, "create_pass_builder"):
+        return []
+    return [
+        f"numba {version_of('numba')} is too old to build a native FMU, which was made with 0.68; "
+        "run: pip install --upgrade numba"
+    ]
+
+
 def _slave(package, options):
     """An instance of the slave in Python, which knows its table and where variables lie."""
     with tempfile.TemporaryDirectory() as scratch:
@@ -171,29 +181,32 @@ def _slave(package, options):
 
 
 def _libraries(package, platforms, version, progress):
-    """Name of a platform -> its library, from the cache where it was made before."""
-    made = {}
+    """Name of a platform -> its library."""
+    return {
+        name: link(name, version, code)
+        for name, code in _object_files(package, platforms, progress).items()
+    }
+
+
+def _object_files(package, platforms, progress):
+    """Name of a platform -> object file of the entries, from the cache where it was made before."""
     folder = cache_folder("native")
     code = _digest_of_code(package)
-    kept = {name: folder / f"{package}-{version}-{name}-{code}" for name in platforms}
+    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
     missing = [name for name, path in kept.items() if not path.exists()]
     if missing:
         progress(f"compiling {package} for {', '.join(missing)}, which takes one to two minutes")
-        objects = native_code.object_files(package, missing)
-        for name in missing:
+        for name, data in native_code.object_files(package, missing).items():
             partial = kept[name].with_suffix(f".{os.getpid()}.part")
-            partial.write_bytes(link(name, version, objects[name]))
+            partial.write_bytes(data)
             os.replace(partial, kept[name])
-    for name, path in kept.items():
-        made[name] = path.read_bytes()
-    return made
+    return {name: path.read_bytes() for name, path in kept.items()}
 
 
 def _digest_of_code(package):
-    """Of all that a library is made of: kernels, front, compilers."""
+    """Of all that machine code is made of: kernels and what translates them."""
     files = reached(Path(getfile(import_module(part_of(package).given.__module__))).resolve())
-    files |= {HOME / name for name in (*SOURCES, *HEADERS, *FRONTS.values())}
-    files |= {Path(__file__), Path(native_code.__file__)}
+    files |= {Path(native_code.__file__)}
     digest = sha256("".join(map(version_of, ("numba", "llvmlite"))).encode())
     for path in sorted(files):
         digest.update(path.read_bytes())

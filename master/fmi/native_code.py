@@ -38,10 +38,12 @@ RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
 OPTIMISATION = 3  # LLVM's level
 
+REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an entry is given
+
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
-    "functions": {"ceil", "exp", "log10", "pow"},
+    "functions": {"ceil", "exp", "log10", "pow", "sqrt"},
 }
 """All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
 libm. Whatever else numba would call is Python's."""
@@ -101,10 +103,10 @@ def module_text(part: Any) -> str:
         def call(real, integer, memory, numbers, lengths):
             n = carray(lengths, 4)
             run(  # noqa: B023 - compiled before the next one comes
-                carray(real, n[0]),
-                carray(integer, n[1]),
-                carray(memory, n[2]),
-                carray(numbers, n[3]),
+                carray(real, n[REALS]),
+                carray(integer, n[INTEGERS]),
+                carray(memory, n[MEMORY]),
+                carray(numbers, n[NUMBERS]),
             )
 
         made: Any = compiler.compile_extra(

@@ -11,7 +11,7 @@ import fmpy
 import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.builder_native import build_native_fmu, too_old
 from piston_cosim.master.fmi.compiler import compiler
 
 HERE = Path(__file__).parent
@@ -33,6 +33,8 @@ def native_film(grid, **options):
     """A native lubrication FMU for this machine."""
     if not compiler():
         pytest.skip("no C compiler, or not Linux on x86-64")
+    if too_old():
+        pytest.skip(too_old()[0])
     return build_native_fmu("fmu_ehd", {"grid": grid} | options, Path("."))
 
 

@@ -4,6 +4,12 @@
 #include "front.h"
 #include "native.h"
 
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#define NOUSER
+#include <windows.h>
+#endif
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,9 +49,20 @@ typedef struct {
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
 
+/* Paths of the standard are UTF-8, on Windows too. */
+static FILE *open_file(const char *path)
+{
+#ifdef _WIN32
+    wchar_t wide[8192];
+    return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, 8192) ? _wfopen(wide, L"rb") : NULL;
+#else
+    return fopen(path, "rb");
+#endif
+}
+
 static char *read_whole(const char *path, size_t *size)
 {
-    FILE *file = fopen(path, "rb");
+    FILE *file = open_file(path);
     if (!file)
         return NULL;
     char *bytes = NULL;
