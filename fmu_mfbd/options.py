@@ -434,6 +434,17 @@ class Build(Common):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
 
+    @model_validator(mode="after")
+    def _rigid_beside_a_floating_pin(self):
+        for name, body in (("piston", self.piston), ("block", self.block)):
+            if self.floating_pin and not body.rigid and body.modes:
+                raise ValueError(
+                    f"floating_pin: bodies must be rigid beside it, {name} is not (rigid = .., or "
+                    "modes = 0)"
+                )
+        return self
+
+
 Chosen = TypeVar("Chosen", Bodies, Build)
 
 

@@ -473,7 +473,6 @@ class PistonOnFloatingPin(PistonInBore):
             faster = surface.radius * (speed[SPIN] - turning[which])
             out |= {
                 f"{grid.prefix}film_thickness": opening_of(surface, way),
-                f"{grid.prefix}sliding_velocity": np.zeros(grid.shape),
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
             }
         return out
