@@ -433,7 +433,6 @@ class Build(Common):
     block: Block
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
-
     @model_validator(mode="after")
     def _rigid_beside_a_floating_pin(self):
         for name, body in (("piston", self.piston), ("block", self.block)):

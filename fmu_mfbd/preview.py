@@ -281,7 +281,9 @@ def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[F
     if pin is None:
         return []
     radius = pin_radius(piston.body.radius, chosen)
-    lengths = [Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()]
+    lengths = [
+        Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
+    ]
     return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
 
 

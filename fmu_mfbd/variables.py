@@ -328,7 +328,9 @@ def properties(options: BuildOptions) -> list[Variable]:
     for film, what in surfaces:
         around, along = film.shape
         sizes += [
-            constant(f"{film.prefix}n_circumferential", around, f"Film grid cells around the {what}"),
+            constant(
+                f"{film.prefix}n_circumferential", around, f"Film grid cells around the {what}"
+            ),
             constant(f"{film.prefix}n_axial", along, f"Film grid cells along the {what}"),
         ]
     return [

@@ -128,9 +128,7 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     )
 
 
-def imbalance(
-    bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms
-) -> Lack:
+def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms) -> Lack:
     """Residual of the equations of motion, by virtual work.
 
     Eq. (D21):  x_A:    G_x + K_x + N = 0

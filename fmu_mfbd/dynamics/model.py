@@ -202,9 +202,7 @@ class PistonInBore:
         self.films = films
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
         self.modes = (
-            len(system.gas_force)
-            + len(system.block.stiffness)
-            + len(system.block_static.stiffness)
+            len(system.gas_force) + len(system.block.stiffness) + len(system.block_static.stiffness)
         )
         self.coordinates = RIGID + self.modes
         self.residual_evaluations = 0

@@ -184,5 +184,3 @@ def grid_power(
     arm = surface.radius - place @ surface.outward
     terms = push * closing, drag * (turning * arm + velocity @ surface.onward)
     return sum(float(one.sum()) for one in terms), sum(float(np.abs(one).sum()) for one in terms)
-
-

@@ -19,7 +19,6 @@ from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
     BOSS_Y,
     EYE_X,
     EYE_Y,
-    SPIN,
     PinFilms,
     imbalance,
     inertia,
@@ -193,13 +192,15 @@ def test_inertia_of_the_play_by_hand():
     assert np.array_equal(M, M.T)
 
 
-def random_inputs(model, seed, size=50.0, rings=RingForce(40.0, -60.0, 0.3), gas=5e5):
+RINGS = RingForce(40.0, -60.0, 0.3)
+
+
+def random_inputs(model, seed, size=50.0, rings=RINGS, gas=5e5):
     """Rough forces on all films."""
     rng = np.random.default_rng(seed)
     push, drag = size * rng.random(GRID), -0.1 * size * rng.random(GRID)
     pins = tuple(
-        PinForces(10 * size * rng.random(PIN_GRID), size * rng.random(PIN_GRID))
-        for _ in model.pins
+        PinForces(10 * size * rng.random(PIN_GRID), size * rng.random(PIN_GRID)) for _ in model.pins
     )
     return Inputs(SPEED, gas, push, drag, rings, pins=pins)
 
@@ -299,7 +300,10 @@ def coupled(model, springs, steps, gas=6e5):
         for _ in range(12):
             end, out = step_with(state, push, pins)
             wanted_push, wanted_pins = springs.forces(out, model)
-            lack = (wanted_push - push, [p.pressure - q.pressure for p, q in zip(wanted_pins, pins)])
+            lack = (
+                wanted_push - push,
+                [p.pressure - q.pressure for p, q in zip(wanted_pins, pins)],
+            )
             drags = [p.circumferential for p in wanted_pins]
             # directions of forces on which gaps depend: two of the skirt, two of every shell
             seeds = [(one, [0, 0, 0]) for one in (sine, height)]
@@ -387,7 +391,6 @@ def test_the_tied_pin_is_the_limit_of_stiff_films():
             ]
         )
     rates = np.array(apart)
-    print(rates)
     assert rates[-1].max() < 2e-2
     np.testing.assert_allclose(rates[:-1] / rates[1:], 2.0, rtol=0.2)
 
