@@ -260,8 +260,9 @@ fmu.exitInitializationMode()
         """,
     )
     assert same and moved > 0.0
-    # 24 N on 18 mm turn 0.5 kg of pin, a cylinder, for 10 us
-    assert turned_by == pytest.approx(24 * 0.018 / (0.5 * 0.018**2 / 2) * 1e-5, rel=1e-9)
+    # 24 N on 18 mm turn 0.5 kg of pin, a cylinder, for 10 us; some 300 N in the eye have a lever of
+    # the 0.1 um by which they move it
+    assert turned_by == pytest.approx(24 * 0.018 / (0.5 * 0.018**2 / 2) * 1e-5, rel=1e-3)
 
 
 def test_models_of_one_film_among_four(tmp_path):
@@ -270,7 +271,12 @@ def test_models_of_one_film_among_four(tmp_path):
     changed = rivals.trees["gumbel"]["participants"]
     assert changed["small_end_film"]["parameters"]["cavitation_model"] == "gumbel"
     assert "cavitation_model" not in changed["left_film"]["parameters"]
-    assert rivals.ports["film_thickness"] == "bodies.small_end.film_thickness"
+    ports = rivals.ports
+    assert ports["film_thickness"] == "bodies.small_end.film_thickness"
+    assert ports["sliding_velocity"] == "bodies.small_end.circumferential_velocity"
+    assert ports["nodal_friction_force"] == "small_end_film.nodal_circumferential_force"
+    of_skirt = rivals_of(tree, "lubrication", ["skirt_film=jfo"]).ports
+    assert of_skirt["sliding_velocity"] == "bodies.skirt.sliding_velocity"
     table = check_case(tree, PATH).participants["small_end_film"]
     own = build_fmu(table.package, table.build, PATH.parent)
     given = {"lubrication": f"small_end_film={own}"}
