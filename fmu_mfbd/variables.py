@@ -311,8 +311,9 @@ def outputs(
 
 def parameters(floating: bool = False) -> list[Variable]:
     """What a user may set, as `Parameters` declares it, and `PinParameters` of a floating pin."""
+    defaults = vars(Parameters()) | vars(PinParameters())
     return [
-        Variable(one.name, causality="parameter", start=one.default, **one.metadata)
+        Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)
         for kind in (Parameters, PinParameters)[: 1 + floating]
         for one in fields(kind)
     ]

@@ -345,13 +345,13 @@ class PistonOnFloatingPin(PistonInBore):
         M = self.inertia
         way = end.position - before.position
         mean = (before.acceleration + end.acceleration) / 2
-        first = before.velocity @ M @ before.velocity
-        last = kept.velocity @ M @ kept.velocity
+        first = float(before.velocity @ M @ before.velocity)
+        last = float(kept.velocity @ M @ kept.velocity)
         return Ledger(
             kinetic=last / 2,
             elastic=0.0,
-            film_work=forces @ way + driven,  # Eq. (D11)
-            error=(last - first) / 2 - way @ M @ mean,  # Eq. (D10)
+            film_work=float(forces @ way) + driven,  # Eq. (D11)
+            error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
             axial_work=driven,
         )
 
