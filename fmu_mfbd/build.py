@@ -19,6 +19,7 @@ from .dynamics.build_options import (
     BuildOptions,
     DampingBand,
     FilmGrid,
+    FloatingPin,
     PistonOptions,
     SurfaceOptions,
 )
@@ -75,10 +76,16 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     build = read_options(options, folder)
     bodies = build.piston, build.block
     modes = sum(0 if body.rigid else body.modes - len(body.modes_off) for body in bodies)
-    films = BuildOptions(
-        build.grid, PistonOptions("", 0, 0.0), BlockOptions("", 0), surfaces=film_surfaces(build)
-    ).film_grids()
-    return inputs(films) + outputs(films, modes) + parameters()
+    options_ahead = BuildOptions(
+        build.grid,
+        PistonOptions("", 0, 0.0),
+        BlockOptions("", 0),
+        surfaces=film_surfaces(build),
+        floating_pin=floating_pin(build),
+    )
+    films = options_ahead.film_grids()
+    pins = options_ahead.pin_grids()
+    return inputs(films, pins) + outputs(films, modes, pins) + parameters(bool(pins))
 
 
 def prepare(
@@ -136,6 +143,7 @@ def prepare(
         damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
+        floating_pin=floating_pin(build),
     )
     return prepared.to_json(), [piston_file, block_file]
 
@@ -147,6 +155,12 @@ def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
         first, last = one.rows
         out.append(SurfaceOptions(one.name, first - 1, last))
     return tuple(out)
+
+
+def floating_pin(build: Build) -> FloatingPin | None:
+    """Films of the floating pin that a build table names."""
+    pin = build.floating_pin
+    return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length) if pin else None
 
 
 def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:

@@ -9,6 +9,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
+from .geometry.pin import PIN_SURFACES
 
 Count = Annotated[int, Field(ge=4, le=400)]
 Length = Annotated[float, in_unit("m")]
@@ -324,6 +325,20 @@ class FilmSurface(BaseModel):
         return rows
 
 
+class FloatingPin(BaseModel):
+    """A pin that turns and moves on films in both bosses and in the rod's eye, surfaces boss_left,
+    boss_right and small_end, each with a bearing's fields; the skirt is the surface skirt then.
+    """
+
+    model_config = STRICT
+    grid: tuple[Count, Count] = (72, 8)
+    """Cells around and along each of the three shells."""
+    boss_length: Annotated[Length, Field(gt=0)]
+    """Of one boss along the pin."""
+    small_end_length: Annotated[Length, Field(gt=0)]
+    """Of the rod's eye along the pin."""
+
+
 LEAST_ROWS = 4
 """As few as a film grid may have along the skirt."""
 
@@ -344,6 +359,10 @@ class Common(BaseModel):
     """Bands of the skirt, from below, each with a film of its own; rows between them have none.
     Without it the whole skirt is one surface, and its variables have plain names.
     """
+    floating_pin: FloatingPin | None = None
+    """Films between pin, bosses and rod in place of a pin that is tied to the piston; both bodies
+    are rigid beside it.
+    """
     damping_bands: list[Band] = []
     """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency.
@@ -360,9 +379,15 @@ class Common(BaseModel):
         return bands
 
     @model_validator(mode="after")
+    def _of_floating_pin(self):
+        if self.floating_pin and self.start:
+            raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
+        return self
+
+    @model_validator(mode="after")
     def _apart(self):
         _, along = self.grid
-        taken = set()
+        taken = {*PIN_SURFACES} if self.floating_pin else set()
         below = 0
         for k, surface in enumerate(self.film_surfaces):
             first, last = surface.rows
@@ -407,6 +432,16 @@ class Build(Common):
     """
     block: Block
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
+
+    @model_validator(mode="after")
+    def _rigid_beside_a_floating_pin(self):
+        for name, body in (("piston", self.piston), ("block", self.block)):
+            if self.floating_pin and not body.rigid and body.modes:
+                raise ValueError(
+                    f"floating_pin: bodies must be rigid beside it, {name} is not (rigid = .., or "
+                    "modes = 0)"
+                )
+        return self
 
 
 Chosen = TypeVar("Chosen", Bodies, Build)

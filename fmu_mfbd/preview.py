@@ -11,8 +11,8 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
-from .build import Tables, film_surfaces, read_tables
-from .dynamics.assembly import bore_shape, faults, skirt_gap
+from .build import Tables, film_surfaces, floating_pin, read_tables
+from .dynamics.assembly import bore_shape, faults, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import Parameters
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
@@ -104,6 +104,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),
+        *_of_pin(prepared, piston, chosen),
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
@@ -241,6 +242,7 @@ def _prepared(build: Build, tables: Tables) -> BuildOptions:
         gas=tables.gas,
         speed=tables.speed,
         surfaces=film_surfaces(build),
+        floating_pin=floating_pin(build),
     )
 
 
@@ -271,6 +273,18 @@ def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
         Figure(one.name, f"{one.prefix}skirt_length", (one.last - one.first) * row, "m")
         for one in prepared.surfaces
     ]
+
+
+def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[Figure]:
+    """Lengths and radius of the surfaces of a floating pin."""
+    pin = prepared.floating_pin
+    if pin is None:
+        return []
+    radius = pin_radius(piston.body.radius, chosen)
+    lengths = [
+        Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
+    ]
+    return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
 
 
 def _basis(body: Piston | Block) -> str:

@@ -11,14 +11,18 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import assemble, faults
+from .dynamics.assembly import assemble, assemble_floating, faults
 from .dynamics.build_options import BuildOptions
 from .dynamics.instant import RingForce
 from .dynamics.model import MOTION, Inputs, NotConverged, PistonInBore, State
-from .dynamics.parameters import Parameters
+from .dynamics.parameters import Parameters, PinParameters
+from .dynamics.pin_model import PistonOnFloatingPin
+from .geometry.pin import PinForces
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
+ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
+OF_PIN = ("film_thickness", "circumferential_velocity")
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
@@ -39,16 +43,21 @@ class Mfbd(FieldSlave):
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Forces of all films, and of the rings."""
-        return (*self._of_films(FORCES), *RINGS)
+        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS)
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Fields of all films, and the piston's motion."""
-        return (*self._of_films(("film_thickness", "sliding_velocity")), *MOTION)
+        skirt = self._of_films(("film_thickness", "sliding_velocity"))
+        return (*skirt, *self._of_pins(OF_PIN), *MOTION)
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
-        """Variables of these names of all film surfaces."""
+        """Variables of these names of all film surfaces of the skirt."""
         return [f"{film.prefix}{name}" for film in self.built.film_grids() for name in names]
+
+    def _of_pins(self, names: tuple[str, ...]) -> list[str]:
+        """Variables of these names of all films of a floating pin."""
+        return [f"{film.prefix}{name}" for film in self.built.pin_grids() for name in names]
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
@@ -66,7 +75,11 @@ class Mfbd(FieldSlave):
         wrong = faults(piston, block, options, parameters)
         if wrong:
             raise BadInput(wrong)
-        self.model = assemble(piston, block, options, parameters)
+        if options.floating_pin:
+            own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
+            self.model = assemble_floating(piston, block, options, parameters, own)
+        else:
+            self.model = assemble(piston, block, options, parameters)
         try:
             state, outputs = self._begin(self.model, parameters, values)
             _, straight = self._begin(self.model.unyielding(), parameters, values)
@@ -118,7 +131,11 @@ class Mfbd(FieldSlave):
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:
         """Product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)
-        return self.model.directional_derivative(pressure, friction, _rings(seeds))
+        rings = _rings(seeds)
+        if isinstance(self.model, PistonOnFloatingPin):
+            pins = self._pins(seeds)
+            return self.model.directional_derivative(pressure, friction, rings, pins)
+        return self.model.directional_derivative(pressure, friction, rings)
 
     def _inputs(self, values: dict[str, Any]) -> Inputs:
         pressure, friction = (self._stacked(values, name) for name in FORCES)
@@ -129,6 +146,14 @@ class Mfbd(FieldSlave):
             friction,
             _rings(values),
             float(values["land_pressure"]),
+            self._pins(values),
+        )
+
+    def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
+        """Forces of the films of a floating pin."""
+        return tuple(
+            PinForces(*(values[f"{film.prefix}{name}"] for name in ON_PIN))
+            for film in self.built.pin_grids()
         )
 
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:

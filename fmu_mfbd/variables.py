@@ -5,18 +5,24 @@ from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BuildOptions, FilmGrid
-from .dynamics.parameters import Parameters
+from .dynamics.parameters import Parameters, PinParameters
 
 
 def variables(options: BuildOptions) -> list[Variable]:
     """The table of variables of an FMU built so."""
     modes = options.piston.modes + options.block.modes
     films = options.film_grids()
-    return inputs(films) + outputs(films, modes) + parameters() + properties(options)
+    pins = options.pin_grids()
+    return [
+        *inputs(films, pins),
+        *outputs(films, modes, pins),
+        *parameters(bool(pins)),
+        *properties(options),
+    ]
 
 
-def inputs(films: tuple[FilmGrid, ...]) -> list[Variable]:
-    """What acts on the bodies."""
+def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
+    """What acts on the bodies; `pins`: films of a floating pin."""
     of_films = [
         (
             input_variable(
@@ -41,6 +47,7 @@ def inputs(films: tuple[FilmGrid, ...]) -> list[Variable]:
     ]
     return [
         *(one for pair in of_films for one in pair),
+        *(one for pin in pins for one in _on_pin(pin)),
         input_variable(
             "gas_pressure",
             "Pa",
@@ -85,8 +92,92 @@ def inputs(films: tuple[FilmGrid, ...]) -> list[Variable]:
     ]
 
 
-def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
-    """What the bodies answer."""
+def _on_pin(film: FilmGrid) -> list[Variable]:
+    """What a film of the floating pin does."""
+    return [
+        input_variable(
+            f"{film.prefix}nodal_pressure_force",
+            "N",
+            "Pressure force on a grid cell; positive pushes pin and shell apart",
+            0.0,
+            1.0,
+            film.shape,
+        ),
+        input_variable(
+            f"{film.prefix}nodal_friction_force",
+            "N",
+            "Axial force of the film on the pin: without effect, nothing moves along it",
+            0.0,
+            0.1,
+            film.shape,
+        ),
+        input_variable(
+            f"{film.prefix}nodal_circumferential_force",
+            "N",
+            "Circumferential force of the film on the pin, positive with ascending i; its opposite "
+            "acts on the shell",
+            0.0,
+            0.1,
+            film.shape,
+        ),
+    ]
+
+
+def _of_pin(film: FilmGrid) -> list[Variable]:
+    """What a film of the floating pin is told."""
+    return [
+        output_variable(
+            f"{film.prefix}film_thickness",
+            "m",
+            "Radial distance shell minus pin; negative where they overlap",
+            1e-5,
+            film.shape,
+        ),
+        output_variable(
+            f"{film.prefix}sliding_velocity",
+            "m/s",
+            "Axial velocity of pin minus shell: 0",
+            1.0,
+            film.shape,
+        ),
+        output_variable(
+            f"{film.prefix}circumferential_velocity",
+            "m/s",
+            "Circumferential velocity of pin minus shell, positive with ascending i",
+            1.0,
+            film.shape,
+        ),
+    ]
+
+
+PIN_MOTION = (
+    output_variable(
+        "pin_displacement_x", "m", "Of the pin's axis from that of the bosses, along x", 1e-5
+    ),
+    output_variable(
+        "pin_displacement_y", "m", "Of the pin's axis from that of the bosses, along y", 1e-5
+    ),
+    output_variable(
+        "small_end_displacement_x", "m", "Of the pin's axis from that of the rod's eye, x", 1e-5
+    ),
+    output_variable(
+        "small_end_displacement_y", "m", "Of the pin's axis from that of the rod's eye, y", 1e-5
+    ),
+    output_variable("pin_angle", "rad", "Angle that the pin has turned about +z", 1.0),
+    output_variable("pin_rotation_speed", "rad/s", "Of the pin about +z", 10.0),
+    output_variable("small_end_force_x", "N", "Force of the pin on the rod along x", 1e3),
+    output_variable("small_end_force_y", "N", "Force of the pin on the rod along y", 1e3),
+    output_variable(
+        "small_end_friction_moment", "N.m", "Friction of the pin on the rod about +z", 0.1
+    ),
+)
+"""Motion of a floating pin, and what it does to the rod."""
+
+
+def outputs(
+    films: tuple[FilmGrid, ...], modes: int, pins: tuple[FilmGrid, ...] = ()
+) -> list[Variable]:
+    """What the bodies answer; `pins`: films of a floating pin."""
     of_films = [
         (
             output_variable(
@@ -108,6 +199,7 @@ def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
     ]
     out = [
         *(one for pair in of_films for one in pair),
+        *(one for pin in pins for one in _of_pin(pin)),
         output_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
         output_variable("rotation_speed", "rad/s", "Speed of the crank now", 300.0),
         output_variable("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
@@ -158,8 +250,9 @@ def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
                 "1",
                 "Power of the interface forces on the grid minus that in the coordinates, relative",
             )
-            for film in films
+            for film in (*films, *pins)
         ),
+        *(PIN_MOTION if pins else ()),
         output_variable(
             "kinetic_energy",
             "J",
@@ -216,23 +309,30 @@ def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
     return out
 
 
-def parameters() -> list[Variable]:
-    """What a user may set, as `Parameters` declares it."""
-    defaults = vars(Parameters())
+def parameters(floating: bool = False) -> list[Variable]:
+    """What a user may set, as `Parameters` declares it, and `PinParameters` of a floating pin."""
+    defaults = vars(Parameters()) | vars(PinParameters())
     return [
         Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)
-        for one in fields(Parameters)
+        for kind in (Parameters, PinParameters)[: 1 + floating]
+        for one in fields(kind)
     ]
 
 
 def properties(options: BuildOptions) -> list[Variable]:
     """Properties of the built FMU, readable and never settable."""
     sizes = []
-    for film in options.film_grids():
+    surfaces = [
+        *((film, "skirt") for film in options.film_grids()),
+        *((film, "pin") for film in options.pin_grids()),
+    ]
+    for film, what in surfaces:
         around, along = film.shape
         sizes += [
-            constant(f"{film.prefix}n_circumferential", around, "Film grid cells around the skirt"),
-            constant(f"{film.prefix}n_axial", along, "Film grid cells along the skirt"),
+            constant(
+                f"{film.prefix}n_circumferential", around, f"Film grid cells around the {what}"
+            ),
+            constant(f"{film.prefix}n_axial", along, f"Film grid cells along the {what}"),
         ]
     return [
         *sizes,

@@ -12,6 +12,8 @@ impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
 account            what they took from the film over it
 model              one step after the other
+floating_pin       equations of motion of a pin on films of its own (K, D)
+pin_model          the model with them
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)
 start_state        start where another run stood

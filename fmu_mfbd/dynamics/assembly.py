@@ -8,6 +8,7 @@ import numpy as np
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
+from ..geometry.pin import pin_surface
 from ..geometry.profile import (
     barrel,
     fourier_bore,
@@ -22,8 +23,9 @@ from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
-from .parameters import Parameters
+from .parameters import Parameters, PinParameters
 from .pin_friction import PinFriction
+from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 
@@ -95,6 +97,28 @@ def assemble(
         parameters.spectral_radius,
         options.gas,
         options.film_grids(),
+    )
+
+
+def assemble_floating(
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    parameters: Parameters,
+    pin: PinParameters,
+) -> PistonOnFloatingPin:
+    """The model of a piston whose pin floats; `pin` are its own parameters, others as of
+    `assemble`.
+    """
+    assert options.floating_pin
+    radius = pin_radius(piston.radius, parameters)
+    clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
+    grids = options.pin_grids()
+    return PistonOnFloatingPin(
+        assemble(piston, block, options, parameters),
+        tuple(pin_surface(radius, one, grid.shape) for one, grid in zip(clearances, grids)),
+        grids,
+        pin.pin_inertia or parameters.pin_mass * radius**2 / 2,
     )
 
 
@@ -181,6 +205,8 @@ def faults(
             f"skirt's upper edge, {piston.skirt_upper:g} m above the pin, and "
             f"top_ring_height = {parameters.top_ring_height:g} m"
         )
+    if options.floating_pin:
+        out += floating_faults(piston, block, parameters)
     turn = np.linspace(0.0, 2 * np.pi, 721)
     xi = offset + crank_radius * np.sin(turn)
     height_of_A = crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
@@ -198,6 +224,26 @@ def faults(
             f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
             f"{block.radius:g} m"
         )
+    return out
+
+
+def floating_faults(
+    piston: ReducedPiston, block: ReducedBlock, parameters: Parameters
+) -> list[str]:
+    """Sentences about what does not go with a floating pin."""
+    out = []
+    modes = len(piston.omega) + len(block.omega)
+    if modes:
+        out.append(f"floating_pin: bodies must be rigid beside it, these have {modes} modes")
+    if parameters.crank_free:
+        out.append("crank_free = 1: must be 0 with a floating pin")
+    if not parameters.pin_mass:
+        out.append("pin_mass = 0 kg: must exceed 0 with a floating pin")
+    usual = Parameters()
+    for name in ("pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"):
+        given = getattr(parameters, name)
+        if given not in (0.0, getattr(usual, name)):
+            out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
     return out
 
 
@@ -250,11 +296,15 @@ def _moving(body: ReducedBody, parameters: Parameters) -> int:
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
 
 
+def pin_radius(skirt_radius: float, parameters: Parameters) -> float:
+    """Of the pin [m]."""
+    return parameters.pin_radius or PIN_SHARE * skirt_radius
+
+
 def mechanism(skirt_radius: float, options: PistonOptions, parameters: Parameters) -> Mechanism:
     """Crank, rod and pin."""
-    pin_radius = parameters.pin_radius or PIN_SHARE * skirt_radius
     friction = PinFriction(
-        lever=parameters.pin_friction_coefficient * pin_radius,
+        lever=parameters.pin_friction_coefficient * pin_radius(skirt_radius, parameters),
         speed=parameters.pin_friction_speed,
         viscous=parameters.pin_friction_damping,
     )

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..geometry.pin import PIN_SURFACES
 from ..geometry.profile import BoreOrder, MeasuredShape
 from .speed_table import SpeedTable
 from .start_state import StartState
@@ -83,6 +84,31 @@ class SurfaceOptions:
         return f"{self.name}." if self.name else ""
 
 
+SKIRT = "skirt"
+"""Name of the whole skirt's surface where there are others."""
+
+
+@dataclass(frozen=True)
+class FloatingPin:
+    """Films of a floating pin.
+
+    Parameters
+    ----------
+    grid : (int, int)
+        Cells around and along each shell.
+    boss_length, small_end_length : float
+        Of one boss and of the rod's eye, along the pin [m].
+    """
+
+    grid: tuple[int, int]
+    boss_length: float
+    small_end_length: float
+
+    def lengths(self) -> dict[str, float]:
+        """Of each surface of `PIN_SURFACES` [m]."""
+        return dict(zip(PIN_SURFACES, (self.boss_length, self.boss_length, self.small_end_length)))
+
+
 class FilmGrid(NamedTuple):
     """Fields of a film surface: what their names begin with, and their shape."""
 
@@ -114,6 +140,8 @@ class BuildOptions:
         circumferential cell, for who builds a film to it; None where it is not known, or whole.
     surfaces : tuple of SurfaceOptions
         From below; empty: the whole skirt is one.
+    floating_pin : FloatingPin, optional
+        None: the pin is tied.
     """
 
     grid: tuple[int, int]
@@ -125,14 +153,23 @@ class BuildOptions:
     damping_bands: tuple[DampingBand, ...] = ()
     skirt: list[list[int]] | None = None
     surfaces: tuple[SurfaceOptions, ...] = ()
+    floating_pin: FloatingPin | None = None
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
-        """All film surfaces, at least one."""
+        """All film surfaces of the skirt, at least one."""
         _, along = self.grid
-        return self.surfaces or (SurfaceOptions("", 0, along),)
+        name = SKIRT if self.floating_pin else ""
+        return self.surfaces or (SurfaceOptions(name, 0, along),)
+
+    def pin_grids(self) -> tuple[FilmGrid, ...]:
+        """Names and shapes of the fields of a floating pin's surfaces; none where it is tied."""
+        if self.floating_pin is None:
+            return ()
+        shape = self.floating_pin.grid
+        return tuple(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES)
 
     def film_grids(self) -> tuple[FilmGrid, ...]:
-        """Names and shapes of their fields."""
+        """Names and shapes of the fields of the skirt's surfaces."""
         around, _ = self.grid
         return tuple(
             FilmGrid(one.prefix, (around, one.last - one.first)) for one in self.film_surfaces()
@@ -143,11 +180,14 @@ class BuildOptions:
         with the skirt of each, NAME.skirt, besides.
         """
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
+        if self.floating_pin is None:
+            del content["floating_pin"]
         parts = {}
         if self.skirt is not None:
             parts = {
                 f"{one.prefix}skirt": [row[one.first : one.last] for row in self.skirt]
-                for one in self.surfaces
+                for one in self.film_surfaces()
+                if one.name
             }
         return content | parts
 
@@ -163,6 +203,7 @@ class BuildOptions:
         gas = content["gas"]
         speed = content["speed"]
         start = content["start"]
+        pin = content.get("floating_pin")
         return cls(
             grid=(around, along),
             piston=PistonOptions(**piston),
@@ -173,6 +214,7 @@ class BuildOptions:
             damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
             skirt=content["skirt"],
             surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
+            floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
         )
 
 

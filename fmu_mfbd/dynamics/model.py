@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..geometry.pin import PinForces
 from .account import account
 from .build_options import FilmGrid
 from .first_steps import FIRST_STEPS, first_steps
@@ -93,6 +94,8 @@ class Inputs:
     rings : RingForce
     land_pressure : float
         Between the rings, gauge [Pa].
+    pins : tuple of PinForces
+        Of the films of a floating pin.
     """
 
     crank_speed: float
@@ -101,6 +104,7 @@ class Inputs:
     friction_force: np.ndarray
     rings: RingForce = NO_RINGS
     land_pressure: float = 0.0
+    pins: tuple[PinForces, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -197,12 +201,10 @@ class PistonInBore:
         self.gas_table = gas_table
         self.films = films
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
-        self.coordinates = (
-            RIGID
-            + len(system.gas_force)
-            + len(system.block.stiffness)
-            + len(system.block_static.stiffness)
+        self.modes = (
+            len(system.gas_force) + len(system.block.stiffness) + len(system.block_static.stiffness)
         )
+        self.coordinates = RIGID + self.modes
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
 
@@ -326,20 +328,12 @@ class PistonInBore:
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)
-        now = end_of_step(
-            self.system,
-            c,
-            before,
-            auxiliary,
-            crank,
-            OtherForces(
-                self.gas_area * pressure,
-                inputs.rings,
-                WallPressures(pressure, inputs.land_pressure),
-            ),
-            np.ravel(inputs.pressure_force),
-            np.ravel(inputs.friction_force),
+        others = OtherForces(
+            self.gas_area * pressure,
+            inputs.rings,
+            WallPressures(pressure, inputs.land_pressure),
         )
+        now = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
             raise NotConverged(
                 f"piston motion at crank angle {crank.angle:.6g} rad: relative change of "
@@ -372,6 +366,20 @@ class PistonInBore:
             outputs["crank_torque"] = -self.crank.load_torque
             state = replace(state, crank_acceleration=freed)
         return state, outputs
+
+    def _instant(
+        self,
+        c: Coefficients,
+        before: Motion,
+        auxiliary: np.ndarray,
+        crank: CrankMotion,
+        others: OtherForces,
+        inputs: Inputs,
+    ) -> Instant:
+        """Everything at the end of a step."""
+        push = np.ravel(inputs.pressure_force)
+        drag = np.ravel(inputs.friction_force)
+        return end_of_step(self.system, c, before, auxiliary, crank, others, push, drag)
 
     def _demand(self, crank, pressure, rings):
         """Side force [N] that gas, rings and inertia ask for (Eq. (K11))."""
@@ -433,7 +441,7 @@ class PistonInBore:
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
-        if self.coordinates > RIGID:
+        if self.modes:
             outputs["modal_coordinate"] = position[RIGID:].copy()
             outputs["modal_velocity"] = velocity[RIGID:].copy()
         return outputs

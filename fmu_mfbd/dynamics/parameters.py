@@ -139,3 +139,22 @@ class Parameters:
     spectral_radius: float = _declared(
         "1", "Of the time integrator at infinite frequency", 0.6, 0.0, 1.0
     )
+
+
+@dataclass(frozen=True)
+class PinParameters:
+    """Those of a body FMU whose pin floats, beside `Parameters`, in SI."""
+
+    boss_clearance: float = _declared(
+        "m", "Radius of the piston's bosses minus that of the pin", 10e-6, 1e-7, 1e-3
+    )
+    small_end_clearance: float = _declared(
+        "m", "Radius of the rod's eye minus that of the pin", 15e-6, 1e-7, 1e-3
+    )
+    pin_inertia: float = _declared(
+        "kg.m2",
+        "Of the floating pin about its axis; 0: that of a solid cylinder of its mass and radius",
+        0.0,
+        0.0,
+        1.0,
+    )

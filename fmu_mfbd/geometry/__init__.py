@@ -1,6 +1,7 @@
 """Skirt and bore as the film sees them.
 
 film         thickness, sliding, forces back
+pin          films of a pin in its shells
 profile      machined, measured, heated shapes (I)
 grid         cell centres on the developed skirt
 modal_field  modal displacement on a grid

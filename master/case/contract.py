@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...models import MODELS
-from ..coupling.wiring import port_of
+from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput
 from ..participants.open import open_fmu
 from .schema import reduced
@@ -58,6 +58,8 @@ class Role:
     energy_size: str | None = None
     agree: dict[str, str] = field(default_factory=dict)
     of_each_film: tuple[str, ...] = ()
+    starts_from: tuple[str, ...] = ()
+    around: dict[str, str] = field(default_factory=dict)
 
 
 @cache
@@ -116,6 +118,32 @@ def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) ->
         if taker == name and taken in contract()[role].inputs["field"] and given.endswith(taken):
             return Interface(giver, given.removesuffix(taken))
     return None
+
+
+def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
+    """Participants in the order in which they start: that of the case, but for those that a wire
+    feeds what the contract says they start from (`starts_from`): they wait for its source.
+
+    Raises
+    ------
+    BadInput
+        If some wait for one another.
+    """
+    inputs = {name for role in contract().values() for name in role.starts_from}
+    waiting = {name: set() for name in names}
+    for wire in wires:
+        owner, variable = wire.target
+        if variable in inputs and wire.source[1].endswith(variable):
+            waiting[owner].add(wire.source[0])
+    order: list[str] = []
+    while len(order) < len(waiting):
+        ready = (name for name in waiting if name not in order and waiting[name] <= {*order})
+        name = next(ready, None)
+        if name is None:
+            left = ", ".join(one for one in waiting if one not in order)
+            raise BadInput([f"wires: {left} wait for one another's {', '.join(inputs)} to start"])
+        order.append(name)
+    return order
 
 
 def players(tree: dict, role: str) -> list[str]:

@@ -467,7 +467,9 @@ class Case(Table):
     time: Time
     """Run time and macro step."""
     participants: dict[str, ParticipantTable]
-    """What takes part, in the order in which it starts, by name."""
+    """What takes part, by name, in the order in which it starts; a film waits for what gives it its
+    film_thickness.
+    """
     wires: list[WireTable]
     """What goes from outputs to inputs."""
     coupling: Coupling

@@ -26,6 +26,7 @@ from ..participants.plugins import made, plugin
 from ..participants.remote import RemoteParticipant
 from ..participants.substeps import Substeps
 from ..participants.table import TableParticipant
+from .contract import starting_order
 from .given import build_options, masks
 from .keys import SETTABLE, declared_variables
 from .schema import record_interval, reduced, start_time, times
@@ -197,6 +198,7 @@ def open_system(case, folder, progress, own=None):
     clock, begin = _check_time(case, parameters, faults)
     if faults or clock is None:
         raise BadInput(faults)
+    participants = _as_they_start(participants, wires, progress)
     wires += _slopes(case, participants, wires, clock.step)
     for participant in opened.values():
         described = getattr(participant, "described", participant)
@@ -219,6 +221,17 @@ def open_system(case, folder, progress, own=None):
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, _angular_speed(case, parameters)),
     )
+
+
+def _as_they_start(participants, wires, progress):
+    """Participants in the order in which they start; says which one does not start where the case
+    names it.
+    """
+    order = starting_order(participants, wires)
+    late = [name for name, told in zip(participants, order) if name != told]
+    if late:
+        progress(f"participants start in the order {', '.join(order)}: films after their bodies")
+    return {name: participants[name] for name in order}
 
 
 def _type(port, participants):

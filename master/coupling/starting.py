@@ -20,13 +20,13 @@ START_ITERATIONS = 50
 def start(
     system: System, trial: Callable[[Participant], Iterable[str]] = lambda participant: ()
 ) -> None:
-    """Initialise the participants in the order of the case; inputs fed by an already started one
+    """Initialise the participants in the system's order; inputs fed by an already started one
     begin with its outputs.
 
     Where inputs are interpolated the first step begins with what is there at the start, so that
     start values which depend on one another are solved for: in Initialization Mode outputs follow
     inputs, and the wires are iterated as in a macro step. Held inputs are set anew before the first
-    step; where all are held those against the order of the case keep the start values they were
+    step; where all are held those against that order keep the start values they were
     given, from which the shipped engine begins at rest.
 
     `trial` is called with each participant that has started, and returns what is wrong with it.

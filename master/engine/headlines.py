@@ -196,7 +196,9 @@ def _asperities(run):
         return ""
     if not area.max() > 0.0:
         return "never touch"
-    return f"{share[-1]:.2%} of the friction work, touching {area.max():.2%} of the skirt at most"
+    torque = run.values(f"{run.film}.friction_torque")
+    what = "skirt" if torque is None else "bearing"
+    return f"{share[-1]:.2%} of the friction work, touching {area.max():.2%} of the {what} at most"
 
 
 def _side_force(run):

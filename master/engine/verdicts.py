@@ -164,7 +164,8 @@ def _of_film(case, results, name):
             colour = "red" if values[k] <= 0.0 else "green"
         place = thinnest_place(case, results, name)
         yield Verdict(colour, "film", f"{film}{place.clause if place else ''}")
-    if highest in results.ports:
+    # the limit is that of a skirt: a bearing, which tells its torque, has none here
+    if highest in results.ports and f"{name}.friction_torque" not in results.ports:
         values = results.series(highest).values
         k = int(values.argmax())
         place = worst_place(case, results, f"{name}.pressure", lowest=False)

@@ -108,8 +108,15 @@ def exchanged(tree: dict, role: str, name: str) -> dict[str, str]:
     """
     terms = contract()[role]
     sources = {wire["to"]: wire["from"] for wire in tree["wires"]}
-    inputs = {field: f"{name}.{field}" for field in terms.inputs["field"]}
-    outputs = {field: f"{name}.{field}" for field in terms.outputs["field"]}
+    wired = {*sources, *sources.values()}
+
+    def port(field):
+        around = f"{name}.{terms.around.get(field)}"
+        own = f"{name}.{field}"
+        return around if around in wired and own not in wired else own
+
+    inputs = {field: port(field) for field in terms.inputs["field"]}
+    outputs = {field: port(field) for field in terms.outputs["field"]}
     return {field: sources.get(port, port) for field, port in inputs.items()} | outputs
 
 

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.contract import starting_order
 from piston_cosim.master.case.schema import WireTable
 from piston_cosim.master.case.system import _parameters, _wire
+from piston_cosim.master.fmi.errors import BadInput
 
 SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
 
@@ -129,3 +131,31 @@ def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     )
     _wire(wire, participants, SEQUENTIAL, faults)
     assert "must be positive" in faults[0]
+
+
+def fed(*ends):
+    """Wires of (source, target)."""
+    return [SimpleNamespace(source=source, target=target) for source, target in ends]
+
+
+def test_films_start_after_what_gives_them_their_gap_and_others_as_the_case_names_them():
+    gap = "film_thickness"
+    wires = fed(
+        (("body", f"upper.{gap}"), ("upper", gap)),
+        (("body", f"lower.{gap}"), ("lower", gap)),
+        (("upper", "nodal_pressure_force"), ("body", "upper.nodal_pressure_force")),
+        (("table", "speed"), ("body", "crank_speed")),
+    )
+    names = ["upper", "probe", "body", "lower", "table"]
+    assert starting_order(names, wires) == ["probe", "body", "upper", "lower", "table"]
+    named_well = ["body", "upper", "table", "lower", "probe"]
+    assert starting_order(named_well, wires) == named_well
+
+
+def test_films_that_wait_for_one_another_are_refused():
+    gap = "film_thickness"
+    with pytest.raises(BadInput, match="one, two wait for one another's film_thickness"):
+        starting_order(
+            ["one", "two"],
+            fed((("one", gap), ("two", gap)), (("two", f"land.{gap}"), ("one", gap))),
+        )

@@ -1,0 +1,505 @@
+"""A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
+bosses and in the rod's eye, bodies rigid.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..geometry.film import FilmForces, NodalForces, film_now, opening, sliding
+from ..geometry.pin import (
+    PinForces,
+    PinResultants,
+    PinSurface,
+    across,
+    grid_power,
+    opening_of,
+    resultants_on,
+    turned,
+)
+from .build_options import FilmGrid
+from .energy import Ledger
+from .floating_pin import (
+    BOSS_X,
+    BOSS_Y,
+    COORDINATES,
+    EYE_X,
+    EYE_Y,
+    PLAY,
+    SPIN,
+    Bodies,
+    Lack,
+    PinFilms,
+    eye_motion,
+    imbalance,
+    inertia,
+    place_of,
+    pushed,
+    tangent,
+)
+from .generalised_alpha import Coefficients, Motion, predict
+from .impact import Inertia, limit_memory
+from .instant import NO_RINGS, Instant, OtherForces, RingForce, film_forces_of, work_error
+from .model import Inputs, PistonInBore
+from .piston_motion import LATERAL, RIGID, ROCKING, Load
+from .slider_crank import CrankMotion, height, motion, rod_turn
+
+PASSES = 30
+"""Most iterations of Newton's method; its tangent is exact, three are usual."""
+
+BOSSES = 2
+"""Of the pin's films the first ones; the last one is that in the rod's eye."""
+
+
+class Shell(NamedTuple):
+    """Where the pin stands in a shell, and how both turn.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (2, 2)
+        R(chi), by the angle that the shell has turned.
+    place, velocity : ndarray, shape (2,)
+        Of the pin's axis from the shell's, in space [m], [m/s].
+    own_turning, turning : float
+        chi' of the shell, phi' - chi' of the pin in it [rad/s].
+    """
+
+    axes: np.ndarray
+    place: np.ndarray
+    velocity: np.ndarray
+    own_turning: float
+    turning: float
+
+    def own_place(self) -> np.ndarray:
+        """d of Eq. (H6) [m]."""
+        return self.axes.T @ self.place
+
+    def own_velocity(self) -> np.ndarray:
+        """d' [m/s]."""
+        return self.axes.T @ (self.velocity - self.own_turning * across(self.place))
+
+
+class Reach(NamedTuple):
+    """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
+    end of a step, shape (7,).
+    """
+
+    velocity: np.ndarray
+    position: np.ndarray
+
+
+class Solved(NamedTuple):
+    """The end of a step.
+
+    Parameters
+    ----------
+    reach : Reach
+    load : Load
+        On the piston, all but the pin's.
+    end : Motion
+    crank : CrankMotion
+    guided : float
+        Height at which the bore is read [m].
+    shells : tuple of Shell
+        Bosses, eye.
+    each : list of PinResultants
+        Of every film of the pin.
+    films : PinFilms
+        Together.
+    lack : Lack
+    evaluations : int
+        0 where the equations were not solved.
+    change : float
+        Of accelerations, in the last pass [m/s2, rad/s2].
+    """
+
+    reach: Reach
+    load: Load
+    end: Motion
+    crank: CrankMotion
+    guided: float
+    shells: tuple[Shell, ...]
+    each: list[PinResultants]
+    films: PinFilms
+    lack: Lack
+    evaluations: int
+    change: float
+
+
+class PistonOnFloatingPin(PistonInBore):
+    """Rigid piston, floating pin and rod, and the geometry of the films between them and in the
+    bore.
+
+    Parameters
+    ----------
+    tied : PistonInBore
+        The same without a pin of its own.
+    pins : tuple of PinSurface
+        In both bosses and in the rod's eye.
+    grids : tuple of FilmGrid
+        Names and shapes of their fields.
+    spin_inertia : float
+        Of the pin about its axis [kg m2].
+    """
+
+    def __init__(
+        self,
+        tied: PistonInBore,
+        pins: tuple[PinSurface, ...],
+        grids: tuple[FilmGrid, ...],
+        spin_inertia: float,
+    ):
+        vars(self).update(vars(tied))
+        self.pins = pins
+        self.grids = grids
+        self.coordinates = COORDINATES
+        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia)
+        self.inertia = inertia(self.bodies)
+
+    def _instant(
+        self,
+        c: Coefficients,
+        before: Motion,
+        auxiliary: np.ndarray,
+        crank: CrankMotion,
+        others: OtherForces,
+        inputs: Inputs,
+    ) -> Instant:
+        """Everything at the end of a step, as `instant.end_of_step`."""
+        system = self.system
+        guided = height(system.mechanism, 0.0, crank.angle)
+        push = np.ravel(inputs.pressure_force)
+        drag = np.ravel(inputs.friction_force)
+        skirt, parts, windows = film_forces_of(system, guided.height, push, drag)
+        along_bore = others.gas - others.rings.axial
+        load = Load(
+            lateral=skirt.lateral + others.rings.lateral,
+            axial=skirt.axial - along_bore,
+            moment=skirt.moment + system.pin_offset * along_bore + others.rings.moment,  # Eq. (D8)
+            guided=along_bore,
+            modal=np.zeros(0),
+        )
+        predicted, carried, reach = _predicted(c, before, auxiliary)
+        solved = self._solved((predicted, before.acceleration), reach, load, crank, inputs.pins)
+        self._pin = solved = solved._replace(guided=guided.height)
+        self._pin_forces = inputs.pins
+        end = solved.end
+        carried = carried + c.to_auxiliary * end.acceleration
+        carried[PLAY] = 0.0
+        kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+        piston = system.piston
+        rigid = Inertia(piston.mass + system.mechanism.pin_mass, piston.S[1], piston.I0)
+        impact = limit_memory(rigid, before, kept, carried, c.step)
+
+        guided_velocity = guided.lever * crank.speed
+        height_now, axial_velocity = self._height(end, crank)
+        thickness = np.empty(len(push))
+        velocity = np.empty(len(push))
+        errors = []
+        on_slopes = 0.0  # axial force of pressure on bores that are not straight
+        first = 0
+        for k, surface in enumerate(system.surfaces):
+            shape = surface.skirt.gap.shape
+            last = first + surface.skirt.gap.size
+            film = film_now(
+                surface.skirt,
+                surface.bore,
+                windows[k],
+                NodalForces(push[first:last].reshape(shape), drag[first:last].reshape(shape)),
+                axial_velocity,
+                guided_velocity,
+                end.position[:RIGID],
+                end.velocity[:RIGID],
+            )
+            thickness[first:last] = film.film_thickness.ravel()
+            velocity[first:last] = film.sliding_velocity.ravel()
+            rigid_velocity = end.velocity[:RIGID]
+            errors.append(
+                work_error(parts[k], film, axial_velocity, guided_velocity, rigid_velocity)
+            )
+            on_slopes += film.axial_force
+            first = last
+        driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
+        driven += solved.films.eye.on_shell * solved.shells[-1].own_turning
+        ledger = self._ledger(before, kept, end, self._forces(skirt, solved.films), c.step * driven)
+        pin_x, pin_y = solved.lack.on_piston
+        return Instant(
+            position=end.position,
+            velocity=end.velocity,
+            acceleration=end.acceleration,
+            kept_velocity=kept.velocity,
+            kept_acceleration=kept.acceleration,
+            auxiliary=carried,
+            impact=impact,
+            ledger=ledger,
+            other_forces=self.inertia @ end.acceleration - self._forces(skirt, solved.films),
+            guided=guided.height,
+            load=load,
+            side_force=-skirt.lateral,
+            film_thickness=thickness,
+            sliding_velocity=velocity,
+            piston_position=height_now,
+            piston_velocity=axial_velocity,
+            pin_x=pin_x,
+            pin_y=pin_y - on_slopes,
+            pin_moment=solved.films.bosses.on_shell,
+            torque=solved.lack.torque - on_slopes * guided.lever,
+            pin_friction_power=-sum(
+                shell.turning * one.on_pin for shell, one in zip(solved.shells, solved.each)
+            ),
+            work_error=np.array(errors),
+            evaluations=solved.evaluations,
+            tangents=solved.evaluations,
+            change=solved.change,
+        )
+
+    def _solved(
+        self,
+        guess: tuple[Motion, np.ndarray],
+        reach: Reach,
+        load: Load,
+        crank: CrankMotion,
+        forces: tuple[PinForces, ...],
+    ) -> Solved:
+        """Accelerations that fulfil Eq. (D21) at the end of a step, by Newton's method, from where
+        the step ends without any and from those at its beginning.
+        """
+        predicted, begun = guess
+        acceleration = begun.copy()
+        change = np.inf
+        for evaluation in range(1, PASSES + 1):
+            end = Motion(
+                predicted.position + reach.position * acceleration,
+                predicted.velocity + reach.velocity * acceleration,
+                acceleration,
+            )
+            shells = self._shells(end, crank)
+            each = self._resultants(shells, forces)
+            films = _together(each)
+            lack = imbalance(self.bodies, load, end, crank, films)
+            slope = tangent(self.bodies, load, end, crank, films, *reach)
+            step = np.linalg.solve(slope, lack.residual)
+            size = np.abs(acceleration).max()
+            left = np.abs(step).max()
+            # what grows again, or does not fall by ten, is round-off of forces that cancel
+            if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
+                return Solved(
+                    reach, load, end, crank, 0.0, shells, each, films, lack, evaluation, left
+                )
+            acceleration = acceleration - step
+            change = left
+        return Solved(reach, load, end, crank, 0.0, shells, each, films, lack, 0, change)
+
+    def _shells(self, end: Motion, crank: CrankMotion) -> tuple[Shell, ...]:
+        """Of each film of the pin."""
+        position = end.position
+        velocity = end.velocity
+        eye = eye_motion(end)
+        mechanism = self.bodies.mechanism
+        rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
+        aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
+        rod_angle = -np.arcsin(aside / mechanism.rod_length)  # Eq. (K3)
+        boss = Shell(
+            turned(position[ROCKING]),
+            position[BOSS_X : BOSS_Y + 1],
+            velocity[BOSS_X : BOSS_Y + 1],
+            velocity[ROCKING],
+            velocity[SPIN] - velocity[ROCKING],
+        )
+        small_end = Shell(
+            turned(rod_angle),
+            position[EYE_X : EYE_Y + 1],
+            velocity[EYE_X : EYE_Y + 1],
+            rod.velocity,
+            velocity[SPIN] - rod.velocity,
+        )
+        return (*[boss] * BOSSES, small_end)
+
+    def _resultants(
+        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...]
+    ) -> list[PinResultants]:
+        """Of each film of the pin."""
+        return [
+            resultants_on(surface, one, shell.place, shell.axes)
+            for surface, one, shell in zip(self.pins, forces, shells)
+        ]
+
+    def _height(self, end: Motion, crank: CrankMotion) -> tuple[float, float]:
+        """Height of A [m] and its velocity [m/s] (Eq. (K16))."""
+        eye = eye_motion(end)
+        now = height(self.bodies.mechanism, eye.position, crank.angle)
+        driven = now.slope * eye.velocity + now.lever * crank.speed
+        place, speed = (one[EYE_Y] - one[BOSS_Y] for one in (end.position, end.velocity))
+        return float(now.height + place), float(driven + speed)
+
+    def _forces(self, skirt: FilmForces, films: PinFilms) -> np.ndarray:
+        """Generalised forces of all films, but for what they do along the driven motion, (7,)."""
+        on_pin = films.bosses.on_pin + films.eye.on_pin
+        rocking = skirt.moment + films.bosses.on_shell
+        return np.array([skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin])
+
+    def _ledger(
+        self, before: Motion, kept: Motion, end: Motion, forces: np.ndarray, driven: float
+    ) -> Ledger:
+        """Energies as in `energy`, by the inertia of Eq. (D22)."""
+        M = self.inertia
+        way = end.position - before.position
+        mean = (before.acceleration + end.acceleration) / 2
+        first = float(before.velocity @ M @ before.velocity)
+        last = float(kept.velocity @ M @ kept.velocity)
+        return Ledger(
+            kinetic=last / 2,
+            elastic=0.0,
+            film_work=float(forces @ way) + driven,  # Eq. (D11)
+            error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
+            axial_work=driven,
+        )
+
+    def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
+        """Those of the tied pin, and the pin's own."""
+        outputs = super()._outputs(now, crank)
+        position = now.position
+        pin = self._pin
+        for k, grid in enumerate(self.grids):
+            surface = self.pins[k]
+            shell = pin.shells[k]
+            gap = surface.clearance + opening_of(surface, shell.own_place())
+            outputs |= {
+                f"{grid.prefix}film_thickness": gap,
+                f"{grid.prefix}sliding_velocity": np.zeros(grid.shape),
+                # Eq. (H7)
+                f"{grid.prefix}circumferential_velocity": np.full(
+                    grid.shape, surface.radius * shell.turning
+                ),
+                f"{grid.prefix}interface_work_error": self._work_error(k, shell),
+            }
+        eye_x, eye_y = pin.films.eye.force
+        return outputs | {
+            "pin_displacement_x": position[BOSS_X],
+            "pin_displacement_y": position[BOSS_Y],
+            "small_end_displacement_x": position[EYE_X],
+            "small_end_displacement_y": position[EYE_Y],
+            "pin_angle": position[SPIN],
+            "pin_rotation_speed": now.kept_velocity[SPIN],
+            "small_end_force_x": -eye_x,
+            "small_end_force_y": -eye_y,
+            "small_end_friction_moment": pin.films.eye.on_shell,
+        }
+
+    def _work_error(self, k: int, shell: Shell) -> float:
+        """Power of a film on the grid (Eq. (G4)) minus that in the coordinates, relative [-]."""
+        found = self._pin.each[k]
+        forces = self._pin_forces[k]
+        power, size = grid_power(
+            self.pins[k], forces, shell.own_place(), shell.own_velocity(), shell.turning
+        )
+        parts = found.force @ shell.velocity, found.on_shell * shell.own_turning
+        pin = found.on_pin * (shell.own_turning + shell.turning)
+        size += sum(abs(one) for one in (*parts, pin))
+        return float(abs(power - sum(parts) - pin) / size) if size > 0.0 else 0.0
+
+    def directional_derivative(
+        self,
+        pressure_force: np.ndarray,
+        friction_force: np.ndarray,
+        rings: RingForce = NO_RINGS,
+        pins: tuple[PinForces, ...] = (),
+    ) -> dict[str, np.ndarray | float]:
+        """Change of films and motion at the end of the last step with the forces at its end.
+
+        Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D21)
+
+        Parameters
+        ----------
+        pressure_force, friction_force, rings
+            As of the tied pin.
+        pins : tuple of PinForces
+            Directions, of all films of the pin [N].
+        """
+        last = self._pin
+        end = last.end
+        system = self.system
+        push = np.ravel(pressure_force)
+        drag = np.ravel(friction_force)
+        skirt, _, windows = film_forces_of(system, last.guided, push, drag)
+        arm = system.pin_offset + end.position[LATERAL]
+        changes = (
+            skirt.lateral + rings.lateral,
+            skirt.axial + rings.axial,
+            skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
+        )
+        films = _together(self._resultants(last.shells, pins))
+        at = place_of(self.bodies, end, last.crank)
+        if self._linear is None:
+            self._linear = np.linalg.inv(
+                tangent(self.bodies, last.load, end, last.crank, last.films, *last.reach)
+            )
+            self.jacobian_evaluations += 1
+        acceleration = -self._linear @ pushed(at, films, changes)
+        # Eq. (D23)
+        moved = Motion(
+            last.reach.position * acceleration, last.reach.velocity * acceleration, acceleration
+        )
+        place, speed, _ = moved
+        eye = eye_motion(moved)
+        link = motion(self.bodies.mechanism, eye_motion(end), last.crank)
+        rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
+        rising += speed[EYE_Y] - speed[BOSS_Y]
+        none = np.zeros(0)
+        gaps = []
+        velocities = []
+        for surface, window in zip(system.surfaces, windows):
+            sides = (surface.skirt, surface.bore, window)
+            gaps.append(opening(*sides, place[LATERAL], place[ROCKING], none, none).ravel())
+            velocities.append(sliding(*sides, rising, speed[ROCKING], none, none).ravel())
+        out: dict[str, Any] = {
+            **self._by_film("film_thickness", np.concatenate(gaps)),
+            **self._by_film("sliding_velocity", np.concatenate(velocities)),
+            "lateral_velocity": speed[LATERAL],
+            "rocking_velocity": speed[ROCKING],
+            "piston_velocity": rising,
+        }
+        turn = place[ROCKING], at.rod.slope * eye.position
+        turning = (
+            speed[ROCKING],
+            at.rod.slope * eye.velocity + at.rod.velocity_slope * eye.position,
+        )
+        ways = place[BOSS_X : BOSS_Y + 1], place[EYE_X : EYE_Y + 1]
+        for k, grid in enumerate(self.grids):
+            surface = self.pins[k]
+            shell = last.shells[k]
+            which = int(k >= BOSSES)
+            way = shell.axes.T @ (ways[which] - turn[which] * across(shell.place))
+            faster = surface.radius * (speed[SPIN] - turning[which])
+            out |= {
+                f"{grid.prefix}film_thickness": opening_of(surface, way),
+                f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
+            }
+        return out
+
+
+def _predicted(
+    c: Coefficients, before: Motion, auxiliary: np.ndarray
+) -> tuple[Motion, np.ndarray, Reach]:
+    """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
+
+    Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a and e by Eq. (N8)
+
+    Films hold the pin within its play: what its inertia does there is over within microseconds, and
+    a method that remembers it rings.
+    """
+    position, velocity, carried = predict(c, before, auxiliary)
+    reach = Reach(np.full(COORDINATES, c.to_velocity), np.full(COORDINATES, c.to_position))
+    # Eq. (N9)
+    position[PLAY] = before.position[PLAY] + c.step * before.velocity[PLAY]
+    velocity[PLAY] = before.velocity[PLAY]
+    reach.velocity[PLAY] = c.step
+    reach.position[PLAY] = c.step**2
+    return Motion(position, velocity, np.zeros(COORDINATES)), carried, reach
+
+
+def _together(each: list[PinResultants]) -> PinFilms:
+    """Films of both bosses as one, and that in the eye."""
+    *bosses, eye = each
+    force, on_pin, on_shell = (sum(parts) for parts in zip(*bosses))
+    return PinFilms(PinResultants(np.asarray(force), float(on_pin), float(on_shell)), eye)

@@ -1,0 +1,186 @@
+"""Films of a pin that turns in a shell: thickness and velocity from where it stands and how it
+turns, and forces back on pin and shell.
+
+Points (i, j) of the grid rest on the shell; arrays are (n_circumferential, n_axial). i counts from
+the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin stays parallel to the
+shell, and does not move along it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+PIN_SURFACES = ("boss_left", "boss_right", "small_end")
+"""Film surfaces of a floating pin: bosses, then the rod's eye."""
+
+
+class PinSurface(NamedTuple):
+    """A pin in a shell.
+
+    Parameters
+    ----------
+    outward, onward : ndarray, shape (2, c)
+        Across the film and along it, in the shell's axes: (cos a, sin a), (-sin a, cos a).
+    radius, clearance : float
+        Of the pin; of the shell minus that of the pin [m].
+    shape : (int, int)
+        (c, a), cells around and along the shell.
+    """
+
+    outward: np.ndarray
+    onward: np.ndarray
+    radius: float
+    clearance: float
+    shape: tuple[int, int]
+
+
+class PinForces(NamedTuple):
+    """Of the film on its grid, shape (c, a), or stacked: pushing pin and shell apart, and around,
+    on the pin with ascending i [N].
+    """
+
+    pressure: np.ndarray
+    circumferential: np.ndarray
+
+
+class PinResultants(NamedTuple):
+    """What a film does to pin and shell.
+
+    Parameters
+    ----------
+    force : ndarray, shape (2,)
+        On the pin, in space; its opposite acts on the shell [N].
+    on_pin, on_shell : float
+        Moments about the pin's axis and about the shell's, about +z [N m].
+    """
+
+    force: np.ndarray
+    on_pin: float
+    on_shell: float
+
+
+def pin_surface(radius: float, clearance: float, shape: tuple[int, int]) -> PinSurface:
+    """Film surface on a grid (c, a)."""
+    around, _ = shape
+    angle = 2 * np.pi * np.arange(around) / around
+    outward = np.array([np.cos(angle), np.sin(angle)])
+    onward = np.array([-np.sin(angle), np.cos(angle)])
+    return PinSurface(outward, onward, radius, clearance, shape)
+
+
+def turned(angle: float) -> np.ndarray:
+    """Matrix, (2, 2), that takes components in axes turned by an angle [rad] to space."""
+    c = np.cos(angle)
+    s = np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def across(vector: np.ndarray) -> np.ndarray:
+    """Z v, a vector turned by a quarter about +z."""
+    x, y = vector
+    return np.array([-y, x])
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> float:
+    """a x b about +z."""
+    return float(across(a) @ b)
+
+
+def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
+    """What the pin's place adds to the film thickness.
+
+    Eq. (H6):  h = c - d . e      d = R(chi)^T (P - C), from the shell's axis C to the pin's P in
+                                  the axes of the shell, which has turned by chi; e = (cos a, sin a)
+
+    Eq. (H7):  W = R (phi' - chi')      circumferential velocity of the pin's surface; R times what
+                                        the pin turns faster than its shell
+
+    Of first order in d/R. Linear: with changes of d it gives those of h.
+
+    Parameters
+    ----------
+    surface : PinSurface
+    place : ndarray, shape (2,)
+        d [m].
+
+    Returns
+    -------
+    ndarray, shape (c, a)
+        h - c [m].
+    """
+    return _lines(surface, -(place @ surface.outward))  # Eq. (H6)
+
+
+def _lines(surface, values):
+    """A value of each line along the shell on the grid."""
+    return np.repeat(values[:, None], surface.shape[1], axis=1)
+
+
+def resultants_on(
+    surface: PinSurface, forces: PinForces, place: np.ndarray, axes: np.ndarray
+) -> PinResultants:
+    """What a film does to pin and shell.
+
+    Eq. (G3):  F = R(chi) sum (-p e + f t),   M_shell = -R sum f,   M_pin = R sum f - d x F
+               t = (-sin a, cos a)
+
+    f is the opposite of the shear on the shell, about whose axis pressure has no moment: what is
+    left of the film's balance about it acts on the pin, with the lever of its force.
+
+    Parameters
+    ----------
+    surface : PinSurface
+    forces : PinForces
+        p and f of each cell.
+    place : ndarray, shape (2,)
+        P - C in space [m].
+    axes : ndarray, shape (2, 2)
+        R(chi), of `turned`.
+    """
+    shape = surface.shape
+    push = forces.pressure.reshape(shape).sum(axis=1)
+    drag = forces.circumferential.reshape(shape).sum(axis=1)
+    # Eq. (G3)
+    force = axes @ (surface.onward @ drag - surface.outward @ push)
+    on_shell = -surface.radius * float(drag.sum())
+    return PinResultants(force, -on_shell - cross(place, force), on_shell)
+
+
+def grid_power(
+    surface: PinSurface,
+    forces: PinForces,
+    place: np.ndarray,
+    velocity: np.ndarray,
+    turning: float,
+) -> tuple[float, float]:
+    """Power of the film on pin and shell, from what every cell sees, and the sum of the absolute
+    values of its terms.
+
+    Eq. (G4):  P = sum p (dh/dt + w dh/da) + sum f ((R - d . e) w + t . d')
+               w = phi' - chi'
+
+    Pressure works on the normal velocity of the pin's surface, which turning adds to where the film
+    is not even; f on its tangential one.
+
+    Parameters
+    ----------
+    surface : PinSurface
+    forces : PinForces
+    place, velocity : ndarray, shape (2,)
+        d and d' in the axes of the shell [m], [m/s].
+    turning : float
+        w [rad/s].
+
+    Returns
+    -------
+    float, float
+        [W], [W]
+    """
+    shape = surface.shape
+    push = forces.pressure.reshape(shape).sum(axis=1)
+    drag = forces.circumferential.reshape(shape).sum(axis=1)
+    # Eq. (G4)
+    closing = -(velocity @ surface.outward) - turning * (place @ surface.onward)
+    arm = surface.radius - place @ surface.outward
+    terms = push * closing, drag * (turning * arm + velocity @ surface.onward)
+    return sum(float(one.sum()) for one in terms), sum(float(np.abs(one).sum()) for one in terms)

@@ -1,0 +1,362 @@
+"""models/floating_pin: four films on one piston, three of them of its pin; forces against closed
+forms, powers, oil, the tied pin as the limit, kill -9 and resume, a film's model among several.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from scipy.integrate import solve_ivp
+
+from piston_cosim.fmu_ehd.bearing_verification import (
+    CLEARANCE,
+    RADIUS,
+    SPEED,
+    VISCOSITY,
+    bearing,
+    short_load,
+    steady,
+)
+from piston_cosim.fmu_mfbd.geometry.pin import (
+    PinForces,
+    opening_of,
+    pin_surface,
+    resultants_on,
+    turned,
+)
+from piston_cosim.master.case.check import check
+from piston_cosim.master.case.contract import check_fmu, interface, swap_all
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.rivals import rivals_of
+from piston_cosim.master.runs.run import run
+
+from .test_resume import compare
+
+PATH = find_case("floating_pin")
+PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
+
+
+def small(*changes, skirt=(24, 12), pin=(48, 4), stop="30 deg"):
+    """The case's tree on coarse grids, without slots, nothing drawn."""
+    tree = read_tree(PATH, [("time.stop", stop), *changes])
+    tables = tree["participants"]
+    build = tables["bodies"]["build"]
+    build["grid"] = list(skirt)
+    build["floating_pin"] = build["floating_pin"] | {"grid": list(pin)}
+    tables["skirt_film"]["build"]["grid"] = list(skirt)
+    for name in PINS:
+        tables[name]["build"] |= {"grid": list(pin), "mask": "none"}
+        del tables[name]["parameters"]["opening_supply"]
+    return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
+
+
+def computed(tree, path):
+    case = check_case(tree, PATH)
+    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
+    return Results(path)
+
+
+@pytest.mark.parametrize("eccentricity", [0.3, 0.6])
+def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
+    """The lubrication model under the body's film thickness, in a shell turned by 0.3 rad, the pin
+    off its axis along 1.1 rad: load, attitude angle and moments of Ocvirk's bearing as in
+    `verify ehd`, 5e-3 for the same reasons; on the shell half the load's lever less. The load is
+    that of pressure: Ocvirk's has no share of the shear, which in so short a bearing is as large.
+    """
+    shape, length = (180, 24), 2 * RADIUS * 0.02
+    surface = pin_surface(RADIUS, CLEARANCE, shape)
+    axes = turned(0.3)
+    way = np.array([np.cos(1.1), np.sin(1.1)])
+    place = eccentricity * CLEARANCE * way
+    gap = surface.clearance + opening_of(surface, axes.T @ place)
+    model = bearing(shape, length, cavitation_model="gumbel", cavity_shear="full_film")
+    out = steady(model, np.ascontiguousarray(gap))
+    forces = PinForces(out["nodal_pressure_force"], out["nodal_circumferential_force"])
+    found = resultants_on(surface, forces, place, axes)
+    alone = forces._replace(circumferential=np.zeros(shape))
+    pressed = resultants_on(surface, alone, place, axes).force
+    s = np.sqrt(1 - eccentricity**2)
+    angle = np.arctan2(np.pi * s, 4 * eccentricity)
+    load = short_load(length, eccentricity)
+    assert np.hypot(*pressed) == pytest.approx(load, rel=5e-3)
+    # the film carries against the load, which the pin's place leads by the attitude angle
+    along, ahead = -pressed @ way, -pressed @ np.array([-way[1], way[0]])
+    assert np.arctan2(-ahead, along) == pytest.approx(angle, rel=5e-3)
+    couette = 2 * np.pi * VISCOSITY * SPEED * RADIUS**2 * length / CLEARANCE / s
+    lever = load * eccentricity * CLEARANCE * np.sin(angle) / 2
+    assert -found.on_pin == pytest.approx(couette + lever, rel=5e-3)
+    assert found.on_shell == pytest.approx(couette - lever, rel=5e-3)
+
+
+def squeezed(length, load, viscosity, clearance, time):
+    """Eccentricity [-] of a short bearing that a load squeezes from its middle, pressure below zero
+    cut off: e' = W c^2/(mu R L^3 I),  I = int_(-pi/2)^(pi/2) cos^2 a/(1 - e cos a)^3 da.
+    """
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 2001)
+
+    def rate(_, e):
+        shape = np.cos(angle) ** 2 / (1 - e * np.cos(angle)) ** 3
+        return load * clearance**2 / (viscosity * 0.018 * length**3 * np.trapezoid(shape, angle))
+
+    return solve_ivp(rate, (0.0, time[-1]), [0.0], t_eval=time, rtol=1e-8).y[0]
+
+
+def test_a_standing_engine_squeezes_its_pin_as_a_short_bearing(tmp_path):
+    """Crank at rest at bottom dead centre, gas on the crown: each boss carries half of its force,
+    the eye all of it. L/D of 1/9 and 1/6: the short bearing carries (L/D)^2 or so too much, and the
+    piston's inertia delays the way by some microseconds of 3 ms.
+    """
+    parameters = "participants.bodies.parameters"
+    films = {"left_film": 4e-3, "right_film": 4e-3, "small_end_film": 6e-3}
+    changes = [
+        (f"{parameters}.crank_speed", "0 rad/s"),
+        (f"{parameters}.start_crank_angle", "180 deg"),
+        (f"{parameters}.boss_clearance", "20 um"),
+        (f"{parameters}.small_end_clearance", "20 um"),
+        ("time.step", "50 us"),
+    ]
+    for name, length in films.items():
+        own = f"participants.{name}.parameters"
+        changes += [(f"{own}.skirt_length", f"{length} m"), (f"{own}.viscosity", "1 Pa s")]
+        changes += [(f"{own}.cavitation_model", "gumbel"), (f"{own}.cavitation_pressure", "0 Pa")]
+        changes += [(f"{own}.roughness_rms", "0 um")]
+    tree = small(*changes, pin=(72, 8), stop="3 ms")
+    del tree["time"]["angular_speed"]
+    results = computed(tree, tmp_path / "standing.h5")
+    force = np.pi * 0.055**2 * results.series("bodies.cylinder_pressure").values[-1]
+    time = results.time
+    boss = squeezed(4e-3, force / 2, 1.0, 20e-6, time)
+    eye = squeezed(6e-3, force, 1.0, 20e-6, time)
+    # the piston presses the pin's bosses down onto it, and the pin the eye
+    found = {
+        "boss": results.series("bodies.pin_displacement_y").values / 20e-6,
+        "eye": -results.series("bodies.small_end_displacement_y").values / 20e-6,
+    }
+    assert boss[-1] > 0.3 and eye[-1] > 0.2
+    assert found["boss"][-1] == pytest.approx(boss[-1], rel=2e-2)
+    assert found["eye"][-1] == pytest.approx(eye[-1], rel=3e-2)
+    sideways = results.series("bodies.pin_displacement_x").values
+    assert np.abs(sideways).max() < 1e-3 * 20e-6
+
+
+@pytest.fixture(scope="module")
+def four(tmp_path_factory):
+    """720 deg take a minute; 400 hold the firing."""
+    return computed(small(stop="400 deg"), tmp_path_factory.mktemp("four") / "four.h5")
+
+
+def test_oil_and_work_of_four_films_to_round_off(four):
+    for film in ("skirt_film", *PINS):
+        assert four.series(f"{film}.mass_imbalance").values.max() <= 1e-12
+    for surface in ("skirt", *PINS.values()):
+        assert four.series(f"bodies.{surface}.interface_work_error").values.max() <= 1e-12
+    assert four.summary["unconverged_steps"] == 0
+    assert abs(four.summary["interface_work_imbalance"]) <= 1e-5
+    assert four.summary["energy_created_share_max"] < 0.05
+
+
+def test_what_pin_and_films_say_of_friction(four):
+    """The moments on the pin times its speed in each shell, against what the films tell (Eq. (F8)):
+    the same but for C/R and second order in cells of 7.5 deg; pressure of asperities has a lever on
+    the pin, and none in Eq. (F8).
+    """
+    told = sum(four.series(f"{film}.friction_power").values for film in PINS)
+    seen = four.series("bodies.pin_friction_power").values
+    assert seen[1:].mean() == pytest.approx(told[1:].mean(), rel=2e-2)
+    assert (told[1:] > 0.0).all()
+
+
+def test_what_the_films_take_the_bodies_give(four):
+    """By their motion bodies lose what passes over the wires. What the wires do not see, the work
+    of pressure as the pin turns, is part of the pin's friction and no larger; time integration errs
+    by less.
+    """
+    friction = float(np.diff(four.time) @ four.series("bodies.pin_friction_power").values[1:])
+    taken = four.summary["energy_taken_bodies_j"]
+    assert taken < 0.0
+    assert abs(taken - four.summary["interface_work_j"]) <= friction
+
+
+def test_newton_needs_no_more_iterations_than_with_one_film(four, tmp_path):
+    """Mean of the tied piston on the same grid, and a half: the pin's films are far thinner."""
+    tree = read_tree(find_case("data_sheet"), [("time.stop", "400 deg")])
+    for name in ("bodies", "ehd"):
+        tree["participants"][name]["build"]["grid"] = [24, 12]
+    tree |= {"record": {"every": 100}, "pictures": []}
+    case = check_case(tree, find_case("data_sheet"))
+    folder = find_case("data_sheet").parent
+    path = tmp_path / "one.h5"
+    run(open_system(case, folder, lambda text: None), case, tree, path)
+    one = Results(path).summary["mean_iterations"]
+    assert four.summary["mean_iterations"] <= one + 0.5
+
+
+def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
+    """Motion of the piston against that of data_sheet without friction at the pin, by clearance c
+    of the pin's films. Their viscosity goes with c^2: the pin then takes the same place in c, and
+    play and friction both fall with c.
+    """
+    changes = [("time.stop", "60 deg")]
+    tree = read_tree(
+        find_case("data_sheet"),
+        [*changes, ("participants.bodies.parameters.pin_friction_coefficient", 0.0)],
+    )
+    for name in ("bodies", "ehd"):
+        tree["participants"][name]["build"]["grid"] = [24, 12]
+    tree |= {"record": {"every": 100}, "pictures": []}
+    case = check_case(tree, find_case("data_sheet"))
+    folder = find_case("data_sheet").parent
+    run(open_system(case, folder, lambda text: None), case, tree, tmp_path / "tied.h5")
+    names = ("lateral_displacement", "rocking_angle", "side_force")
+
+    def motion(path):
+        return [Results(path).series(f"bodies.{name}").values for name in names]
+
+    tied = motion(tmp_path / "tied.h5")
+    apart = []
+    for clearance in (20, 10, 5):
+        loose = [
+            (f"participants.bodies.parameters.{name}_clearance", f"{clearance} um")
+            for name in ("boss", "small_end")
+        ]
+        viscosity = f"{5.6 * (clearance / 10) ** 2} mPa s"
+        loose += [(f"participants.{film}.parameters.viscosity", viscosity) for film in PINS]
+        path = tmp_path / f"{clearance}.h5"
+        computed(small(*changes, *loose, stop="60 deg"), path)
+        apart.append(
+            [np.abs(a - b).max() / np.ptp(b) for a, b in zip(motion(path), tied, strict=True)]
+        )
+        print(f"{clearance} um: " + ", ".join(f"{n} {a:.2e}" for n, a in zip(names, apart[-1])))
+    apart = np.array(apart)
+    assert (apart[1:] < 0.6 * apart[:-1]).all()
+
+
+def test_the_shipped_case_is_sound_and_lengths_are_held_against_the_body():
+    assert check("floating_pin").faults == []
+    told = check("floating_pin", [("participants.left_film.parameters.skirt_length", "24 mm")])
+    (fault,) = told.faults
+    assert "the skirt length of bodies.boss_left is 25 mm" in fault
+    told = check("floating_pin", [("participants.bodies.parameters.pin_radius", "17 mm")])
+    assert sum("the bore radius of bodies." in fault for fault in told.faults) == 3
+
+
+def test_what_cannot_float_is_refused():
+    told = check("floating_pin", [("participants.bodies.parameters.crank_free", 1)])
+    assert any("crank_free = 1: must be 0 with a floating pin" in fault for fault in told.faults)
+    pin = "participants.bodies.build.floating_pin"
+    told = check("floating_pin", [(pin, {"boss_length": "0 mm", "small_end_length": "36 mm"})])
+    assert any("floating_pin.boss_length" in fault for fault in told.faults)
+
+
+@pytest.fixture(scope="module")
+def fmu():
+    """The body FMU on a coarse grid."""
+    table = check_case(small(skirt=(8, 6), pin=(12, 4)), PATH).participants["bodies"]
+    return build_fmu(table.package, table.build, PATH.parent)
+
+
+def test_the_built_fmu_keeps_the_contract(fmu):
+    assert validate_fmu(str(fmu)) == []
+    assert check_fmu(fmu)[:2] == ("bodies", [])
+    wires = read_tree(PATH)["wires"]
+    assert interface(wires, "right_film", "lubrication") == ("bodies", "boss_right.")
+
+
+def test_the_built_fmu_steps_back_to_the_same_bytes_without_the_source(fmu, outside):
+    """Plain fmpy in a bare Python: a step on a film of the pin moves it, and repeats to the bit."""
+    same, moved, turned_by = outside(
+        """
+import json, sys
+import numpy as np
+import fmpy
+from fmpy import fmi2
+path = sys.argv[1]
+description = fmpy.read_model_description(path)
+by_name = {v.name: v.valueReference for v in description.modelVariables}
+fields = lambda name: [by_name[f"{name}[{i},{j}]"] for i in range(1, 13) for j in range(1, 5)]
+fmu = fmi2.FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path), instanceName="one",
+                     modelIdentifier=description.coSimulation.modelIdentifier)
+fmu.instantiate()
+given = {"crank_radius": 0.072, "rod_length": 0.223, "rod_centre": 0.072, "pin_mass": 0.5,
+         "pin_radius": 0.018}
+fmu.setReal([by_name[name] for name in given], list(given.values()))
+fmu.setupExperiment(startTime=0.0)
+fmu.enterInitializationMode()
+fmu.exitInitializationMode()
+""",
+        fmu,
+        """
+        assert not any(name.split(".")[0] == "piston_cosim" for name in sys.modules)
+        gap, push = fields("small_end.film_thickness"), fields("small_end.nodal_pressure_force")
+        around = fields("boss_left.nodal_circumferential_force")
+        before = np.array(fmu.getReal(gap))
+        saved = fmu.getFMUstate()
+        ends = []
+        for _ in range(2):
+            fmu.setReal(push, np.arange(48.0))
+            fmu.setReal(around, np.full(48, 0.5))
+            fmu.doStep(0.0, 1e-5)
+            outputs = gap + [by_name["pin_rotation_speed"], by_name["pin_displacement_x"]]
+            ends.append(np.array(fmu.getReal(outputs)))
+            fmu.setFMUstate(saved)
+        moved = float(np.abs(ends[0][:48] - before).max())
+        print(json.dumps([ends[0].tobytes() == ends[1].tobytes(), moved, float(ends[0][48])]))
+        """,
+    )
+    assert same and moved > 0.0
+    # 24 N on 18 mm turn 0.5 kg of pin, a cylinder, for 10 us; some 300 N in the eye have a lever of
+    # the 0.1 um by which they move it
+    assert turned_by == pytest.approx(24 * 0.018 / (0.5 * 0.018**2 / 2) * 1e-5, rel=1e-3)
+
+
+def test_models_of_one_film_among_four(tmp_path):
+    tree = small(stop="10 deg")
+    rivals = rivals_of(tree, "lubrication", ["small_end_film=jfo", "small_end_film=gumbel"])
+    changed = rivals.trees["gumbel"]["participants"]
+    assert changed["small_end_film"]["parameters"]["cavitation_model"] == "gumbel"
+    assert "cavitation_model" not in changed["left_film"]["parameters"]
+    ports = rivals.ports
+    assert ports["film_thickness"] == "bodies.small_end.film_thickness"
+    assert ports["sliding_velocity"] == "bodies.small_end.circumferential_velocity"
+    assert ports["nodal_friction_force"] == "small_end_film.nodal_circumferential_force"
+    of_skirt = rivals_of(tree, "lubrication", ["skirt_film=jfo"]).ports
+    assert of_skirt["sliding_velocity"] == "bodies.skirt.sliding_velocity"
+    table = check_case(tree, PATH).participants["small_end_film"]
+    own = build_fmu(table.package, table.build, PATH.parent)
+    given = {"lubrication": f"small_end_film={own}"}
+    swapped = swap_all({"one": tree}, given, print)["one"]
+    results = [computed(one, tmp_path / f"{k}.h5") for k, one in enumerate((tree, swapped))]
+    ways = [one.series("bodies.small_end_displacement_y").values for one in results]
+    assert np.array_equal(*ways)
+    other = computed(rivals.trees["gumbel"], tmp_path / "gumbel.h5")
+    assert other.summary["unconverged_steps"] == 0
+
+
+RUN = [
+    *(sys.executable, "-m", "piston_cosim", "run", "floating_pin", "--no-plots"),
+    *("--set", "time.stop=30 deg", "--set", "record.checkpoint_every=5", "--output"),
+]
+
+
+def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
+    whole = tmp_path / "whole"
+    subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
+    cut = tmp_path / "cut"
+    process = subprocess.Popen([*RUN, str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    checkpoint = cut / "floating.h5.checkpoint"
+    deadline = time.monotonic() + 300
+    while not checkpoint.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    assert process.wait(60) == -signal.SIGKILL
+    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
+    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
+    assert compare(whole / "floating.h5", cut / "floating.h5") == []
