@@ -136,6 +136,7 @@ def prepare(
         damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
+        mounted=build.mounted,
     )
     return prepared.to_json(), [piston_file, block_file]
 

@@ -344,6 +344,10 @@ class Common(BaseModel):
     """Bands of the skirt, from below, each with a film of its own; rows between them have none.
     Without it the whole skirt is one surface, and its variables have plain names.
     """
+    mounted: bool = False
+    """The block stands on mounts: another participant says how it moves (block_acceleration_x
+    and other inputs) and takes what the cylinder does to it (force_on_block_x and other outputs).
+    """
     damping_bands: list[Band] = []
     """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency.

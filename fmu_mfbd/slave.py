@@ -13,12 +13,20 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, faults
 from .dynamics.build_options import BuildOptions
+from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
-from .dynamics.model import MOTION, Inputs, NotConverged, PistonInBore, State
+from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged, PistonInBore, State
 from .dynamics.parameters import Parameters
 from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
+BLOCK = (
+    "block_acceleration_x",
+    "block_acceleration_y",
+    "block_angular_acceleration",
+    "block_angular_velocity",
+)
+"""Motion of a mounted block, as `Carrier` has it."""
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
@@ -38,13 +46,14 @@ class Mfbd(FieldSlave):
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Forces of all films, and of the rings."""
-        return (*self._of_films(FORCES), *RINGS)
+        """Forces of all films, and of the rings; the motion of a mounted block."""
+        return (*self._of_films(FORCES), *RINGS, *(BLOCK if self.built.mounted else ()))
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Fields of all films, and the piston's motion."""
-        return (*self._of_films(("film_thickness", "sliding_velocity")), *MOTION)
+        """Fields of all films, and the piston's motion; forces on a mounted block."""
+        fields = self._of_films(("film_thickness", "sliding_velocity"))
+        return (*fields, *MOTION, *(ON_BLOCK if self.built.mounted else ()))
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
         """Variables of these names of all film surfaces."""
@@ -118,7 +127,10 @@ class Mfbd(FieldSlave):
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:
         """Product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)
-        return self.model.directional_derivative(pressure, friction, _rings(seeds))
+        carried = NOT_CARRIED
+        if self.built.mounted:
+            carried = np.array([float(seeds[name]) for name in BLOCK])
+        return self.model.directional_derivative(pressure, friction, _rings(seeds), carried)
 
     def _inputs(self, values: dict[str, Any]) -> Inputs:
         pressure, friction = (self._stacked(values, name) for name in FORCES)
@@ -129,6 +141,7 @@ class Mfbd(FieldSlave):
             friction,
             _rings(values),
             float(values["land_pressure"]),
+            Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
         )
 
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:

@@ -114,6 +114,8 @@ class BuildOptions:
         circumferential cell, for who builds a film to it; None where it is not known, or whole.
     surfaces : tuple of SurfaceOptions
         From below; empty: the whole skirt is one.
+    mounted : bool
+        Whether the block moves as another participant says, and says what presses on it.
     """
 
     grid: tuple[int, int]
@@ -125,6 +127,7 @@ class BuildOptions:
     damping_bands: tuple[DampingBand, ...] = ()
     skirt: list[list[int]] | None = None
     surfaces: tuple[SurfaceOptions, ...] = ()
+    mounted: bool = False
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """All film surfaces, at least one."""
@@ -143,6 +146,8 @@ class BuildOptions:
         with the skirt of each, NAME.skirt, besides.
         """
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
+        if not self.mounted:  # an FMU with a block at rest stays the same file
+            del content["mounted"]
         parts = {}
         if self.skirt is not None:
             parts = {
@@ -173,6 +178,7 @@ class BuildOptions:
             damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
             skirt=content["skirt"],
             surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
+            mounted=content.get("mounted", False),
         )
 
 
