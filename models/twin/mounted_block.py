@@ -8,7 +8,8 @@ Eq. (U23):  F = sum_k (f_k, z_k x f_k + M_k z/|z|),   f_k = R(b_k) (force_x, for
 Eq. (U24):  a_k = R(b_k)^T (u'' + rotation'' x z_k),   given back to cylinder k
 
 x, y as in a cylinder with bank angle 0, z along the crank; R(b) turns about z by the bank angle.
-Small motions of the block. It starts at rest where its mounts hold the forces of the start.
+Small motions of the block. It starts at rest with its mounts unloaded; forces begin to act in the
+first step.
 """
 
 from dataclasses import dataclass
@@ -178,21 +179,17 @@ class MountedBlock(FieldSlave):
 
     def start(self, values):
         self.engine = engine = engine_of(values)
-        force = self._force(values)
+        held = np.linalg.eigvalsh(engine.stiffness)
+        if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
+            raise BadInput(
+                [
+                    "mount_x, .. stiffness_z: the block can move without a force of its mounts; "
+                    "hold it in all six directions, or by none (stiffness 0)"
+                ]
+            )
         still = np.zeros(6)
-        if not engine.stiffness.any():
-            state = State(still, still, np.linalg.solve(engine.mass, force), force, 0.0)
-        else:
-            held = np.linalg.eigvalsh(engine.stiffness)
-            if held[0] <= 1e-12 * held[-1]:
-                raise BadInput(
-                    [
-                        "mount_x, .. stiffness_z: the block can move without a force of its "
-                        "mounts; hold it in all six directions, or by none (stiffness 0)"
-                    ]
-                )
-            state = State(np.linalg.solve(engine.stiffness, force), still, still, force, 0.0)
-        return state, self._shown(state, state)
+        state = State(still, still, still, still, 0.0)
+        return state, self._shown(state, state) | shaking(self._force(values))
 
     def advance(self, state, values, time, step):
         engine = self.engine
@@ -243,17 +240,12 @@ class MountedBlock(FieldSlave):
         six = {
             ("displacement", "rotation"): now.position,
             ("velocity", "rotation_velocity"): now.velocity,
-            ("shaking_force", "shaking_moment"): now.force,
             ("mount_force", "mount_moment"): on_mounts,
         }
         return {
             **named(engine.seen(now.acceleration, now.velocity)),
-            **{
-                f"{name}_{axis}": value
-                for names, values in six.items()
-                for name, three in zip(names, values.reshape(2, 3))
-                for axis, value in zip(AXES, three)
-            },
+            **shaking(now.force),
+            **{one: value for names, q in six.items() for one, value in by_axis(names, q).items()},
             "kinetic_energy": kinetic_1 / 2,
             "mount_power": now.velocity @ engine.damping @ now.velocity,
             "energy_error": way @ (before.force + now.force) / 2 - stored - lost,
@@ -277,6 +269,17 @@ def named(motions):
         for name, row in zip(MOTIONS, motions)
         for k, value in enumerate(row, 1)
     }
+
+
+def by_axis(names, values):
+    """The six numbers of two vectors by variable."""
+    parts = zip(names, np.reshape(values, (2, 3)))
+    return {f"{name}_{axis}": one for name, three in parts for axis, one in zip(AXES, three)}
+
+
+def shaking(force):
+    """F by variable."""
+    return by_axis(("shaking_force", "shaking_moment"), force)
 
 
 def cross(vector):
