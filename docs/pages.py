@@ -31,6 +31,7 @@ TEXTS = {
     "models/fired_motorcycle/README.md": "cases/fired_motorcycle.md",
     "models/data_sheet/README.md": "cases/data_sheet.md",
     "models/journal_bearing/README.md": "cases/journal_bearing.md",
+    "models/twin/README.md": "cases/twin.md",
     "models/elastic_tube/README.md": "cases/elastic_tube.md",
     "models/two_mass_oscillator/README.md": "cases/two_mass_oscillator.md",
 }
