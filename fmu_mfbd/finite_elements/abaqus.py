@@ -78,13 +78,13 @@ class Instance:
     def points(self) -> np.ndarray:
         """Its nodes in the assembly, (n, 3).
 
-        Eq. (M13):  p' = a + R (p + t - a)      t shift, a a point of the axis of rotation
+        Eq. (M17):  p' = a + R (p + t - a)      t shift, a a point of the axis of rotation
         """
         found = np.array(self.part.points, dtype=float).reshape(-1, 3)
         moved = found + self.shift
         if np.array_equal(self.turn, np.eye(3)):
             return moved
-        return self.centre + (moved - self.centre) @ self.turn.T  # Eq. (M13)
+        return self.centre + (moved - self.centre) @ self.turn.T  # Eq. (M17)
 
 
 def read_abaqus(path: Path) -> Deck:
@@ -155,13 +155,13 @@ def _instance(keyword, parts):
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     """Matrix that turns by an angle [rad] about a direction.
 
-    Eq. (M14):  R = I + sin(angle) W + (1 - cos(angle)) W W,   W v = n x v,  n = axis/|axis|
+    Eq. (M18):  R = I + sin(angle) W + (1 - cos(angle)) W W,   W v = n x v,  n = axis/|axis|
     """
     if not axis.any():
         raise MeshFault(["*Instance: the two points of its axis of rotation are one"])
     x, y, z = axis / np.linalg.norm(axis)
     W = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * W + (1 - np.cos(angle)) * W @ W  # Eq. (M14)
+    return np.eye(3) + np.sin(angle) * W + (1 - np.cos(angle)) * W @ W  # Eq. (M18)
 
 
 def _take(part, keyword):

@@ -66,12 +66,14 @@ class Engine:
     def seen(self, acceleration, velocity) -> np.ndarray:
         """Motion of each cylinder's place as `MOTIONS` has it, (4, cylinders)."""
         cosine, sine = np.cos(self.bank), np.sin(self.bank)
+        across, up, _, pitch, yaw, roll = acceleration
+        *_, rolling = velocity
         # Eq. (U24)
-        x = acceleration[0] + acceleration[4] * self.along
-        y = acceleration[1] - acceleration[3] * self.along
+        x = across + yaw * self.along
+        y = up - pitch * self.along
         alike = np.ones_like(self.along)
         turned = cosine * x + sine * y, cosine * y - sine * x
-        return np.array([*turned, acceleration[5] * alike, velocity[5] * alike])
+        return np.array([*turned, roll * alike, rolling * alike])
 
     def effective(self, step) -> np.ndarray:
         """M + h C/2 + h^2 K/4: what end accelerations have to move."""
