@@ -41,7 +41,7 @@ from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, load, save
 from .reduction.rigid import rigid_block, rigid_piston
-from .variables import inputs, outputs, parameters
+from .variables import inputs, parameters, signals
 
 Say = Callable[[str], None]
 Given = TypeVar("Given")
@@ -76,16 +76,15 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     build = read_options(options, folder)
     bodies = build.piston, build.block
     modes = sum(0 if body.rigid else body.modes - len(body.modes_off) for body in bodies)
-    options_ahead = BuildOptions(
+    ahead = BuildOptions(
         build.grid,
-        PistonOptions("", 0, 0.0),
+        PistonOptions("", modes, 0.0),
         BlockOptions("", 0),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        mounted=build.mounted,
     )
-    films = options_ahead.film_grids()
-    pins = options_ahead.pin_grids()
-    return inputs(films, pins) + outputs(films, modes, pins) + parameters(bool(pins))
+    return signals(ahead)
 
 
 def prepare(
@@ -144,6 +143,7 @@ def prepare(
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        mounted=build.mounted,
     )
     return prepared.to_json(), [piston_file, block_file]
 

@@ -363,6 +363,10 @@ class Common(BaseModel):
     """Films between pin, bosses and rod in place of a pin that is tied to the piston; both bodies
     are rigid beside it.
     """
+    mounted: bool = False
+    """The block stands on mounts: another participant says how it moves (block_acceleration_x
+    and other inputs) and takes what the cylinder does to it (force_on_block_x and other outputs).
+    """
     damping_bands: list[Band] = []
     """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency.
@@ -382,6 +386,8 @@ class Common(BaseModel):
     def _of_floating_pin(self):
         if self.floating_pin and self.start:
             raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
+        if self.floating_pin and self.mounted:
+            raise ValueError("mounted: not with floating_pin, whose block stands still")
         return self
 
     @model_validator(mode="after")

@@ -13,8 +13,9 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import assemble, assemble_floating, faults
 from .dynamics.build_options import BuildOptions
+from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
-from .dynamics.model import MOTION, Inputs, NotConverged, PistonInBore, State
+from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged, PistonInBore, State
 from .dynamics.parameters import Parameters, PinParameters
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
@@ -23,6 +24,13 @@ from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
 OF_PIN = ("film_thickness", "circumferential_velocity")
+BLOCK = (
+    "block_acceleration_x",
+    "block_acceleration_y",
+    "block_angular_acceleration",
+    "block_angular_velocity",
+)
+"""Motion of a mounted block, as `Carrier` has it."""
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
@@ -42,14 +50,16 @@ class Mfbd(FieldSlave):
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Forces of all films, and of the rings."""
-        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS)
+        """Forces of all films, and of the rings; the motion of a mounted block."""
+        block = BLOCK if self.built.mounted else ()
+        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS, *block)
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Fields of all films, and the piston's motion."""
+        """Fields of all films, and the piston's motion; forces on a mounted block."""
         skirt = self._of_films(("film_thickness", "sliding_velocity"))
-        return (*skirt, *self._of_pins(OF_PIN), *MOTION)
+        block = ON_BLOCK if self.built.mounted else ()
+        return (*skirt, *self._of_pins(OF_PIN), *MOTION, *block)
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
         """Variables of these names of all film surfaces of the skirt."""
@@ -135,7 +145,10 @@ class Mfbd(FieldSlave):
         if isinstance(self.model, PistonOnFloatingPin):
             pins = self._pins(seeds)
             return self.model.directional_derivative(pressure, friction, rings, pins)
-        return self.model.directional_derivative(pressure, friction, rings)
+        carried = NOT_CARRIED
+        if self.built.mounted:
+            carried = np.array([float(seeds[name]) for name in BLOCK])
+        return self.model.directional_derivative(pressure, friction, rings, carried)
 
     def _inputs(self, values: dict[str, Any]) -> Inputs:
         pressure, friction = (self._stacked(values, name) for name in FORCES)
@@ -147,6 +160,7 @@ class Mfbd(FieldSlave):
             _rings(values),
             float(values["land_pressure"]),
             self._pins(values),
+            Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:

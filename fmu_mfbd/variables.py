@@ -10,15 +10,18 @@ from .dynamics.parameters import Parameters, PinParameters
 
 def variables(options: BuildOptions) -> list[Variable]:
     """The table of variables of an FMU built so."""
+    return signals(options) + properties(options)
+
+
+def signals(options: BuildOptions) -> list[Variable]:
+    """Inputs, outputs and parameters of an FMU built so."""
     modes = options.piston.modes + options.block.modes
     films = options.film_grids()
     pins = options.pin_grids()
-    return [
-        *inputs(films, pins),
-        *outputs(films, modes, pins),
-        *parameters(bool(pins)),
-        *properties(options),
-    ]
+    acting, answers = inputs(films, pins), outputs(films, modes, pins)
+    if options.mounted:
+        acting, answers = acting + block_inputs(), answers + block_outputs()
+    return acting + answers + parameters(bool(pins))
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
@@ -307,6 +310,48 @@ def outputs(
             ),
         ]
     return out
+
+
+def block_inputs() -> list[Variable]:
+    """How a mounted block moves, in the plane of the cylinder."""
+    along = "in the cylinder's axes, at the crank axis"
+    return [
+        input_variable("block_acceleration_x", "m/s2", f"Of the block, {along}", 0.0, 1.0),
+        input_variable("block_acceleration_y", "m/s2", f"Of the block, {along}", 0.0, 1.0),
+        input_variable(
+            "block_angular_acceleration", "rad/s2", "Of the block about the crank axis", 0.0, 10.0
+        ),
+        input_variable(
+            "block_angular_velocity", "rad/s", "Of the block about the crank axis", 0.0, 0.1
+        ),
+    ]
+
+
+def block_outputs() -> list[Variable]:
+    """What the cylinder does to a mounted block."""
+    return [
+        output_variable(
+            "force_on_block_x",
+            "N",
+            "Force of bore, deck and main bearings on the block along x",
+            1e3,
+        ),
+        output_variable(
+            "force_on_block_y",
+            "N",
+            "Force of bore, deck and main bearings on the block along y",
+            1e3,
+        ),
+        output_variable(
+            "moment_on_block", "N.m", "Moment of bore and deck about the crank axis", 1e2
+        ),
+        output_variable(
+            "main_bearing_force_x", "N", "Force of the crank on its main bearings along x", 1e3
+        ),
+        output_variable(
+            "main_bearing_force_y", "N", "Force of the crank on its main bearings along y", 1e3
+        ),
+    ]
 
 
 def parameters(floating: bool = False) -> list[Variable]:

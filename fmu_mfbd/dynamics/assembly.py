@@ -97,6 +97,7 @@ def assemble(
         parameters.spectral_radius,
         options.gas,
         options.film_grids(),
+        parameters.crank_unbalance if options.mounted else None,
     )
 
 

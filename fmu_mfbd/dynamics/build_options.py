@@ -142,6 +142,8 @@ class BuildOptions:
         From below; empty: the whole skirt is one.
     floating_pin : FloatingPin, optional
         None: the pin is tied.
+    mounted : bool
+        Whether the block moves as another participant says, and says what presses on it.
     """
 
     grid: tuple[int, int]
@@ -154,6 +156,7 @@ class BuildOptions:
     skirt: list[list[int]] | None = None
     surfaces: tuple[SurfaceOptions, ...] = ()
     floating_pin: FloatingPin | None = None
+    mounted: bool = False
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """All film surfaces of the skirt, at least one."""
@@ -182,6 +185,8 @@ class BuildOptions:
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
         if self.floating_pin is None:
             del content["floating_pin"]
+        if not self.mounted:  # an FMU with a block at rest stays the same file
+            del content["mounted"]
         parts = {}
         if self.skirt is not None:
             parts = {
@@ -215,6 +220,7 @@ class BuildOptions:
             skirt=content["skirt"],
             surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
             floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
+            mounted=content.get("mounted", False),
         )
 
 

@@ -20,6 +20,7 @@ from ..geometry.film import (
     sliding,
     window_at,
 )
+from .carrier import FIXED, Carrier, carried
 from .energy import (
     Ledger,
     Moving,
@@ -105,11 +106,14 @@ class OtherForces(NamedTuple):
     rings : RingForce
     wall : WallPressures
         Of gas on the bore.
+    carrier : Carrier
+        Motion of the block.
     """
 
     gas: float
     rings: RingForce
     wall: WallPressures
+    carrier: Carrier = FIXED
 
 
 class Instant(NamedTuple):
@@ -237,6 +241,7 @@ def end_of_step(
         moment=film_forces.moment + system.pin_offset * guided_force + rings.moment,  # Eq. (D8)
         guided=guided_force,
         modal=push[: n - RIGID],
+        carrier=others.carrier,
     )
     own = end_accelerations(
         system.piston,
@@ -249,7 +254,8 @@ def end_of_step(
         c.to_position,
     )
     end = _moving(system, c, predicted, own.acceleration, block_push)
-    _follow_statically(system, c, before.position, end, push, block_push, crank)
+    ride = _frame_ride(mechanism, others.carrier, end, crank)
+    _follow_statically(system, c, before.position, end, push, block_push, ride)
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
     moving = _moving_bodies(system, 0.0)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
@@ -425,14 +431,13 @@ def _advance_auxiliary(c, auxiliary, acceleration):
 
 
 @compiled
-def _follow_statically(system, c, position_before, end, push, block_force, crank):
+def _follow_statically(system, c, position_before, end, push, block_force, ride):
     """Put the static modes of both bodies where their loads at the end of a step hold them.
 
     `push` and `block_force` are the modal forces on piston and block.
     """
     moving = len(system.piston.stiffness)
     if len(system.piston_static.stiffness):
-        ride = _frame_ride(system.mechanism, end, crank)
         q = static_coordinates(system.piston_static, push[moving:], ride)
         _follow(end.position, end.velocity, position_before, q, RIGID + moving, c.step)
     moving = len(system.block.stiffness)
@@ -442,12 +447,15 @@ def _follow_statically(system, c, position_before, end, push, block_force, crank
 
 
 @compiled
-def _frame_ride(mechanism, now, crank):
+def _frame_ride(mechanism, carrier, now, crank):
     """How the piston's frame moves, as its static modes feel it."""
     lateral = lateral_motion(now)
     axial = motion(mechanism, lateral, crank).axial_acceleration
-    x, y = in_frame(lateral.acceleration, axial, now.position[ROCKING])
-    return Ride(x, y, now.acceleration[ROCKING], now.velocity[ROCKING] ** 2)
+    added = carried(mechanism, carrier, lateral, crank)
+    angle = now.position[ROCKING]
+    x, y = in_frame(lateral.acceleration + added.x, axial + added.y, angle)
+    spin = now.velocity[ROCKING] + carrier.w
+    return Ride(x, y, now.acceleration[ROCKING] + carrier.alpha, spin**2)
 
 
 @compiled
@@ -577,17 +585,21 @@ def linearise(
     c2 = c.to_position
     lateral = lateral_motion(now)
     angle = now.position[ROCKING]
-    w = now.velocity[ROCKING]
+    slip = now.velocity[ROCKING]
+    w = slip + load.carrier.w
     pin = imbalance(piston, mechanism, load, now, crank)
     rod = rod_turn(mechanism, lateral.position, lateral.velocity, crank.angle, crank.speed)
-    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, w - rod.velocity)
+    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
     link = motion(mechanism, lateral, crank)
-    ax, ay = in_frame(lateral.acceleration, link.axial_acceleration, angle)
+    added = carried(mechanism, load.carrier, lateral, crank)
+    across = lateral.acceleration + added.x
+    ax, ay = in_frame(across, link.axial_acceleration + added.y, angle)
+    alpha = now.acceleration[ROCKING] + load.carrier.alpha
     axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
     x, y = in_frame(1.0, axial, angle)
     return Linear(
         arrow=tangent(piston, mechanism, load, now, crank, c1, c2),
-        coupling=mode_coupling(piston, now.acceleration[ROCKING], w, c1, c2),
+        coupling=mode_coupling(piston, alpha, w, c1, c2),
         slope=link.slope,
         axial_velocity_slope=link.axial_by_velocity / 2,
         arm=system.pin_offset + lateral.position,
@@ -614,6 +626,10 @@ class Response(NamedTuple):
         Of all surfaces, stacked [m], [m/s].
     lateral_velocity, rocking_velocity, piston_velocity : float
         [m/s], [rad/s], [m/s]
+    acceleration : ndarray, shape (2 + k,)
+        Of the piston's moving coordinates [m/s2], [rad/s2], [kg^1/2 m/s2].
+    lateral, axial, moment : float
+        Of films and rings on the piston, the moment about A [N], [N m].
     """
 
     film_thickness: np.ndarray
@@ -621,6 +637,10 @@ class Response(NamedTuple):
     lateral_velocity: float
     rocking_velocity: float
     piston_velocity: float
+    acceleration: np.ndarray
+    lateral: float
+    axial: float
+    moment: float
 
 
 class Change(NamedTuple):
@@ -638,6 +658,7 @@ def response(
     pressure_force: np.ndarray,
     friction_force: np.ndarray,
     rings: RingForce,
+    carried_force: np.ndarray,
 ) -> Response:
     """Change of film and motion at the end of a step with the forces at its end.
 
@@ -655,6 +676,8 @@ def response(
         Direction, stacked [N].
     rings : RingForce
         Direction.
+    carried_force : ndarray, shape (2 + k,)
+        What else changes dQ: the block's motion.
 
     Returns
     -------
@@ -662,7 +685,7 @@ def response(
     """
     film_forces, _, windows = film_forces_of(system, guided, pressure_force, friction_force)
     acceleration = solve_coupled(  # Eq. (D7)
-        linear.arrow, linear.coupling, _right_side(linear, film_forces, rings)
+        linear.arrow, linear.coupling, _right_side(linear, film_forces, rings, carried_force)
     )
     lateral = acceleration[LATERAL]
     axial_slope = (
@@ -700,13 +723,17 @@ def response(
         piston.velocity[LATERAL],
         piston.velocity[ROCKING],
         axial_slope * lateral,
+        acceleration,
+        film_forces.lateral + rings.lateral,
+        film_forces.axial + rings.axial,
+        film_forces.moment + rings.moment - rings.axial * system.pin_offset,
     )
 
 
 @compiled
-def _right_side(linear, forces, rings):
+def _right_side(linear, forces, rings, carried_force):
     """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what film and rings do
-    not.
+    not; and what the block's motion adds.
     """
     lateral = forces.lateral + rings.lateral
     axial = forces.axial + rings.axial
@@ -718,6 +745,8 @@ def _right_side(linear, forces, rings):
     right[ROCKING] = moment + rubbing
     for k in range(modes):
         right[RIGID + k] = forces.piston[k]
+    for k in range(len(right)):
+        right[k] += carried_force[k]
     return right
 
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from ..geometry.pin import PinForces
 from .account import account
+from .block_force import BlockForce, block_force
 from .build_options import FilmGrid
+from .carrier import FIXED, Carrier
 from .first_steps import FIRST_STEPS, first_steps
 from .gas_on_bore import WallPressures
 from .generalised_alpha import Coefficients, Motion, coefficients
@@ -18,6 +20,7 @@ from .instant import (
     NO_RINGS,
     Instant,
     OtherForces,
+    Response,
     RingForce,
     System,
     end_of_step,
@@ -31,6 +34,12 @@ from .tables import GasTable, gas_pressure
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
 """Scalar outputs whose derivatives are known beside those of the films' fields."""
+
+ON_BLOCK = ("force_on_block_x", "force_on_block_y", "moment_on_block")
+"""Outputs of a mounted block whose derivatives are known."""
+
+NOT_CARRIED = np.zeros(len(Carrier._fields))
+"""No change of the block's motion."""
 
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
@@ -96,6 +105,8 @@ class Inputs:
         Between the rings, gauge [Pa].
     pins : tuple of PinForces
         Of the films of a floating pin.
+    carrier : Carrier
+        Motion of a mounted block.
     """
 
     crank_speed: float
@@ -105,6 +116,7 @@ class Inputs:
     rings: RingForce = NO_RINGS
     land_pressure: float = 0.0
     pins: tuple[PinForces, ...] = ()
+    carrier: Carrier = FIXED
 
 
 @dataclass(frozen=True)
@@ -183,6 +195,8 @@ class PistonInBore:
         Gas pressure over crank angle, added to the input.
     films : tuple of FilmGrid
         Names and shapes of the surfaces' fields, in the order of `system.surfaces`.
+    crank_unbalance : float, optional
+        Of a mounted block's crank [kg m]; None: the block does not move.
     """
 
     def __init__(
@@ -193,6 +207,7 @@ class PistonInBore:
         spectral_radius: float,
         gas_table: GasTable | None,
         films: tuple[FilmGrid, ...],
+        crank_unbalance: float | None = None,
     ):
         self.system = system
         self.crank = crank
@@ -200,6 +215,7 @@ class PistonInBore:
         self.spectral_radius = spectral_radius
         self.gas_table = gas_table
         self.films = films
+        self.crank_unbalance = crank_unbalance
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
         self.modes = (
             len(system.gas_force) + len(system.block.stiffness) + len(system.block_static.stiffness)
@@ -332,6 +348,7 @@ class PistonInBore:
             self.gas_area * pressure,
             inputs.rings,
             WallPressures(pressure, inputs.land_pressure),
+            inputs.carrier,
         )
         now = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
@@ -356,11 +373,13 @@ class PistonInBore:
         )
         end = Motion(now.position, now.velocity, now.acceleration)
         self._last = LastStep(c, now.load, end, crank, now.guided)
-        self._linear = None
+        self._linear = self._columns = None
         outputs = self._outputs(now, crank) | {
             "cylinder_pressure": pressure,
             "side_force_demand": self._demand(crank, pressure, inputs.rings),
         }
+        if self.crank_unbalance is not None:
+            outputs |= self._on_block()
         if self.crank.free:
             freed = self._release(crank, outputs["crank_torque"])
             outputs["crank_torque"] = -self.crank.load_torque
@@ -446,6 +465,82 @@ class PistonInBore:
             outputs["modal_velocity"] = velocity[RIGID:].copy()
         return outputs
 
+    def _on_block(self):
+        """Forces on a mounted block, by output."""
+        last = self._last
+        force = self._block_force(last.load, self._of_piston(last.end))
+        return {
+            "force_on_block_x": force.x,
+            "force_on_block_y": force.y,
+            "moment_on_block": force.moment,
+            "main_bearing_force_x": force.bearing_x,
+            "main_bearing_force_y": force.bearing_y,
+        }
+
+    def _block_force(self, load: Load, now: Motion) -> BlockForce:
+        system = self.system
+        return block_force(
+            system.piston,
+            system.mechanism,
+            self.crank_unbalance or 0.0,
+            load,
+            now,
+            self._last.crank,
+        )
+
+    def _carried_force(self, carried: np.ndarray) -> np.ndarray:
+        """Change of the forces on the piston's moving coordinates with the block's motion.
+
+        Eq. (D19):  -dR/dc . dc,    R of Eq. (D5), of second order in the block's motion c: central
+                                    differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
+        """
+        last = self._last
+        if self._columns is None:
+            now = self._of_piston(last.end)
+            columns = []
+            for one in np.eye(len(carried)):
+                up, down = (
+                    imbalance(
+                        self.system.piston,
+                        self.system.mechanism,
+                        _carried_by(last.load, sign * one),
+                        now,
+                        last.crank,
+                    ).residual
+                    for sign in (1.0, -1.0)
+                )
+                columns.append((down - up) / 2)  # Eq. (D19)
+            self._columns = np.array(columns)
+        return carried @ self._columns
+
+    def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
+        """Change of the forces on the block, by output.
+
+        Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D22) along the change of loads, accelerations
+                    and the block's motion, s such that accelerations change by 1 m/s2 at most:
+                    what is not linear is smaller by c2^2, some 1e-18
+        """
+        last = self._last
+        now, c = self._of_piston(last.end), last.coefficients
+        size = max(np.abs(change.acceleration).max(), np.abs(carried).max(), 1e-300)
+        ends = []
+        for s in (1.0 / size, -1.0 / size):
+            a = s * change.acceleration
+            load = _carried_by(last.load, s * carried)._replace(
+                lateral=last.load.lateral + s * change.lateral,
+                axial=last.load.axial + s * change.axial,
+                moment=last.load.moment + s * change.moment,
+            )
+            moved = Motion(
+                now.position + c.to_position * a,
+                now.velocity + c.to_velocity * a,
+                now.acceleration + a,
+            )
+            ends.append(np.array(self._block_force(load, moved)))
+        up, down = ends
+        slope = (up - down) * size / 2  # Eq. (D20)
+        return dict(zip(ON_BLOCK, slope.tolist()))
+
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
         """A stacked field of all surfaces as one of each, by name."""
         fields = {}
@@ -461,9 +556,10 @@ class PistonInBore:
         pressure_force: np.ndarray,
         friction_force: np.ndarray,
         rings: RingForce = NO_RINGS,
+        carried: np.ndarray = NOT_CARRIED,
     ) -> dict[str, np.ndarray | float]:
-        """Change of film and motion at the end of the last step with the forces at its end
-        (Eq. (D7)).
+        """Change of film and motion, and of the forces on a mounted block, at the end of the last
+        step with the forces at its end (Eq. (D7)).
 
         Parameters
         ----------
@@ -471,6 +567,8 @@ class PistonInBore:
             Direction, as in `Inputs` [N].
         rings : RingForce
             Direction.
+        carried : ndarray, shape (4,)
+            Direction of a mounted block's motion, as `Carrier` has it.
 
         Returns
         -------
@@ -478,6 +576,7 @@ class PistonInBore:
             By output.
         """
         last = self._last
+        mounted = self.crank_unbalance is not None
         if self._linear is None:
             piston = self._of_piston(last.end)
             self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
@@ -489,9 +588,16 @@ class PistonInBore:
             np.ravel(pressure_force),
             np.ravel(friction_force),
             rings,
+            self._carried_force(carried) if mounted else np.zeros(self.moving),
         )
         return {
+            **(self._block_force_change(change, carried) if mounted else {}),
             **self._by_film("film_thickness", change.film_thickness),
             **self._by_film("sliding_velocity", change.sliding_velocity),
             **{name: getattr(change, name) for name in MOTION},
         }
+
+
+def _carried_by(load: Load, change: np.ndarray) -> Load:
+    """A load with the block's motion changed."""
+    return load._replace(carrier=Carrier(*(np.array(load.carrier) + change).tolist()))

@@ -101,6 +101,14 @@ class Parameters:
         0.0,
         1.0,
     )
+    crank_unbalance: float = _declared(
+        "kg.m",
+        "Mass times distance of the crank towards its pin, less than 0 with counterweights: turns "
+        "force_on_block of a mounted block, nothing else",
+        0.0,
+        -100.0,
+        100.0,
+    )
     crank_free: int = _declared(
         "1", "0: crank at given speed, 1: free, driven by gas and load torque", 0, 0, 1
     )

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from .carrier import FIXED, Carried, Carrier, carried
 from .floating_frame import (
     TURN,
     Arrow,
@@ -53,6 +54,8 @@ class Load(NamedTuple):
         about A is larger by guided x_A.
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
+    carrier : Carrier
+        Motion of the block at the same time.
     """
 
     lateral: float
@@ -60,6 +63,7 @@ class Load(NamedTuple):
     moment: float
     guided: float
     modal: np.ndarray
+    carrier: Carrier = FIXED
 
 
 class Imbalance(NamedTuple):
@@ -120,6 +124,8 @@ class Posture(NamedTuple):
     cosine, sine : float
         Of the rocking angle [-].
     frame : FrameMotion
+        In space.
+    added : Carried
     """
 
     link: Link
@@ -127,6 +133,7 @@ class Posture(NamedTuple):
     cosine: float
     sine: float
     frame: FrameMotion
+    added: Carried
 
 
 @compiled
@@ -136,12 +143,13 @@ def lateral_motion(now: Motion) -> LateralMotion:
 
 
 @compiled
-def posture(mechanism: Mechanism, now: Motion, crank: CrankMotion) -> Posture:
+def posture(mechanism: Mechanism, carrier: Carrier, now: Motion, crank: CrankMotion) -> Posture:
     """Where and how the mechanism stands and moves: link, rod and the piston's frame.
 
     Parameters
     ----------
     mechanism : Mechanism
+    carrier : Carrier
     now : Motion
         Of the piston, n = 2 + k.
     crank : CrankMotion
@@ -156,18 +164,19 @@ def posture(mechanism: Mechanism, now: Motion, crank: CrankMotion) -> Posture:
     )
     c = np.cos(now.position[ROCKING])
     s = np.sin(now.position[ROCKING])
-    ax = now.acceleration[LATERAL]
-    ay = link.axial_acceleration
+    added = carried(mechanism, carrier, lateral_motion(now), crank)
+    ax = now.acceleration[LATERAL] + added.x
+    ay = link.axial_acceleration + added.y
     frame = FrameMotion(
         ax=c * ax + s * ay,
         ay=-s * ax + c * ay,
-        alpha=now.acceleration[ROCKING],
-        w=now.velocity[ROCKING],
+        alpha=now.acceleration[ROCKING] + carrier.alpha,
+        w=now.velocity[ROCKING] + carrier.w,
         q=now.position[RIGID:],
         dq=now.velocity[RIGID:],
         ddq=now.acceleration[RIGID:],
     )
-    return Posture(link, rod, c, s, frame)
+    return Posture(link, rod, c, s, frame, added)
 
 
 @compiled
@@ -180,7 +189,8 @@ def imbalance(
                angle:  frame moment - M - (moment + guided x_A) = 0
                modes:  frame modal force - modal = 0         e = (1, Y_x),  A'' = (x_A'', Y'')
     with F, the frame's rows (Eq. (D1) to (D3)) at a = R^T A'', R the rotation by the rocking angle;
-    M, the moment of pin friction (Eq. (K7)); psi, the rod's angle.
+    M, the moment of pin friction (Eq. (K7)); psi, the rod's angle. Accelerations are those in
+    space: the block's motion adds to them by Eq. (K14), to the rod's forces by Eq. (K15).
 
     Parameters
     ----------
@@ -195,7 +205,7 @@ def imbalance(
     -------
     Imbalance
     """
-    at = posture(mechanism, now, crank)
+    at = posture(mechanism, load.carrier, now, crank)
     link = at.link
     c = at.cosine
     s = at.sine
@@ -204,12 +214,13 @@ def imbalance(
     pin_y = s * force.x + c * force.y - load.axial
     slip = now.velocity[ROCKING] - at.rod.velocity
     moment = friction_moment(mechanism.friction, pin_x, pin_y, slip).moment
-    pull_x = pin_x + mechanism.pin_mass * now.acceleration[LATERAL]
-    pull_y = pin_y + mechanism.pin_mass * link.axial_acceleration
+    pull_x = pin_x + mechanism.pin_mass * (now.acceleration[LATERAL] + at.added.x)
+    pull_y = pin_y + mechanism.pin_mass * (link.axial_acceleration + at.added.y)
 
     residual = np.empty(len(now.position))
     # Eq. (D5)
-    residual[LATERAL] = pull_x + link.slope * pull_y + link.rod_force + moment * at.rod.slope
+    rod_force = link.rod_force + at.added.rod_force
+    residual[LATERAL] = pull_x + link.slope * pull_y + rod_force + moment * at.rod.slope
     turning = load.moment + load.guided * now.position[LATERAL]
     residual[ROCKING] = force.moment - moment - turning
     for k in range(len(load.modal)):
@@ -217,7 +228,8 @@ def imbalance(
 
     r = mechanism.crank_radius
     lever = -r * np.sin(crank.angle) + link.slope * r * np.cos(crank.angle)
-    torque = pull_y * lever + link.rod_moment + moment * at.rod.lever
+    rod_moment = link.rod_moment + at.added.rod_moment
+    torque = pull_y * lever + rod_moment + moment * at.rod.lever
     return Imbalance(residual, pin_x, pin_y, moment, torque)
 
 
@@ -233,7 +245,8 @@ def tangent(
 ) -> Arrow:
     """Derivative of the residual (Eq. (D5)) when each end acceleration moves its velocity by c1 and
     its position by c2, without the coupling of modes among each other
-    (`floating_frame.mode_coupling`).
+    (`floating_frame.mode_coupling`), and with the block's motion as if it added the same wherever A
+    stands: what that leaves out is smaller by 2 w c1, w the block's angular velocity, 1e-5 or so.
 
     Parameters
     ----------
@@ -247,7 +260,7 @@ def tangent(
     Arrow
         Of two rigid motions.
     """
-    at = posture(mechanism, now, crank)
+    at = posture(mechanism, load.carrier, now, crank)
     link = at.link
     rod = at.rod
     c = at.cosine
@@ -282,7 +295,7 @@ def tangent(
     pin = mechanism.pin_mass
     bend = c2 * link.curvature
     top[LATERAL, LATERAL] += (
-        bend * (pin_y + pin * link.axial_acceleration)
+        bend * (pin_y + pin * (link.axial_acceleration + at.added.y))
         + pin * (1 + link.slope * axial)
         + link.rod_force_by_acceleration
         + c1 * link.rod_force_by_velocity

@@ -1,8 +1,7 @@
 """Stiffness and mass matrices from other programs: Matrix Market, Abaqus text, Nastran DMIG."""
 
-import gzip
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -223,39 +222,6 @@ def _cards(path: Path) -> Iterator[tuple[int, list[str]]]:
 def _real(text):
     """A Nastran real: 1.5+3 and 1.5D+3 are 1.5e3."""
     return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"e\1", text.upper().replace("D", "E")))
-
-
-def node_labels(path: Path | str, count: int) -> np.ndarray:
-    """Numbers of a mesh file's nodes: those of an Abaqus or Nastran file, else 1, 2, ..., in the
-    order of the file.
-    """
-    path = Path(path)
-    packed = path.suffix == ".gz"
-    kind = Path(path.stem).suffix if packed else path.suffix
-    with (gzip.open if packed else open)(path, "rt", errors="replace") as file:
-        if kind == ".inp":
-            return np.array(list(_abaqus_nodes(file)))
-        if kind in (".bdf", ".nas", ".dat"):
-            return np.array([_grid_number(line) for line in file if line[:4].upper() == "GRID"])
-    return np.arange(1, count + 1)
-
-
-def _grid_number(line: str) -> int:
-    """Node number of a Nastran GRID card: comma-separated, large or small fields."""
-    if "," in line:
-        return int(line.split(",")[1])
-    return int(line[8 : 24 if line[:5] == "GRID*" else 16])
-
-
-def _abaqus_nodes(lines: Iterable[str]) -> Iterator[int]:
-    inside = False
-    for line in lines:
-        if line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            inside = line.split(",")[0].strip().upper() == "*NODE"
-        elif inside and line.strip():
-            yield int(line.split(",")[0])
 
 
 def matrix_faults(mesh: Mesh, K: Sparse, M: Sparse, where: str) -> list[str]:

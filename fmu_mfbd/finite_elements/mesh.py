@@ -1,17 +1,21 @@
 """A body's mesh: reading it, its named surfaces, and everything that can be wrong with it."""
 
 import gzip
-import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from .abaqus import read_abaqus
+from .ansys import read_ansys
+from .deck import Deck, MeshFault
 from .element import EDGES, NODES, jacobian_determinants, quadrature
+from .nastran import read_nastran
 
 FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 """Nodes of a tetrahedron's four faces: corners, then the middles of their edges 01, 12, 20."""
@@ -61,14 +65,6 @@ Region = Cylinder | Bore | Plane
 """Where a surface lies that the file does not name, in this project's axes."""
 
 
-class MeshFault(ValueError):
-    """A mesh that cannot be used; `faults` holds one sentence each."""
-
-    def __init__(self, faults: Iterable[str]):
-        self.faults = list(faults)
-        super().__init__("\n".join(self.faults))
-
-
 @dataclass(frozen=True)
 class Mesh:
     """Ten-node tetrahedra with named surfaces; or nodes alone, with surfaces of three-node
@@ -84,15 +80,16 @@ class Mesh:
         Outer faces of each named surface, ordered so that their normal points out of the body.
     members : dict of str to ndarray of int
         Nodes of a surface that its faces do not all hold.
-    row : ndarray of int, shape (n,), optional
-        Row of each node in the mesh file.
+    labels : ndarray of int, shape (n,), optional
+        Numbers of the nodes in the mesh file; none where edge nodes were added, or where a number
+        stands for nodes of several instances.
     """
 
     points: np.ndarray
     tets: np.ndarray
     faces: dict[str, np.ndarray]
     members: dict[str, np.ndarray] = field(default_factory=dict)
-    row: np.ndarray | None = None
+    labels: np.ndarray | None = None
 
     def nodes(self, name: str) -> np.ndarray:
         """Sorted node numbers of the named surface."""
@@ -116,9 +113,10 @@ def read_mesh(
     Parameters
     ----------
     path : Path
-        Any format meshio knows: gmsh .msh (physical groups), Abaqus .inp (element or node sets),
-        Nastran .bdf (surfaces by geometry); `.gz` is unpacked on the way. Linear tetrahedra get
-        edge nodes, with a warning: curved walls stay polygons.
+        Abaqus .inp (parts and instances, included files; node sets, element sets of shells,
+        surfaces), Nastran .bdf, .nas, .fem (surfaces by geometry), ANSYS .cdb (components of
+        nodes), gmsh .msh (physical groups) and whatever else meshio reads; `.gz` is unpacked on the
+        way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
     surfaces : dict of str to Region or None
         Surfaces that must be there; None where the file names them.
     scale : float
@@ -137,22 +135,25 @@ def read_mesh(
         an absurd size.
     """
     raw = read_raw(Path(path))
-    kinds = {cells.type for cells in raw.cells}
-    if not kinds & {"tetra10", "tetra"}:
-        present = ", ".join(sorted(kinds))
+    if not len(raw.tets):
+        present = ", ".join(f"{count} {kind}" for kind, count in raw.other.items()) or "nothing"
         raise MeshFault(
             [f"{path}: no tetrahedra (found {present}); write the mesh as 10-node tetrahedra"]
         )
-    kind = "tetra10" if "tetra10" in kinds else "tetra"
-    blocks = [cells.data for cells in raw.cells if cells.type == kind]
-    tets = np.concatenate(blocks).astype(np.int64)
-    points = to_body_axes(np.asarray(raw.points, dtype=float) * scale, axes, origin)
+    if solids := {kind: n for kind, n in raw.other.items() if kind not in FLAT}:
+        present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
+        raise MeshFault(
+            [f"{path}: {present} beside the tetrahedra; mesh the whole body with 10-node ones"]
+        )
+    tets = raw.tets
+    points = to_body_axes(raw.points * scale, axes, origin)
     used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     points = points[used]
     tets = number[tets]
-    if kind == "tetra":
+    linear = tets.shape[1] == 4
+    if linear:
         say(
             f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay "
             "polygons"
@@ -163,14 +164,14 @@ def read_mesh(
         name: outer[_marked(raw, number, points, outer, name, region)]
         for name, region in surfaces.items()
     }
-    known = sorted(set(raw.field_data) | set(raw.cell_sets) | set(raw.point_sets))
-    names = ", ".join(known) or "none"
+    names = ", ".join(raw.known()) or "none"
     faults = [
         f"{path}: surface '{name}' is missing or empty (the file names {names})"
         for name, members in faces.items()
         if not len(members)
     ]
-    mesh = Mesh(points, tets, faces, row=used if kind == "tetra10" else None)
+    labels = None if linear or raw.labels is None else raw.labels[used]
+    mesh = Mesh(points, tets, faces, labels=labels)
     faults += mesh_faults(mesh, path)
     if faults:
         raise MeshFault(faults)
@@ -206,72 +207,69 @@ def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.n
     return np.vstack([points, middles]), np.hstack([tets, number.reshape(-1, 6) + len(points)])
 
 
-def read_raw(path: Path) -> Any:
-    """Mesh of a file as meshio has it, `.gz` unpacked; what cannot be read is a MeshFault."""
+def read_raw(path: Path) -> Deck:
+    """A file as it is, `.gz` unpacked; what cannot be read is a MeshFault."""
+    if path.suffix != ".gz":
+        return _read(path, path)
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / path.stem
+        with gzip.open(path) as packed, open(plain, "wb") as file:
+            shutil.copyfileobj(packed, file)
+        return _read(plain, path)
+
+
+def _read(plain, path):
+    """A file that is not packed; `path` is named in messages."""
+    try:
+        return READERS.get(plain.suffix.lower(), _by_meshio)(plain)
+    except MeshFault as fault:
+        faults = [text if str(path) in text else f"{path}: {text}" for text in fault.faults]
+        raise MeshFault(faults) from None
+    # readers raise whatever comes, and meshio ends the process itself
+    except (Exception, SystemExit) as error:
+        raise MeshFault(
+            [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
+        ) from None
+
+
+READERS = {
+    ".inp": read_abaqus,
+    ".bdf": read_nastran,
+    ".nas": read_nastran,
+    ".fem": read_nastran,
+    ".cdb": read_ansys,
+}
+"""Who reads a file, by its ending; meshio the others."""
+
+FLAT = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
+"""meshio's words for elements that fill no volume."""
+
+
+def _by_meshio(path: Path) -> Deck:
+    """A file that meshio reads, with names as gmsh gives them."""
     import meshio
 
-    with tempfile.TemporaryDirectory() as folder:
-        plain = path
-        if path.suffix == ".gz":
-            plain = Path(folder) / path.stem
-            with gzip.open(path) as packed, open(plain, "wb") as file:
-                shutil.copyfileobj(packed, file)
-        try:
-            if repair := REPAIRS.get(plain.suffix.lower()):
-                text = repair(plain.read_text())
-                plain = Path(folder) / f"repaired{plain.suffix}"
-                plain.write_text(text)
-            return meshio.read(plain)
-        # its readers raise whatever comes, and it ends the process itself
-        except (Exception, SystemExit) as error:
-            raise MeshFault(
-                [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
-            ) from None
+    raw = meshio.read(path)
+    kinds = Counter()
+    for cells in raw.cells:
+        kinds[cells.type] += len(cells.data)
+    kind = "tetra10" if "tetra10" in kinds else "tetra"
+    blocks = [cells.data for cells in raw.cells if cells.type == kind]
+    tets = np.concatenate(blocks).astype(np.int64) if blocks else np.empty((0, 10), dtype=int)
+    del kinds[kind]
+    names = set(raw.field_data) | set(raw.cell_sets)
+    return Deck(
+        np.asarray(raw.points, dtype=float),
+        tets,
+        {name: np.asarray(rows, dtype=int) for name, rows in raw.point_sets.items()},
+        {name: _faces_by_meshio(raw, name) for name in sorted(names)},
+        np.arange(1, len(raw.points) + 1),
+        kinds,
+    )
 
 
-def abaqus_for_meshio(text: str) -> str:
-    """An Abaqus deck with names of shells that meshio knows: gmsh writes surfaces as plane stress
-    elements.
-    """
-    for theirs, known in (("CPS6", "STRI65"), ("CPS3", "S3")):
-        text = re.sub(rf"(?i)(type\s*=\s*){theirs}\b", rf"\g<1>{known}", text)
-    return text
-
-
-def nastran_for_meshio(text: str) -> str:
-    """A Nastran deck with BEGIN BULK, which gmsh leaves out, and with continuations marked by "+":
-    of one that begins with a blank field meshio would lose the nodes.
-    """
-    lines = text.splitlines()
-    if not any(line.upper().startswith("BEGIN") for line in lines):
-        lines.insert(0, "BEGIN BULK")
-    marked = [
-        f"+{line}" if line.startswith(",") else f"+{line[1:]}" if not line[:8].strip() else line
-        for line in lines
-        if line.strip()
-    ]
-    return "\n".join(marked) + "\n"
-
-
-REPAIRS = {
-    ".inp": abaqus_for_meshio,
-    ".bdf": nastran_for_meshio,
-    ".nas": nastran_for_meshio,
-    ".fem": nastran_for_meshio,
-}
-"""What is mended in a file before meshio reads it, by its ending."""
-
-
-def _marked(raw, number, points, outer, name, region):
-    """Which outer faces belong to a surface, by its region or by the file's names; judged by their
-    corners. `number`: of each node of the file among those used.
-    """
-    corners = outer[:, :3]
-    if region is not None:
-        return region.holds(points[corners])
-    if name in raw.point_sets:
-        members = number[np.asarray(raw.point_sets[name], dtype=int)]
-        return np.isin(corners, members).all(axis=1)
+def _faces_by_meshio(raw, name):
+    """Corners of the triangles of a named group (t, 3)."""
     tag = raw.field_data.get(name, (None,))[0]
     chosen = raw.cell_sets.get(name) or [
         np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])
@@ -281,10 +279,34 @@ def _marked(raw, number, points, outer, name, region):
         for cells, rows in zip(raw.cells, chosen)
         if rows is not None and cells.type in ("triangle", "triangle6")
     ]
-    if not faces:
-        return np.zeros(len(outer), dtype=bool)
-    wanted = {tuple(key) for key in np.sort(number[np.concatenate(faces)], axis=1)}
-    return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
+    return np.concatenate(faces) if faces else np.empty((0, 3), dtype=int)
+
+
+def _marked(raw, number, points, outer, name, region):
+    """Which outer faces belong to a surface, by its region or by the file's names; judged by their
+    corners. `number`: of each node of the file among those used.
+    """
+    corners = outer[:, :3]
+    if region is not None:
+        return region.holds(points[corners])
+    faces = _called(raw.faces, name)
+    if faces is not None and len(faces):
+        wanted = {tuple(key) for key in np.sort(number[faces], axis=1)}
+        return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
+    nodes = _called(raw.node_sets, name)
+    if nodes is not None:
+        return np.isin(corners, number[nodes]).all(axis=1)
+    return np.zeros(len(outer), dtype=bool)
+
+
+def _called(table, name):
+    """Entry of a name as it stands or, failing that, in capitals or not: ANSYS knows capitals
+    alone, Abaqus does not tell them apart.
+    """
+    if name in table:
+        return table[name]
+    same = [known for known in table if known.casefold() == name.casefold()]
+    return table[same[0]] if len(same) == 1 else None
 
 
 def outer_faces(tets: np.ndarray) -> np.ndarray:

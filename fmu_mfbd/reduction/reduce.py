@@ -21,7 +21,7 @@ from ..finite_elements.element import (
     stiffness,
 )
 from ..finite_elements.faces import face_load, surface_matrix
-from ..finite_elements.matrices import matrix_faults, node_labels, read_matrix
+from ..finite_elements.matrices import matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, read_mesh, turn_of
 from ..finite_elements.point_cloud import read_nodes
 from ..finite_elements.solver import Factorise, Remembering, factorise
@@ -331,11 +331,14 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
         K = stiffness(mesh.points, mesh.tets, options.young, options.poisson)
         return FullModel(mesh, K, consistent_mass(mesh.points, mesh.tets, options.density))
     if labels is None:
-        if mesh.row is None:
+        if mesh.labels is None:
             raise MeshFault(
-                [f"{path}: matrices need the nodes they belong to; this mesh has linear tetrahedra"]
+                [
+                    f"{path}: matrices need the nodes they belong to; this mesh has linear "
+                    "tetrahedra, or several instances with the same node numbers"
+                ]
             )
-        labels = node_labels(path, mesh.row.max() + 1)[mesh.row]
+        labels = mesh.labels
     progress(f"reading matrices of {freedoms} degrees of freedom")
     turn = sp.kron(sp.identity(len(mesh.points)), turn_of(options.axes), format="csr")
     K = turn @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ turn.T

@@ -192,7 +192,7 @@ def test_skewed_slider_crank_against_its_energy(degrees):
     )
 
 
-def richardson(energy, position, velocity, acceleration):
+def richardson(energy, position, velocity, acceleration, scale=(1e-4, 1e-3, 1e-3)):
     """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion,
     minus dT/dposition.
     """
@@ -201,7 +201,6 @@ def richardson(energy, position, velocity, acceleration):
     )
     unit = np.eye(len(position))
     weights = ((1, 8 / 12), (2, -1 / 12))
-    scale = np.array([1e-4, 1e-3, 1e-3])
 
     def momentum(t):
         z = position + velocity * t + acceleration * t * t / 2

@@ -139,7 +139,7 @@ FAULTS = {
     "density": ({"density": "2.7 kg/m^3"}, "greater than or equal to 500 in SI units"),
     "no mesh": ({"mesh": "words.msh"}, "words.msh: no mesh that can be read"),
     "not reduced": ({"mesh": None, "reduced": "words.msh"}, "words.msh is no .npz file"),
-    "shell": ({"mesh": "shell.inp"}, "no tetrahedra .found triangle"),
+    "shell": ({"mesh": "shell.inp"}, "no tetrahedra .found 1 triangle"),
     "surface": (
         {"mesh": "block.msh"},
         "surface 'pin_bore' is missing or empty .the file names bolts, bore",

@@ -1,0 +1,309 @@
+"""A rigid cylinder block on its mounts, under the forces of any number of cylinders.
+
+Eq. (U20):  M q'' + C q' + K q = F,   q = (u, rotation) of the middle of the crank axis O, by the
+            trapezoidal rule
+Eq. (U21):  M = [m 1, -m c~; m c~, J + m c~^T c~],   c~ v = c x v,  c the centre of mass from O
+Eq. (U22):  K = sum_j G_j^T k_j G_j,  C = tau K,   G_j = [1, -r_j~],  r_j mount j from O
+Eq. (U23):  F = sum_k (f_k, z_k x f_k + M_k z/|z|),   f_k = R(b_k) (force_x, force_y)
+Eq. (U24):  a_k = R(b_k)^T (u'' + rotation'' x z_k),   given back to cylinder k
+
+x, y as in a cylinder with bank angle 0, z along the crank; R(b) turns about z by the bank angle.
+Small motions of the block. It starts at rest with its mounts unloaded; forces begin to act in the
+first step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.slave import FieldSlave
+from piston_cosim.master.fmi.variables import (
+    Variable,
+    constant,
+    input_variable,
+    output_variable,
+    parameter,
+)
+
+CYLINDERS, MOUNTS = 2, 4
+AXES = ("x", "y", "z")
+FORCES = ("force_x", "force_y", "moment")
+MOTIONS = ("acceleration_x", "acceleration_y", "angular_acceleration", "angular_velocity")
+
+
+@dataclass(frozen=True)
+class State:
+    """position, velocity, acceleration of q [m, rad], force F [N, N m], each (6,); step : length of
+    the last one [s].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    force: np.ndarray
+    step: float
+
+
+@dataclass(frozen=True)
+class Engine:
+    """M, C, K (6, 6) of Eq. (U20); z [m] and bank angle [rad] of each cylinder."""
+
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    along: np.ndarray
+    bank: np.ndarray
+
+    def total(self, force_x, force_y, moment) -> np.ndarray:
+        """F, shape (6,), of all cylinders' forces, each (cylinders,)."""
+        cosine, sine = np.cos(self.bank), np.sin(self.bank)
+        x, y = cosine * force_x - sine * force_y, sine * force_x + cosine * force_y
+        # Eq. (U23)
+        turning = (-(self.along @ y), self.along @ x, np.sum(moment))
+        return np.array([np.sum(x), np.sum(y), 0.0, *turning])
+
+    def seen(self, acceleration, velocity) -> np.ndarray:
+        """Motion of each cylinder's place as `MOTIONS` has it, (4, cylinders)."""
+        cosine, sine = np.cos(self.bank), np.sin(self.bank)
+        across, up, _, pitch, yaw, roll = acceleration
+        *_, rolling = velocity
+        # Eq. (U24)
+        x = across + yaw * self.along
+        y = up - pitch * self.along
+        alike = np.ones_like(self.along)
+        turned = cosine * x + sine * y, cosine * y - sine * x
+        return np.array([*turned, roll * alike, rolling * alike])
+
+    def effective(self, step) -> np.ndarray:
+        """M + h C/2 + h^2 K/4: what end accelerations have to move."""
+        return self.mass + step / 2 * self.damping + step**2 / 4 * self.stiffness
+
+
+class MountedBlock(FieldSlave):
+    """Eqs. (U20) to (U24); build options `cylinders` and `mounts` are numbers."""
+
+    name, description, state_type = "mounted_block", "Rigid cylinder block on its mounts", State
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        return ports(cylinders_of(self.options), FORCES)
+
+    @property
+    def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        return ports(cylinders_of(self.options), MOTIONS)
+
+    @staticmethod
+    def variables(options):
+        cylinders = cylinders_of(options)
+        some, mounts = (cylinders,), (int(options.get("mounts", MOUNTS)),)
+        units = {"force_x": "N", "force_y": "N", "moment": "N.m"}
+        answers = dict(zip(MOTIONS, ("m/s2", "m/s2", "rad/s2", "rad/s")))
+        whole = [
+            ("displacement", "m", "rotation", "rad", "Of the block, at O", 1e-5),
+            ("velocity", "m/s", "rotation_velocity", "rad/s", "Of the block, at O", 1e-3),
+            ("shaking_force", "N", "shaking_moment", "N.m", "Of all cylinders, about O", 1e3),
+            ("mount_force", "N", "mount_moment", "N.m", "Of the block on its mounts", 1e2),
+        ]
+        return [
+            *(
+                input_variable(
+                    f"cylinder_{k}.{name}", unit, "Of the cylinder on the block", 0.0, 1e3
+                )
+                for k in range(1, cylinders + 1)
+                for name, unit in units.items()
+            ),
+            parameter(
+                "mass", "kg", "Block, head, crank, all that does not move in it", 60.0, 0.1, 1e5
+            ),
+            *(
+                parameter(f"inertia_{axis}", "kg.m2", "About its centre of mass", 2.0, 1e-4, 1e5)
+                for axis in AXES
+            ),
+            *(parameter(f"centre_{axis}", "m", "Of mass, from O", 0.0, -5.0, 5.0) for axis in AXES),
+            *(
+                Variable(f"mount_{axis}", "m", "parameter", "From O", 0.0, None, -5.0, 5.0, mounts)
+                for axis in AXES
+            ),
+            *(
+                Variable(
+                    f"stiffness_{axis}",
+                    "N/m",
+                    "parameter",
+                    "Of each mount",
+                    0.0,
+                    None,
+                    0.0,
+                    1e40,
+                    mounts,
+                )
+                for axis in AXES
+            ),
+            parameter(
+                "damping_time", "s", "tau: damping of the mounts by stiffness", 0.0, 0.0, 1.0
+            ),
+            Variable("cylinder_z", "m", "parameter", "Along the crank", 0.0, None, -5.0, 5.0, some),
+            Variable(
+                "bank_angle",
+                "rad",
+                "parameter",
+                "Of each cylinder about z",
+                0.0,
+                None,
+                -7.0,
+                7.0,
+                some,
+            ),
+            *(
+                output_variable(
+                    f"cylinder_{k}.{name}", unit, "Of the block at the cylinder", nominal
+                )
+                for k in range(1, cylinders + 1)
+                for (name, unit), nominal in zip(answers.items(), (1.0, 1.0, 10.0, 0.1))
+            ),
+            *(
+                output_variable(f"{name}_{axis}", unit, what, nominal)
+                for first, unit_1, second, unit_2, what, nominal in whole
+                for name, unit in ((first, unit_1), (second, unit_2))
+                for axis in AXES
+            ),
+            output_variable("kinetic_energy", "J", "Of the block", 1e-3),
+            output_variable("mount_power", "W", "What the mounts turn into heat", 1.0),
+            output_variable(
+                "energy_error",
+                "J",
+                "Work of all forces over the step minus what became of it",
+                1e-3,
+            ),
+            constant("cylinders", cylinders, "Cylinders"),
+            constant("mounts", mounts[0], "Mounts"),
+        ]
+
+    def start(self, values):
+        self.engine = engine = engine_of(values)
+        held = np.linalg.eigvalsh(engine.stiffness)
+        if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
+            raise BadInput(
+                [
+                    "mount_x, .. stiffness_z: the block can move without a force of its mounts; "
+                    "hold it in all six directions, or by none (stiffness 0)"
+                ]
+            )
+        still = np.zeros(6)
+        state = State(still, still, still, still, 0.0)
+        return state, self._shown(state, state) | shaking(self._force(values))
+
+    def advance(self, state, values, time, step):
+        engine = self.engine
+        force = self._force(values)
+        # Eq. (U20) at the end of the step
+        velocity = state.velocity + step / 2 * state.acceleration
+        position = state.position + step * state.velocity + step**2 / 4 * state.acceleration
+        lack = force - engine.damping @ velocity - engine.stiffness @ position
+        acceleration = np.linalg.solve(engine.effective(step), lack)
+        end = State(
+            position + step**2 / 4 * acceleration,
+            velocity + step / 2 * acceleration,
+            acceleration,
+            force,
+            step,
+        )
+        return end, self._shown(state, end)
+
+    def directional_derivative(self, seeds):
+        change = self._force(seeds)
+        step = self.state.step
+        acceleration = np.linalg.solve(self.engine.effective(step), change)
+        return named(self.engine.seen(acceleration, step / 2 * acceleration))
+
+    def _force(self, values):
+        cylinders = cylinders_of(self.options)
+        return self.engine.total(
+            *(
+                np.array([values[f"cylinder_{k}.{name}"] for k in range(1, cylinders + 1)], float)
+                for name in FORCES
+            )
+        )
+
+    def _shown(self, before, now):
+        engine = self.engine
+        on_mounts = engine.stiffness @ now.position + engine.damping @ now.velocity
+        way, mean = now.position - before.position, (before.velocity + now.velocity) / 2
+        energies = [
+            (
+                one.velocity @ engine.mass @ one.velocity,
+                one.position @ engine.stiffness @ one.position,
+            )
+            for one in (before, now)
+        ]
+        (kinetic_0, elastic_0), (kinetic_1, elastic_1) = energies
+        lost = way @ engine.damping @ mean
+        stored = (kinetic_1 - kinetic_0 + elastic_1 - elastic_0) / 2
+        six = {
+            ("displacement", "rotation"): now.position,
+            ("velocity", "rotation_velocity"): now.velocity,
+            ("mount_force", "mount_moment"): on_mounts,
+        }
+        return {
+            **named(engine.seen(now.acceleration, now.velocity)),
+            **shaking(now.force),
+            **{one: value for names, q in six.items() for one, value in by_axis(names, q).items()},
+            "kinetic_energy": kinetic_1 / 2,
+            "mount_power": now.velocity @ engine.damping @ now.velocity,
+            "energy_error": way @ (before.force + now.force) / 2 - stored - lost,
+        }
+
+
+def cylinders_of(options):
+    """Number of cylinders that the build options say."""
+    return int(options.get("cylinders", CYLINDERS))
+
+
+def ports(cylinders, names):
+    """Variables of all cylinders."""
+    return tuple(f"cylinder_{k}.{name}" for k in range(1, cylinders + 1) for name in names)
+
+
+def named(motions):
+    """Values (4, cylinders) by variable."""
+    return {
+        f"cylinder_{k}.{name}": value
+        for name, row in zip(MOTIONS, motions)
+        for k, value in enumerate(row, 1)
+    }
+
+
+def by_axis(names, values):
+    """The six numbers of two vectors by variable."""
+    parts = zip(names, np.reshape(values, (2, 3)))
+    return {f"{name}_{axis}": one for name, three in parts for axis, one in zip(AXES, three)}
+
+
+def shaking(force):
+    """F by variable."""
+    return by_axis(("shaking_force", "shaking_moment"), force)
+
+
+def cross(vector):
+    """Matrix of v -> vector x v."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def engine_of(values):
+    """Matrices of the block from its parameters."""
+    mass = values["mass"]
+    centre = cross([values[f"centre_{axis}"] for axis in AXES])
+    inertia = np.diag([values[f"inertia_{axis}"] for axis in AXES])
+    # Eq. (U21)
+    first = mass * centre
+    whole = np.block([[mass * np.eye(3), -first], [first, inertia + mass * centre.T @ centre]])
+    stiffness = np.zeros((6, 6))
+    places = np.array([values[f"mount_{axis}"] for axis in AXES]).T
+    springs = np.array([values[f"stiffness_{axis}"] for axis in AXES]).T
+    for place, spring in zip(places, springs):
+        # Eq. (U22)
+        lever = np.hstack([np.eye(3), -cross(place)])
+        stiffness += lever.T @ np.diag(spring) @ lever
+    damping = values["damping_time"] * stiffness
+    return Engine(whole, damping, stiffness, values["cylinder_z"], values["bank_angle"])

@@ -1,0 +1,61 @@
+"""What the number of cylinders costs: 1, 2 and 4 pistons on one mounted block, each piston and each
+film an FMU.
+
+Engines of the case `twin`, rigid, 40 x 40 cells a film, 40 deg; beside them the first piston alone,
+in a block that does not move. Run: python tests/bench/engines.py
+"""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
+
+import sys
+import tempfile
+from pathlib import Path
+from time import process_time
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+from tests.fmu.engines import ENGINES, PATH, alone, engine_tree
+
+GRID, STOP, PASSES = (40, 40), "40 deg", 2
+
+
+def computed(tree, path):
+    """Processor time a macro step [s], iterations a step, and the run's summary."""
+    case = check_case(tree, PATH)
+    system = open_system(case, PATH.parent, lambda text: None)
+    begin = process_time()
+    run(system, case, tree, path)
+    spent = process_time() - begin
+    results = Results(path)
+    iterations = results.series("coupling.iterations").values[1:]
+    path.unlink()
+    return spent / len(iterations), iterations, results.summary
+
+
+def main():
+    """The table."""
+    single = alone(engine_tree(ENGINES["single"], GRID, STOP), 1)
+    trees = {"one, block at rest": single}
+    trees |= {name: engine_tree(one, GRID, STOP) for name, one in ENGINES.items()}
+    print("engine               CPU a step  ratio  iterations a step  products a step")
+    first = None
+    with tempfile.TemporaryDirectory() as folder:
+        for name, tree in trees.items():
+            runs = [computed(tree, Path(folder) / "engine.h5") for _ in range(PASSES)]
+            spent, iterations, summary = min(runs, key=lambda one: one[0])  # the first one compiles
+            first = first or spent
+            print(
+                f"{name:20s} {1e3 * spent:7.2f} ms {spent / first:6.2f} "
+                f"{iterations.mean():11.2f} (most {iterations.max():.0f}) "
+                f"{summary['derivative_products'] / len(iterations):10.1f}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

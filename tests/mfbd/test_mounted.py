@@ -1,0 +1,199 @@
+"""A cylinder in a block that moves: inertia forces against Lagrange's equations in space, forces on
+the block, sensitivity of a step; a block at rest changes nothing.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.block_force import block_force
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
+from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
+from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, end_accelerations, imbalance
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+
+from .test_floating_frame import SKEW, richardson
+from .test_model import SPEED, STEP, forces
+
+UNBALANCE = -0.012
+"""Of the crank [kg m], as a mass of 0.4 kg on the far side of its pin."""
+
+MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
+"""A block that shakes harder than any on mounts."""
+
+
+def energy_in_space(body, unbalance, position, velocity):
+    """Kinetic energy of rod, pin, rigid piston and the crank's unbalance at [x_A, rocking angle,
+    crank angle, x and y of the crank axis, angle of the block], from positions alone (velocities by
+    complex steps, extended precision).
+    """
+    step = np.longdouble(1e-30)
+    t = np.clongdouble(1j) * step
+    x, tilt, turn, across, up, roll = position + t * velocity
+
+    def v(q):
+        return np.imag(q) / step
+
+    def in_space(point):
+        c, s = np.cos(roll), np.sin(roll)
+        return np.array([across + c * point[0] - s * point[1], up + s * point[0] + c * point[1]])
+
+    e = np.array([-np.sin(turn), np.cos(turn)])
+    P = SKEW.crank_radius * e
+    A = np.array([SKEW.offset + x, 0])
+    A = np.array([A[0], P[1] + np.sqrt(SKEW.rod_length**2 - (A[0] - P[0]) ** 2)])
+    centre = body.S / body.mass
+    c, s = np.cos(tilt), np.sin(tilt)
+    C = A + np.array([c * centre[0] - s * centre[1], s * centre[0] + c * centre[1]])
+    G = P + SKEW.rod_centre * (A - P)
+    rod = roll - np.arcsin((A[0] - P[0]) / SKEW.rod_length)
+    inertia = body.I0 - body.S @ body.S / body.mass
+    # the unbalance as a mass m at e U/m less one of m on the axis, which counts among the block's
+    weight = 0.4
+    ends = v(in_space(unbalance / weight * e)), v(in_space(0 * e))
+    points = ((body.mass, C), (SKEW.pin_mass, A), (SKEW.rod_mass, G))
+    return 0.5 * (
+        sum(mass * v(in_space(point)) @ v(in_space(point)) for mass, point in points)
+        + inertia * v(tilt + roll) ** 2
+        + SKEW.rod_inertia * v(rod) ** 2
+        + weight * (ends[0] @ ends[0] - ends[1] @ ends[1])
+    )
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 60, 90, 200, 333])
+def test_forces_in_a_moving_block_are_lagranges(degrees):
+    """Residual and torque, and what the block has to bear: all in one, offsets, rod inertia and
+    unbalance included.
+    """
+    body = rigid_body(0.315, (0.002, 0.009), 3e-4)
+    z, r, phi, w, dw = (
+        np.array([3e-4, 0.02]),
+        np.array([0.4, 11.0]),
+        np.radians(degrees),
+        314.0,
+        5e3,
+    )
+    crank = CrankMotion(phi, w, dw)
+    load = Load(700.0, -2000.0, 5.0, 1800.0, np.zeros(0), MOVING)
+    still = Prediction(z, r, np.zeros(2))
+    a = end_accelerations(body, SKEW, load, still, np.zeros(2), crank, 0.0, 0.0).acceleration
+    now = Motion(z, r, a)
+    place = np.array([*z, phi, 0.0, 0.0, 0.0])
+    velocity = np.array([*r, w, 0.0, 0.0, MOVING.w])
+    acceleration = np.array([*a, dw, MOVING.ax, MOVING.ay, MOVING.alpha])
+    scale = np.array([1e-4, 1e-3, 1e-3, 1e-4, 1e-4, 1e-3], dtype=np.longdouble)
+
+    def lagrange(unbalance):
+        def energy(at, moving):
+            return energy_in_space(body, unbalance, at, moving)
+
+        return richardson(energy, place, velocity, acceleration, scale).astype(float)
+
+    whole, bare = lagrange(UNBALANCE), lagrange(0.0)
+    lack = imbalance(body, SKEW, load, now, crank)
+    free = imbalance(
+        body, SKEW, load._replace(lateral=0.0, axial=0.0, moment=0.0, guided=0.0), now, crank
+    )
+    size = np.abs(
+        bare
+    ).max()  # differences of fourth order: 1e-9 of the largest, as without a block
+    np.testing.assert_allclose(free.residual, bare[:2], atol=1e-9 * size)
+    assert np.abs(lack.residual).max() < 1e-9 * size
+    force = block_force(body, SKEW, UNBALANCE, load, now, crank)
+    np.testing.assert_allclose([force.x, force.y], -whole[3:5], atol=1e-9 * size)
+    # turning all about the crank axis: the block, and the drive, which stands outside it; what the
+    # crank itself needs is the drive's and `imbalance` leaves it to its caller
+    assert force.moment == pytest.approx(lack.torque - bare[5], abs=1e-9 * size)
+
+
+@pytest.fixture
+def mounted(reduced):
+    """The small bodies, flexible, in a block that moves, with a skewed mechanism."""
+    options, piston, block = reduced
+    parameters = Parameters(crank_offset=1e-3, crank_unbalance=UNBALANCE)
+    return assemble(piston, block, dataclasses.replace(options, mounted=True), parameters)
+
+
+def taken(model, carrier, steps=4):
+    """State and outputs after some steps, and those of another with changed last inputs."""
+    nothing = 0.0 * forces(model)[0]
+    state, out = model.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, nothing, nothing, carrier=carrier))
+    for k in range(steps):
+        before = state
+        state, out = model.advance(
+            before, Inputs(SPEED, 5e5, *forces(model, k), carrier=carrier), STEP
+        )
+    return before, out
+
+
+def test_a_block_at_rest_changes_nothing(model, mounted):
+    _, plain = taken(model, FIXED)
+    _, out = taken(mounted, FIXED)
+    for name, value in plain.items():
+        np.testing.assert_array_equal(out[name], value)
+
+
+def test_a_block_that_accelerates_along_a_rigid_piston_weighs_as_gravity(mounted):
+    """Along y alone: the same as gas that pulls at every mass; here by forces on the block, which
+    change by the moving masses times the acceleration.
+    """
+    _, rest = taken(mounted, FIXED, 1)
+    _, out = taken(mounted, Carrier(0.0, 20.0, 0.0, 0.0), 1)
+    system = mounted.system
+    mass = system.piston.mass + system.mechanism.pin_mass + system.mechanism.rod_mass
+    change = out["force_on_block_y"] - rest["force_on_block_y"]
+    # the flexible piston swings as it is put into motion: a few percent
+    assert change == pytest.approx(-20.0 * mass, rel=0.1)
+
+
+def test_derivatives_with_the_motion_of_the_block_are_differences(mounted):
+    """Central differences of the last step; what the tangent leaves out is 2 w c1 = 1e-4 here."""
+    before, _ = taken(mounted, MOVING)
+    push, drag = forces(mounted, 3)
+    rng = np.random.default_rng(8)
+    names = (
+        *ON_BLOCK,
+        "film_thickness",
+        "sliding_velocity",
+        "lateral_velocity",
+        "rocking_velocity",
+    )
+    directions = [
+        (0.0 * push, 0.0 * drag, RingForce(0.0, 0.0, 0.0), 1e-3 * one) for one in np.eye(4)
+    ]
+    directions.append(
+        (
+            rng.random(push.shape),
+            0.1 * rng.random(push.shape),
+            RingForce(3.0, -7.0, 0.2),
+            rng.random(4),
+        )
+    )
+
+    def at(direction, e):
+        dpush, ddrag, rings, dcarrier = direction
+        inputs = Inputs(
+            SPEED,
+            5e5,
+            push + e * dpush,
+            drag + e * ddrag,
+            RingForce(*(e * np.array(rings))),
+            carrier=Carrier(*(np.array(MOVING) + e * dcarrier)),
+        )
+        return mounted.advance(before, inputs, STEP)[1]
+
+    for direction in directions:
+        e = 1e-1 if direction[0].any() else 1e3
+        up, down = at(direction, e), at(direction, -e)
+        at(direction, 0.0)
+        found = mounted.directional_derivative(*direction)
+        for name in names:
+            difference = (np.asarray(up[name]) - down[name]) / (2 * e)
+            size = np.abs(difference).max()
+            np.testing.assert_allclose(found[name], difference, atol=3e-4 * size, err_msg=name)
