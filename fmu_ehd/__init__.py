@@ -21,6 +21,7 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     oil_layer  oil on the bore (T)
 
 What composes them: film_step (one step of the balance and its tangent), parameters, surroundings,
-model (everything, with `advance` and `tangent`). The FMU: variables, slave, build. Proof:
+model (everything, with `advance` and `tangent`). The FMU: variables, slave, build; without Python:
+native_step (the same step as kernels alone), native (on one block of memory). Proof:
 verification (V), on films of its own and of motored.
 """

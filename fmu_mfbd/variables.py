@@ -186,8 +186,8 @@ def outputs(films: tuple[FilmGrid, ...], modes: int) -> list[Variable]:
         output_variable(
             "energy_size",
             "J",
-            "Kinetic energy across the bore, and what other forces than the film's passed to and "
-            "fro over the step",
+            "Kinetic energy across the bore, the rod's with it, and what other forces than the "
+            "film's passed to and fro over the step",
             1e-3,
         ),
         output_variable(

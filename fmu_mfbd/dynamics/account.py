@@ -30,6 +30,8 @@ def account(
     What they hold more of and what other forces took, Eq. (D15), by the trapezoidal rule. It does
     not go by the film's forces: where a time integrator returns a stop as a rebound E shows it. An
     integrator errs by a share of Z, and not of what the film did: in free flight that is nothing.
+    T holds the rod that swings with x_A (Eq. (K12)): a stop throws it too, and its inertia among
+    the O, up and gone within a step, would pass for energy.
 
     Parameters
     ----------

@@ -78,6 +78,7 @@ def assemble(
             block.radius,
             parameters.top_ring_height,
             parameters.second_ring_height,
+            parameters.land_pressure_share,
         ),
     )
     crank = Crank(

@@ -51,7 +51,7 @@ def block_force(
     Eq. (D22):  all:  F = F_b - F_l,   M = -(M_l + x_l x_A + x F_l,y - y F_l,x)
                F_l, M_l the load on the piston: film, gas and rings, (x, y) the place of A
 
-    All accelerations are absolute (Eq. (K12)).
+    All accelerations are absolute (Eq. (K14)).
 
     Parameters
     ----------

@@ -61,10 +61,10 @@ def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tup
     """What the block's motion adds to the acceleration of a point at (x, y) from the crank axis
     that moves in the block at (vx, vy).
 
-    Eq. (K12):  a_O + alpha Z r - w^2 r + 2 w Z v        Z = [0, -1; 1, 0]
+    Eq. (K14):  a_O + alpha Z r - w^2 r + 2 w Z v        Z = [0, -1; 1, 0]
     """
     w = carrier.w
-    # Eq. (K12)
+    # Eq. (K14)
     return (
         carrier.ax - carrier.alpha * y - w * w * x - 2 * w * vy,
         carrier.ay + carrier.alpha * x - w * w * y + 2 * w * vx,
@@ -126,8 +126,8 @@ def carried(
 ) -> Carried:
     """What the block's motion adds to accelerations and to the rod's inertia forces.
 
-    Eq. (K13):  on x_A:  k m_r e . g + J_r psi1 alpha,    on phi:  m_r G_phi . g + J_r psi_phi alpha
-                g of Eq. (K12) at G, the rest as in Eq. (K3) to (K5)
+    Eq. (K15):  on x_A:  k m_r e . g + J_r psi1 alpha,    on phi:  m_r G_phi . g + J_r psi_phi alpha
+                g of Eq. (K14) at G, the rest as in Eq. (K3) to (K5)
 
     Parameters
     ----------
@@ -156,6 +156,6 @@ def carried(
         y,
         gx,
         gy,
-        k * mass * (gx + f1 * gy) + psi1 * turning,  # Eq. (K13)
+        k * mass * (gx + f1 * gy) + psi1 * turning,  # Eq. (K15)
         mass * (gx_by_phi * gx + gy_by_phi * gy) + psi1 * at.py * turning,
     )

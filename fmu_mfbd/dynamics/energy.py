@@ -25,6 +25,8 @@ class Ledger(NamedTuple):
         `energy_error` [J].
     axial_work : float
         Part of `film_work` along the bore's axis [J].
+    accounted : float
+        `kinetic` and what the rod holds by the motion of x_A (Eq. (K12)) [J].
     """
 
     kinetic: float
@@ -32,6 +34,7 @@ class Ledger(NamedTuple):
     film_work: float
     error: float
     axial_work: float
+    accounted: float
 
 
 class Moving(NamedTuple):
@@ -149,7 +152,7 @@ def film_work(
 @compiled
 def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
     """All forces on the motion across the bore but the film's, from what it does: of springs,
-    damping, gas, rod and pin.
+    damping, gas and pin, and of the rod but its inertia against x_A'' where `moving` holds that.
 
     Eq. (D15):  O = M q'' - Q
 

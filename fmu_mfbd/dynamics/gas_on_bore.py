@@ -18,7 +18,9 @@ from ...master.fmi.compiled import compiled
 
 
 class WallPressures(NamedTuple):
-    """Gauge pressures on the bore above the top ring and between the rings [Pa]."""
+    """Gauge pressures on the bore above the top ring, and between the rings beside the share of it
+    that `BoreWall` holds [Pa].
+    """
 
     chamber: float
     land: float
@@ -35,6 +37,8 @@ class BoreWall(NamedTuple):
         W of Eq. (D17) at the heights of the table, and its slope [kg^-1/2 m2], [kg^-1/2 m].
     top_ring, second_ring : float
         Heights above A [m].
+    land_share : float
+        Of the chamber's pressure that stands between the rings [-].
     """
 
     lowest: float
@@ -43,6 +47,7 @@ class BoreWall(NamedTuple):
     at: np.ndarray
     top_ring: float
     second_ring: float
+    land_share: float = 0.0
 
 
 def bore_wall(
@@ -51,6 +56,7 @@ def bore_wall(
     radius: float,
     top_ring: float,
     second_ring: float,
+    land_share: float = 0.0,
 ) -> BoreWall:
     """What gas needs to know of the bore's modes.
 
@@ -68,6 +74,8 @@ def bore_wall(
         R [m].
     top_ring, second_ring : float
         Heights above A [m]; no gas on the wall where `top_ring` is 0.
+    land_share : float
+        As of `BoreWall`.
     """
     around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
     below = np.zeros_like(around)
@@ -82,6 +90,7 @@ def bore_wall(
         at=np.ascontiguousarray(-around),
         top_ring=top_ring,
         second_ring=second_ring,
+        land_share=land_share,
     )
 
 
@@ -89,7 +98,8 @@ def bore_wall(
 def wall_forces(wall: BoreWall, height_of_A: float, pressures: WallPressures) -> np.ndarray:
     """Modal forces of gas on the bore, (k,) [kg^-1/2 N].
 
-    Eq. (D18):  f_k = p_chamber W_k(Y + y_1) + p_land (W_k(Y + y_2) - W_k(Y + y_1))
+    Eq. (D18):  f_k = p_chamber W_k(Y + y_1) + p (W_k(Y + y_2) - W_k(Y + y_1)),
+                p = p_land + share p_chamber
 
     Parameters
     ----------
@@ -100,8 +110,9 @@ def wall_forces(wall: BoreWall, height_of_A: float, pressures: WallPressures) ->
     """
     out = np.zeros(wall.above.shape[1])
     # Eq. (D18)
-    _add_above(out, wall, height_of_A + wall.top_ring, pressures.chamber - pressures.land)
-    _add_above(out, wall, height_of_A + wall.second_ring, pressures.land)
+    land = pressures.land + wall.land_share * pressures.chamber
+    _add_above(out, wall, height_of_A + wall.top_ring, pressures.chamber - land)
+    _add_above(out, wall, height_of_A + wall.second_ring, land)
     return out
 
 

@@ -47,7 +47,7 @@ from .piston_motion import (
     tangent,
 )
 from .quasi_static import STILL, Ride, StaticModes, static_coordinates
-from .slider_crank import CrankMotion, Mechanism, height, motion, rod_turn
+from .slider_crank import CrankMotion, Mechanism, carried_mass, height, motion, rod_turn
 
 
 class Block(NamedTuple):
@@ -132,7 +132,7 @@ class Instant(NamedTuple):
     ledger : Ledger
         Energy across the bore.
     other_forces : ndarray, shape (n,)
-        All but the film's, on the motion across the bore.
+        All but the film's and the rod's inertia, on the motion across the bore.
     guided : float
         Height at which the bore is read: that of A when x_A = 0 [m].
     load : Load
@@ -257,7 +257,7 @@ def end_of_step(
     ride = _frame_ride(mechanism, others.carrier, end, crank)
     _follow_statically(system, c, before.position, end, push, block_push, ride)
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
-    moving = _moving_bodies(system)
+    moving = _moving_bodies(system, 0.0)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     impact = limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
@@ -290,14 +290,16 @@ def end_of_step(
         )
         on_slopes += film.axial_force
         first = last
+    with_rod = _moving_bodies(system, carried_mass(mechanism))
     axial_power = film_forces.axial * axial_velocity + on_slopes * guided_velocity
     axial_work = c.step * axial_power
     ledger = Ledger(
         kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
         elastic=elastic_energy(moving, end.position),
         film_work=film_work(film_forces, before.position, end.position, axial_work),
-        error=energy_error(moving, before, kept, end),
+        error=energy_error(with_rod, before, kept, end),
         axial_work=axial_work,
+        accounted=motion_product(with_rod, kept.velocity, kept.velocity) / 2,
     )
     return Instant(
         position=end.position,
@@ -308,7 +310,7 @@ def end_of_step(
         auxiliary=predicted.auxiliary,
         impact=impact,
         ledger=ledger,
-        other_forces=other_forces(moving, end.acceleration, film_forces),
+        other_forces=other_forces(with_rod, end.acceleration, film_forces),
         guided=guided.height,
         load=load,
         side_force=-film_forces.lateral,
@@ -389,10 +391,11 @@ def _piston_push(system, film_forces, gas):
 
 
 @compiled
-def _moving_bodies(system):
-    """What has inertia across the bore."""
+def _moving_bodies(system, carried):
+    """What has inertia across the bore; `carried` is the mass that x_A moves beside [kg]."""
     piston = system.piston
-    rigid = Inertia(piston.mass + system.mechanism.pin_mass, piston.S[1], piston.I0)
+    mass = piston.mass + system.mechanism.pin_mass + carried
+    rigid = Inertia(mass, piston.S[1], piston.I0)
     first = RIGID + len(piston.stiffness) + len(system.piston_static.stiffness)
     return Moving(piston, rigid, first, system.block.stiffness)
 

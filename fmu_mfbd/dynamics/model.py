@@ -65,7 +65,7 @@ class State:
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
         in time, and the time integrator's auxiliary acceleration.
     kinetic : float
-        Energy of the motion across the bore [J].
+        Energy of the motion across the bore, the rod's with it [J].
     other_forces : ndarray, shape (n,)
         On that motion, all but the film's [N], [N m], [kg^-1/2 N].
     steps : int
@@ -374,7 +374,7 @@ class PistonInBore:
             velocity=now.kept_velocity,
             acceleration=now.kept_acceleration,
             auxiliary=now.auxiliary,
-            kinetic=now.ledger.kinetic,
+            kinetic=now.ledger.accounted,
             other_forces=now.other_forces,
         )
         end = Motion(now.position, now.velocity, now.acceleration)
@@ -448,7 +448,7 @@ class PistonInBore:
             "film_work": now.ledger.film_work,
             "energy_error": now.ledger.error,
             "energy_gain": now.ledger.axial_work,
-            "energy_size": now.ledger.kinetic,
+            "energy_size": now.ledger.accounted,
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }

@@ -94,6 +94,13 @@ class Parameters:
     second_ring_height: float = _declared(
         "m", "Of the second ring above the pin: land_pressure stands between the two", 0.0, 0.0, 1.0
     )
+    land_pressure_share: float = _declared(
+        "1",
+        "Of the gas pressure that stands between the two rings, beside land_pressure; 0: none does",
+        0.0,
+        0.0,
+        1.0,
+    )
     crank_unbalance: float = _declared(
         "kg.m",
         "Mass times distance of the crank towards its pin, less than 0 with counterweights: turns "

@@ -190,7 +190,7 @@ def imbalance(
                modes:  frame modal force - modal = 0         e = (1, Y_x),  A'' = (x_A'', Y'')
     with F, the frame's rows (Eq. (D1) to (D3)) at a = R^T A'', R the rotation by the rocking angle;
     M, the moment of pin friction (Eq. (K7)); psi, the rod's angle. Accelerations are those in
-    space: the block's motion adds to them by Eq. (K12), to the rod's forces by Eq. (K13).
+    space: the block's motion adds to them by Eq. (K14), to the rod's forces by Eq. (K15).
 
     Parameters
     ----------

@@ -299,6 +299,18 @@ def rod_turn(
     )
 
 
+@compiled
+def carried_mass(mechanism: Mechanism) -> float:
+    """Mass of the rod that x_A throws across the bore, beside that of piston and pin [kg].
+
+    Eq. (K12):  m' = k^2 m_r + J_r / L^2        Eq. (K4) against x_A'', the rod upright
+
+    At a slant it is larger by shares of f1^2, as those of piston and pin are.
+    """
+    swinging = mechanism.rod_centre**2 * mechanism.rod_mass
+    return swinging + mechanism.rod_inertia / mechanism.rod_length**2  # Eq. (K12)
+
+
 class PistonLoad(NamedTuple):
     """What the pin has to hold beside the film.
 

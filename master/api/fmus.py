@@ -2,7 +2,7 @@
 
 import logging
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,7 +11,7 @@ from fmpy import read_model_description
 from ..case.export import experiment_ahead
 from ..case.given import build_options
 from ..case.schema import check_case
-from ..fmi import builder
+from ..fmi import builder, builder_native
 from ..fmi.errors import BadInput, Discard
 from ..participants import open as opening
 from .cases import Case, open_case
@@ -26,6 +26,7 @@ def build_fmu(
     output: str | Path | None = None,
     options: Mapping[str, Any] | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
+    platforms: Sequence[str] = (),
     say: Callable[[str], object] = log.info,
 ) -> Path:
     """The FMU of one participant of a case, or of a slave written in one file.
@@ -43,6 +44,9 @@ def build_fmu(
         them); of a file what its `variables(options)` is given.
     fmi : {"2.0", "3.0"}
         Version of the standard; 3.0 needs a C compiler.
+    platforms : sequence of str
+        "linux64", "win64", "aarch64-linux": an FMU of machine code for these, which needs no
+        Python; each needs its C compiler here. Without any the FMU is Python.
     say : callable
         Told a line of text before long work.
 
@@ -62,11 +66,14 @@ def build_fmu(
     'film.fmu'
     """
     if participant is None:
+        if platforms:
+            raise BadInput(f"{source}: a slave of one file has no native FMU")
         built = builder.build_fmu_of_file(str(source), dict(options or {}), say, fmi)
     else:
         case = source if isinstance(source, Case) else open_case(source)
-        built = _of_case(case, participant, options or {}, fmi, say)
-    compile_code(built, say)
+        built = _of_case(case, participant, options or {}, fmi, platforms, say)
+    if not platforms:
+        compile_code(built, say)
     if output is None:
         return built
     return Path(shutil.copyfile(built, output))
@@ -103,6 +110,7 @@ def _of_case(
     participant: str,
     options: Mapping[str, Any],
     fmi: str,
+    platforms: Sequence[str],
     say: Callable[[str], object],
 ) -> Path:
     """FMU of a case's participant with some build options of another value."""
@@ -115,9 +123,12 @@ def _of_case(
         table.build |= {key: options[key] for key in shared}
     build = build_options(checked, folder, say)[participant]
     package: Any = checked.participants[participant].package
-    return builder.build_fmu(
-        package, build, folder, say, fmi, experiment=experiment_ahead(checked, folder)
-    )
+    experiment = experiment_ahead(checked, folder)
+    if platforms:
+        return builder_native.build_native_fmu(
+            package, build, folder, say, fmi, experiment=experiment, platforms=platforms
+        )
+    return builder.build_fmu(package, build, folder, say, fmi, experiment=experiment)
 
 
 def open_fmu(path: str | Path, name: str = "fmu") -> Any:

@@ -17,6 +17,8 @@ def command(
     output: Path | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
     no_fields: Annotated[bool, Parameter(negative=())] = False,
+    native: Annotated[bool, Parameter(negative=())] = False,
+    platform: str = "linux64",
 ):
     """Build the FMU of one participant of a case.
 
@@ -37,9 +39,18 @@ def command(
     no_fields
         Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that
         choke on thousands of scalars.
+    native
+        Machine code that needs no Python, of the lubrication alone; choices of physics that it does
+        not cover are refused by name.
+    platform
+        What native FMUs are for, several with commas between: linux64, win64, aarch64-linux; each
+        needs its C compiler here.
     """
     options = {"grid": parse_grid(grid)} if grid else {}
     fewer = {"no_fields": True} if no_fields else {}
     name = {"mfbd": "bodies"}.get(participant, participant)
-    fmu = build_fmu(case, name, output=output, options=options | fewer, fmi=fmi, say=say)
+    platforms = platform.split(",") if native else ()
+    fmu = build_fmu(
+        case, name, output=output, options=options | fewer, fmi=fmi, platforms=platforms, say=say
+    )
     console.print(str(fmu), soft_wrap=True, highlight=False)

@@ -2,15 +2,16 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from ..case.changes import value_at
-from ..case.schema import check_case, read_tree
+from ..case.schema import check_case, find_case, read_tree
 from ..fmi.errors import BadInput
+from ..fmi.tree import import_part
 
 console = Console()
 
@@ -108,6 +109,21 @@ def open_runs(files):
             f"{', '.join(map(str, files))}: not all are results of a run: {error}"
         ) from None
     return check_case(tree, files[0]), runs
+
+
+def body_skins(runs, case) -> dict[str, list[Any]]:
+    """Label -> surfaces of the run's bodies; those that cannot be had are left out with a word."""
+    from ..api.bodies import OFFLINE, build_table
+
+    found = {}
+    for label, results in runs.items():
+        try:
+            table = build_table(results.case)
+            folder = find_case(case or results.path.resolve().parent.name).parent
+            found[label] = import_part(OFFLINE).skins(table, folder, say)
+        except BadInput as error:
+            say(f"{label}: no bodies are drawn: {error}")
+    return found
 
 
 def print_answers(answers, verbose=False):

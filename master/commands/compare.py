@@ -50,7 +50,8 @@ def command(
         Hold each run's last period against the one before it.
     measured
         CSV file headed "participant.variable [unit]", the abscissa first; the runs are scored
-        against it and drawn with it.
+        against it and drawn with it, and with bands where columns "participant.variable low [unit]"
+        and "... high [unit]" give them.
     output
         Picture of runs and measured points (default measured.png); with --lubrication the folder
         for results.

@@ -5,7 +5,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .common import console, open_runs
+from ..case.contract import players
+from ..fmi.errors import BadInput
+from ..fmi.quantities import to_si
+from .common import body_skins, console, open_runs
 
 
 def command(
@@ -13,12 +16,19 @@ def command(
     *,
     field: Annotated[list[str], Parameter(negative=())] = [],
     frames: int = 90,
+    times: float = 50.0,
+    case: str | None = None,
     output: Path | None = None,
 ):
-    """Draw recorded fields of a run as a moving picture, at instants evenly chosen among the
-    recorded ones, colours over one range for all of them.
+    """Draw a run in motion, by the ending of --output: fields as a moving picture (.gif, .mp4), the
+    bodies as an animated model (.glb, glTF), or bodies and films for ParaView (.pvd).
+
+    Pictures show recorded fields at instants evenly chosen among the recorded ones, colours over
+    one range for all of them. The model holds every recorded instant; the series is at true scale.
 
     Example: piston-cosim movie results/numerical_example/flexible.h5 --field ehd.pressure
+
+    Example: piston-cosim movie results/numerical_example/flexible.h5 --output piston.glb
 
     Parameters
     ----------
@@ -28,15 +38,54 @@ def command(
         Recorded fields, a panel each, participant.variable; by default those of the case's first
         picture of maps.
     frames
-        Instants at most, 2 or more.
+        Instants at most, 2 or more; of .glb all.
+    times
+        How much larger than it is a model (.glb) has deflection, motion across and tilt.
+    case
+        Case whose folder the paths of meshes start from (.glb, .pvd); default the case named as the
+        folder of the results.
     output
-        The file: .gif, or .mp4 where ffmpeg is installed; by default the results' name with .gif.
+        The file: .gif; .mp4 with the extra "movie" or ffmpeg installed; .glb; .pvd with its files
+        in a folder of that name; by default the results' name with .gif.
     """
-    from ..results.movie import write_movie
+    from ..results.movie import chosen_instants, write_movie
 
-    case, runs = open_runs((file,))
-    (results,) = runs.values()
+    described, runs = open_runs((file,))
+    ((label, results),) = runs.items()
     target = output or file.with_suffix(".gif")
-    with console.status("drawing"):
-        write_movie(case, results, field, frames, target)
+    if target.suffix in (".glb", ".pvd"):
+        from ..engine.sections import special
+        from ..results.gltf import write_gltf
+        from ..results.series import write_series
+
+        if not times > 0:
+            raise BadInput(f"--times {times:g}: more than 0")
+        chosen = chosen_instants(results, frames)
+        solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.suffix == ".glb":
+            write_gltf(solids, results.instants, times, target)
+        else:
+            write_series(solids, _films(results), results.instants, chosen, target)
+    else:
+        with console.status("drawing"):
+            write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)
+
+
+def _films(results):
+    """Recorded fields of every film, on its bore."""
+    from ..results.fields_export import read_block
+    from ..results.series import Film
+
+    found = []
+    for name in players(results.case, "lubrication"):
+        given = results.case["participants"][name].get("parameters", {})
+        ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
+        shapes = [results.dataset(port).shape for port in ports if port.startswith(f"{name}.")]
+        if shapes and "bore_radius" in given:
+            alike = [port for port in ports if results.dataset(port).shape == shapes[0]]
+            own = [port for port in alike if port.startswith(f"{name}.") or "film" in port]
+            blocks = [read_block(results, port) for port in own]
+            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks))
+    return found

@@ -1,18 +1,17 @@
 """`piston-cosim report`."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..api.bodies import OFFLINE, build_table
-from ..case.schema import find_case
 from ..engine.answer import answer
 from ..engine.sections import special
 from ..fmi.errors import BadInput
-from ..fmi.tree import import_part
+from ..results.compare import check_measured, measured_section, read_measured
 from ..results.report import write_report
-from .common import console, open_runs, say
+from .common import body_skins, console, open_runs
 
 
 def command(
@@ -20,6 +19,7 @@ def command(
     output: Path = Path("report"),
     notes: Path | None = None,
     study: Annotated[list[Path], Parameter(negative=())] = [],
+    measured: Path | None = None,
     case: str | None = None,
 ):
     """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
@@ -38,30 +38,25 @@ def command(
         numbers.
     study
         Tables of studies to show, results/study_CASE_NAME/study.csv; several allowed.
+    measured
+        CSV file headed "participant.variable [unit]", the abscissa first; columns "participant.
+        variable low [unit]" and "... high [unit]" give a band. Charts of runs, points and bands.
     case
         Case whose folder the paths of meshes start from, for the bodies in motion; default the case
         named as the folder of the results. Without it, or them, the page has no bodies.
     """
     described, runs = open_runs(files)
+    columns = read_measured(measured) if measured else None
+    if columns:
+        check_measured(runs, columns)
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
     with console.status("drawing the page"):
         answers = {label: answer(described, results) for label, results in runs.items()}
-        extra = special(described, runs, _skins(runs, case))
+        extra = special(described, runs, body_skins(runs, case))
+        if columns:
+            extra = replace(extra, sections=[measured_section(runs, columns), *extra.sections])
         text = notes.read_text() if notes else ""
         page = write_report(described, runs, output, text, study, answers, extra)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
-
-
-def _skins(runs, case) -> dict[str, list[Any]]:
-    """Label -> surfaces of the run's bodies; those that cannot be had are left out with a word."""
-    found = {}
-    for label, results in runs.items():
-        try:
-            table = build_table(results.case)
-            folder = find_case(case or results.path.resolve().parent.name).parent
-            found[label] = import_part(OFFLINE).skins(table, folder, say)
-        except BadInput as error:
-            say(f"{label}: no bodies on the page: {error}")
-    return found

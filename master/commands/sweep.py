@@ -25,9 +25,12 @@ def command(
     workers: int | None = None,
     dask: str | None = None,
     time_limit: str | None = None,
+    reports: bool = True,
 ):
-    """Run a case many times over values of its keys: one row a run in sweep.csv, and a picture; of
-    another sweep in the same folder both are kept, and these are sweep_2 and so on.
+    """Run a case many times over values of its keys: one row a run in sweep.csv, a picture, and
+    sweep.html, a page with parallel coordinates, response surface and Pareto front whose points
+    lead to their reports; of another sweep in the same folder all are kept, and these are sweep_2
+    and so on.
 
     Stopped and started again, it goes on where it was, and tries again what has failed. Points that
     fail are rows with their reason, and the exit code is 1 then.
@@ -52,6 +55,8 @@ def command(
         Local processes, by default one a processor.
     dask
         Address of a Dask scheduler whose workers see the same folders, in place of local processes.
+    reports
+        Write a report of every point that is done, which the page of the sweep links to.
     time_limit
         Longest time for one point, for example "20 min"; it fails then. Of local processes only.
     """
@@ -88,12 +93,45 @@ def command(
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
     picture = draw_sweep(rows, axes, tree.get("summary", {}), table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+    with console.status("drawing the page"):
+        page = _page(points, rows, axes, folder, table, reports)
+    console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
         say_faults(
             f"{len(failed)} of {len(rows)} points failed:[/] call again to try them again", []
         )
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
+
+
+def _page(points, rows, axes, folder, table, reports):
+    """The page of the sweep, and the reports of its points that are not there yet."""
+    from ..case.schema import check_case
+    from ..engine.answer import answer
+    from ..engine.headlines import measures
+    from ..engine.sections import special
+    from ..results.file import Results
+    from ..results.report import write_report
+    from ..results.sweep_page import SweptPoint, write_sweep_page
+
+    swept = []
+    for point, row in zip(points, rows):
+        file = folder / "runs" / f"{point.name}.h5"
+        page = folder / "reports" / point.name / "report.html"
+        weighed = {}
+        if row["status"] == "done" and file.is_file():
+            with Results(file) as results:
+                weighed = measures(results)
+                if reports and not page.is_file():
+                    case, runs = check_case(results.case, file), {point.name: results}
+                    answers = {point.name: answer(case, results)}
+                    extra = special(case, runs)
+                    write_report(
+                        case, runs, page.parent, answers=answers, special=extra, figures=False
+                    )
+        link = page.relative_to(folder).as_posix() if page.is_file() else ""
+        swept.append(SweptPoint(row | weighed, link))
+    return write_sweep_page(swept, [axis.name for axis in axes], table.with_suffix(".html"))
 
 
 def _seconds(time_limit, dask):

@@ -246,3 +246,19 @@ def _oil(run):
     held, inwards = 1e9 * mean_over(time, content), 1e9 * mean_over(time, upper)
     way = "in" if inwards > 0.0 else "out"
     return f"{held:.0f} mm^3 in the film, {abs(inwards):.0f} mm^3/s {way} over the upper edge"
+
+
+def measures(results) -> dict[str, float]:
+    """What designs are weighed by, as far as the run says it: slap energy, the largest kinetic
+    energy across the bore [J]; contact share, of the friction work [-].
+    """
+    found = {}
+    for name in players(results.case, "bodies")[:1]:
+        port = f"{name}.kinetic_energy"
+        if port in results.ports:
+            found["slap_energy_j"] = float(results.series(port).values.max())
+    for name in players(results.case, "lubrication")[:1]:
+        port = f"{name}.boundary_friction_share"
+        if port in results.ports:
+            found["contact_share"] = float(results.series(port).values[-1])
+    return found

@@ -5,6 +5,7 @@ variables     one declaration a variable
 description   modelDescription.xml, 2.0 (and 3: 3.0)
 documentation the page and the licences that an FMU carries
 builder       FMUs from parts, cached by content
+builder_native  FMUs that need no Python, by native_code (machine code) of native_parts
 compiler      the C front in front/
 tree          the project, or its copy in an FMU
 requirements  what an FMU needs of Python

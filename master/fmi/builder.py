@@ -307,50 +307,60 @@ def _pack(contents, entry, fmu, version, experiment):
             path.write_bytes(data)
         slave = _instance(entry, scratch)
         slave.experiment = experiment or slave.experiment
-        members = _members_3(slave) if version == "3.0" else _members_2(slave)
+        members = _binaries(slave, version) | texts_of(slave, version, any_host=bool(compiler()))
     members |= {f"resources/{name}": data for name, data in contents.items()}
+    write_archive(members, fmu)
+
+
+def write_archive(members, fmu):
+    """Write an FMU of `members`, path to bytes, and move it into place in one go."""
     partial = fmu.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(members):
             info = zipfile.ZipInfo(name)  # the same date in every build
-            info.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            info.external_attr = (0o755 if name.endswith((".so", ".dll")) else 0o644) << 16
             archive.writestr(info, members[name], zipfile.ZIP_DEFLATED)
     os.replace(partial, fmu)
 
 
-def _members_2(slave):
-    """Description and binaries of an FMI 2.0 FMU: the front, or pythonfmu's libraries without a
-    compiler.
-    """
-    binaries = (
-        {f"binaries/linux64/{slave.name}.so": compile_front("2.0")}
-        if compiler()
-        else {
-            f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes()
-            for path in STOCK.rglob("*.*")
-        }
-    )
-    any_host = compiler() is not None
-    description = model_description(slave, any_host)
+def _binaries(slave, version):
+    """The front, or pythonfmu's libraries without a compiler."""
+    if version == "3.0":
+        return {f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0")}
+    if compiler():
+        return {f"binaries/linux64/{slave.name}.so": compile_front("2.0")}
     return {
-        "modelDescription.xml": _xml(description),
-        TOKEN: description.attrib["guid"].encode(),
-        "model.png": ICON.read_bytes(),
-        **documentation(slave, any_host),
-        **binaries,
+        f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes()
+        for path in STOCK.rglob("*.*")
     }
 
 
-def _members_3(slave):
-    """Description, terminals and front of an FMI 3.0 FMU."""
-    description = model_description_3(slave)
-    return {
+def texts_of(slave, version, any_host, platforms=()):
+    """Description, token, picture and documentation of an FMU, path to bytes.
+
+    Parameters
+    ----------
+    slave : FieldSlave
+    version : {"2.0", "3.0"}
+    any_host : bool
+        Whether hosts need not be Python.
+    platforms : sequence of str
+        Those of an FMU that needs no Python at all.
+    """
+    pages = documentation(slave, any_host, platforms)
+    if version == "3.0":
+        description = model_description_3(slave, platforms)
+        return pages | {
+            "modelDescription.xml": _xml(description),
+            TOKEN: description.attrib["instantiationToken"].encode(),
+            "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
+            "terminalsAndIcons/icon.png": ICON.read_bytes(),
+        }
+    description = model_description(slave, any_host, platforms)
+    return pages | {
         "modelDescription.xml": _xml(description),
-        TOKEN: description.attrib["instantiationToken"].encode(),
-        f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0"),
-        "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
-        "terminalsAndIcons/icon.png": ICON.read_bytes(),
-        **documentation(slave, any_host=True),
+        TOKEN: description.attrib["guid"].encode(),
+        "model.png": ICON.read_bytes(),
     }
 
 

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 HOME = Path(__file__).parent / "front"
-SOURCES = {"2.0": ("front.c", "fmi2.c"), "3.0": ("front.c", "fmi3.c")}
+SOURCES = {"2.0": ("front.c", "common.c", "fmi2.c"), "3.0": ("front.c", "common.c", "fmi3.c")}
 FLAGS = (
     "-std=gnu11",
     "-D_GNU_SOURCE",

@@ -61,7 +61,7 @@ unit out).
 """
 
 
-def model_description(slave, any_host):
+def model_description(slave, any_host, platforms=()):
     """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its
     content.
 
@@ -72,6 +72,8 @@ def model_description(slave, any_host):
         True if the FMU carries the C front, so that hosts need not be Python and the standard
         directional derivative is answered; else its library is pythonfmu's, which runs in Python
         hosts alone.
+    platforms : sequence of str
+        Those of an FMU that needs no Python at all.
     """
     root = Element(
         "fmiModelDescription",
@@ -94,7 +96,7 @@ def model_description(slave, any_host):
         },
     )
     common_parts(root, slave)
-    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host)
+    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host, platforms)
     _variables(SubElement(root, "ModelVariables"), slave)
     _structure(SubElement(root, "ModelStructure"), slave.table)
     root.set("guid", content_guid(root))
@@ -166,22 +168,26 @@ def _type_name(v):
     return f"{v.name}_choice"
 
 
-def _vendor_annotations(parent, slave, any_host):
+def needs(any_host, platforms):
+    """Attributes that say what an FMU needs of its host."""
+    if platforms:
+        return {"hosts": f"any on {', '.join(platforms)}"}
+    return {
+        "hosts": "any on Linux x86-64" if any_host else "Python only",
+        "python": ">=3.11",
+        "packages": " ".join(PACKAGES),
+    }
+
+
+def _vendor_annotations(parent, slave, any_host, platforms):
     """What the FMU needs of its host; without the front also the first reserved reference of each
     seed and product.
     """
-    needs = SubElement(
-        SubElement(parent, "Tool", {"name": VENDOR}),
-        "Needs",
-        {
-            "hosts": "any on Linux x86-64" if any_host else "Python only",
-            "python": ">=3.11",
-            "packages": " ".join(PACKAGES),
-        },
-    )
+    tool = SubElement(parent, "Tool", {"name": VENDOR})
+    node = SubElement(tool, "Needs", needs(any_host, platforms))
     if any_host or not slave.derivative_inputs:
         return
-    node = SubElement(needs, "DirectionalDerivative")
+    node = SubElement(node, "DirectionalDerivative")
     for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs)):
         for name in names:
             SubElement(

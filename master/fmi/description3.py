@@ -11,16 +11,16 @@ from .description import (
     common_parts,
     content_guid,
     head,
+    needs,
     type_attributes,
 )
-from .requirements import PACKAGES
 
 TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration": "Enumeration"}
 
 
-def model_description_3(slave):
+def model_description_3(slave, platforms=()):
     """XML element tree for `slave` (a FieldSlave), its instantiation token made from its
-    content.
+    content; `platforms` of an FMU that needs no Python at all.
     """
     root = Element(
         "fmiModelDescription",
@@ -47,11 +47,7 @@ def model_description_3(slave):
     for k in outputs:  # of all that is set
         SubElement(structure, "InitialUnknown", {"valueReference": k})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
-    SubElement(
-        annotation,
-        "Needs",
-        {"hosts": "any on Linux x86-64", "python": ">=3.11", "packages": " ".join(PACKAGES)},
-    )
+    SubElement(annotation, "Needs", needs(True, platforms))
     root.set("instantiationToken", content_guid(root))
     return root
 

@@ -28,11 +28,7 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 <h1>{title}</h1>
 <p>{description}. By {author}, licence {licence}.</p>
 <h2>Needs</h2>
-<p>{hosts}; Python 3.11 or newer with {packages} on the machine. A host that is not Python starts
-the one that the environment variable PISTON_COSIM_PYTHON names, else that of VIRTUAL_ENV, else the
-one that last built such an FMU on the machine, else python3. At the first start its code is
-compiled, which takes a minute and is said in the log; it is kept in PISTON_COSIM_CACHE, else in the
-user's cache, and serves all FMUs of the same code.</p>
+<p>{needs}</p>
 <h2>Steps</h2>
 <p>Usual step {step:g} s. Inputs of a step hold the values at its end. A step that cannot be
 solved is discarded, with the reason in the log, and leaves the state as it was; a state can be
@@ -42,6 +38,16 @@ saved, restored and serialised.</p>
 </html>
 """
 
+OF_PYTHON = """{hosts}; Python 3.11 or newer with {packages} on the machine. A host that is not
+Python starts the one that the environment variable PISTON_COSIM_PYTHON names, else that of
+VIRTUAL_ENV, else the one that last built such an FMU on the machine, else python3. At the first
+start its code is compiled, which takes a minute and is said in the log; it is kept in
+PISTON_COSIM_CACHE, else in the user's cache, and serves all FMUs of the same code."""
+
+OF_ITSELF = """Any host on {platforms}; nothing else: it is machine code and holds no Python.
+Choices of physics that it does not cover are refused when it starts, in a sentence that says
+which."""
+
 TITLES = {
     "input": "Inputs",
     "output": "Outputs",
@@ -50,7 +56,7 @@ TITLES = {
 }
 
 
-def documentation(slave, any_host):
+def documentation(slave, any_host, platforms=()):
     """Path in the FMU -> bytes: page and licences.
 
     Parameters
@@ -58,18 +64,29 @@ def documentation(slave, any_host):
     slave : FieldSlave
     any_host : bool
         Whether hosts need not be Python.
+    platforms : sequence of str
+        Those of an FMU that needs no Python at all.
     """
+    needs = (
+        OF_ITSELF.format(platforms=", ".join(platforms))
+        if platforms
+        else OF_PYTHON.format(
+            hosts="Linux x86-64, any host" if any_host else "A host that is Python",
+            packages=", ".join(PACKAGES),
+        )
+    )
     page = PAGE.format(
         title=escape(slave.name),
         description=escape(slave.description),
         author=escape(AUTHOR),
         licence=LICENCE,
-        hosts="Linux x86-64, any host" if any_host else "A host that is Python",
-        packages=", ".join(PACKAGES),
+        needs=needs,
         step=slave.experiment.step,
         tables="\n".join(_table(slave.table, causality) for causality in TITLES),
     )
-    licences = {"license.txt": f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}", **_of_pythonfmu()}
+    licences = {"license.txt": f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}"}
+    if not platforms:
+        licences |= _of_pythonfmu()
     return {"documentation/index.html": page.encode()} | {
         f"documentation/licenses/{name}": text.encode() for name, text in licences.items()
     }

@@ -18,10 +18,14 @@ Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
 
 
+MEASURED = -1
+"""Number of the run of a curve that is none's."""
+
+
 @dataclass(frozen=True)
 class Curve:
     """Values over an abscissa, in the units of its chart; `run` is the number of the run, which
-    gives the colour.
+    gives the colour, or MEASURED.
     """
 
     name: str
@@ -42,6 +46,16 @@ class Band:
 
 
 @dataclass(frozen=True)
+class Corridor:
+    """A range of the ordinate along the abscissa that is shaded, and what it says."""
+
+    x: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    said: str
+
+
+@dataclass(frozen=True)
 class Chart:
     """Curves over one abscissa; `cursor`: it is that of the page's cursor."""
 
@@ -52,6 +66,7 @@ class Chart:
     cursor: bool = False
     logarithmic: bool = False
     bands: Sequence[Band] = ()
+    corridor: Corridor | None = None
 
 
 class Titles(NamedTuple):
@@ -231,11 +246,19 @@ def _chart_data(chart: Chart, columns: Columns):
         "cursor": chart.cursor,
         "logarithmic": chart.logarithmic,
         "bands": [vars(band) for band in chart.bands],
+        "corridor": _corridor_data(chart.corridor, columns),
         "curves": [
             vars(curve) | {"x": columns.add(curve.x), "y": columns.add(curve.y)}
             for curve in chart.curves
         ],
     }
+
+
+def _corridor_data(corridor, columns):
+    if corridor is None:
+        return None
+    arrays = {name: columns.add(getattr(corridor, name)) for name in ("x", "low", "high")}
+    return arrays | {"said": corridor.said}
 
 
 def _carpet_data(carpet: Carpet, columns: Columns):

@@ -10,11 +10,16 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..fmi.errors import BadInput
+from ..fmi.option_classes import near
 from ..fmi.quantities import to_si
+from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .judgement import last_period
 from .pictures import PALETTE, name_of
 
-HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)\s*\[(?P<unit>.+)\]\s*$")
+HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
+
+BOUNDS = ("low", "high")
+"""Of a measured band, behind the port in a column's head."""
 
 
 class Score(NamedTuple):
@@ -34,10 +39,12 @@ class Row(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A column of a measured file, in its own unit."""
+    """A column of a measured file, in its own unit; low, high : the band it is known to lie in."""
 
     values: np.ndarray
     unit: str
+    low: np.ndarray | None = None
+    high: np.ndarray | None = None
 
 
 def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np.ndarray) -> Score:
@@ -105,6 +112,8 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
 
     For example: bodies.crank_angle [deg],bodies.rocking_angle [mrad]
 
+    Two columns more give a band: bodies.rocking_angle low [mrad],bodies.rocking_angle high [mrad]
+
     Returns
     -------
     dict of str to Measured
@@ -130,16 +139,100 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
         raise BadInput(f"{path}: {error}") from None
     if values.ndim != 2 or values.shape[1] != len(heads) or np.any(np.diff(values[:, 0]) <= 0):
         raise BadInput(f"{path}: every row needs {len(heads)} numbers, the first rising")
-    columns = zip(heads, values.T)
-    return {head["port"]: Measured(column, head["unit"]) for head, column in columns if head}
+    return _columns(path, [head for head in heads if head], values.T)
+
+
+def _columns(path, heads, columns):
+    """By port the column without a bound, and its band."""
+    known = {(head["port"], head["bound"]): k for k, head in enumerate(heads)}
+    found = {}
+    faults = []
+    for (port, bound), k in known.items():
+        if bound:
+            missing = [other for other in (None, *BOUNDS) if (port, other) not in known]
+            faults += [
+                f"{path}: {port} {bound} needs a column {port} {other or ''}".rstrip()
+                for other in missing
+            ]
+            continue
+        bounds = {other: known[port, other] for other in BOUNDS if (port, other) in known}
+        faults += [
+            f"{path}: {port} {other} is in {heads[n]['unit']}, {port} in {heads[k]['unit']}"
+            for other, n in bounds.items()
+            if heads[n]["unit"] != heads[k]["unit"]
+        ]
+        band = {other: columns[n] for other, n in bounds.items()}
+        if len(band) == 2 and np.any(band["low"] > band["high"]):
+            faults.append(f"{path}: {port} low is above {port} high")
+        found[port] = Measured(columns[k], heads[k]["unit"], **band)
+    if faults:
+        raise BadInput(faults)
+    return found
+
+
+def share_within(x, y, x_measured, measured) -> float | None:
+    """Share of the measured points, among those that the curve comes by, where the curve lies in
+    the band; None without a band or such points. All in the measured units.
+    """
+    inside = (x_measured >= x[0]) & (x_measured <= x[-1])
+    if measured.low is None or measured.high is None or not inside.any():
+        return None
+    values = np.interp(x_measured[inside], x, y)
+    return float(np.mean((values >= measured.low[inside]) & (values <= measured.high[inside])))
+
+
+def check_measured(runs, measured):
+    """Raise BadInput with every measured column that a run does not have, or of another unit."""
+    faults = []
+    for port, column in measured.items():
+        for label, results in runs.items():
+            if port not in results.ports:
+                faults.append(f"measured {port}: {label} has none{near(port, results.ports)}")
+                continue
+            try:
+                _factor(column.unit, results.series(port).unit)
+            except BadInput as error:
+                faults += error.faults
+    if faults:
+        raise BadInput(faults)
+
+
+def measured_section(runs, measured) -> Section:
+    """Measured points with their bands, and the curves of the runs, in the measured units; a chart
+    a column.
+    """
+    (x_port, (x, x_unit, *_)), *columns = measured.items()
+    drawn = []
+    for port, column in columns:
+        band = None
+        if column.low is not None and column.high is not None:
+            band = Corridor(x, column.low, column.high, "measured band")
+        curves = []
+        for k, (label, results) in enumerate(runs.items()):
+            curve_x, si_x, _ = results.series(x_port)
+            curve_y, si_y, _ = results.series(port)
+            shown = curve_x / _factor(x_unit, si_x), curve_y / _factor(column.unit, si_y)
+            within = share_within(*shown, x, column)
+            said = label if within is None else f"{label}: {within:.0%} of the points in the band"
+            curves.append(Curve(said, k, *shown))
+        curves.append(Curve("measured", MEASURED, x, column.values, points=True))
+        chart = Chart(
+            name_of(port),
+            f"{name_of(x_port)} [{x_unit}]",
+            f"[{column.unit}]",
+            curves,
+            corridor=band,
+        )
+        drawn.append(chart)
+    return Section("Against measured values", drawn)
 
 
 def against_measured(runs, measured):
     """Scores of every run against every measured column: a row each."""
-    (x_port, (x, x_unit)), *columns = measured.items()
+    (x_port, (x, x_unit, *_)), *columns = measured.items()
     x = x * _factor(x_unit, next(iter(runs.values())).series(x_port).unit)
     rows = []
-    for port, (y, y_unit) in columns:
+    for port, (y, y_unit, *_) in columns:
         for label, results in runs.items():
             values, unit, _ = results.series(port)
             known = results.series(x_port).values
@@ -185,7 +278,7 @@ def against_last_cycle(case, runs, x_port, ports, period):
 
 def draw_measured(runs, measured, path):
     """The measured points over the runs' curves, in the measured units."""
-    (x_port, (x, x_unit)), *columns = measured.items()
+    (x_port, (x, x_unit, *_)), *columns = measured.items()
     figure, panels = plt.subplots(
         len(columns),
         1,
@@ -194,7 +287,9 @@ def draw_measured(runs, measured, path):
         layout="constrained",
         figsize=(11, 1.2 + 2.6 * len(columns)),
     )
-    for panel, (port, (y, unit)) in zip(panels[:, 0], columns):
+    for panel, (port, (y, unit, low, high)) in zip(panels[:, 0], columns):
+        if low is not None and high is not None:
+            panel.fill_between(x, low, high, color="black", alpha=0.12, lw=0, label="measured band")
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             curve_x, si_x, _ = results.series(x_port)
             curve_y, si_y, _ = results.series(port)

@@ -170,15 +170,7 @@ def write_vtu(blocks, path, radius, length):
 
     block = blocks[0]
     path = Path(path)
-    n, m = block.values.shape[1:]
-    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # where cells begin
-    ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
-    points = np.vstack([ring + [0, height, 0] for height in np.linspace(0, length, m + 1)])
-    a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
-    after = (a + 1) % n
-    cells = np.stack(
-        [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
-    ).reshape(-1, 4)
+    points, cells = cylinder_cells(block.values.shape[1:], radius, (0.0, length))
 
     def write(file, k):
         data = {f"{part.name} [{part.unit}]": [part.values[k].ravel()] for part in blocks}
@@ -189,16 +181,40 @@ def write_vtu(blocks, path, radius, length):
         return path
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)
-    lines = []
+    entries = []
     for k, time in enumerate(block.times):
         file = folder / f"{path.stem}_{k:05d}.vtu"
         write(file, k)
-        within = file.relative_to(path.parent).as_posix()
-        lines.append(f'    <DataSet timestep="{float(time)!r}" file="{within}"/>')
-    collection = path.with_suffix(".pvd")
-    collection.write_text(
+        entries.append((float(time), 0, file))
+    return write_collection(entries, path.with_suffix(".pvd"))
+
+
+def cylinder_cells(shape, radius, ends):
+    """Corners of the cells of fields on a cylinder about y between two heights [m], and the cells,
+    in the order of a field's values: index i around from +z towards +x, j along y.
+    """
+    n, m = shape
+    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # where cells begin
+    ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
+    points = np.vstack([ring + [0, height, 0] for height in np.linspace(*ends, m + 1)])
+    a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+    after = (a + 1) % n
+    cells = np.stack(
+        [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
+    ).reshape(-1, 4)
+    return points, cells
+
+
+def write_collection(entries, path):
+    """Write a .pvd file of (time [s], number of the part, VTU file below its folder)."""
+    lines = [
+        f'    <DataSet timestep="{time!r}" '
+        f'file="{file.relative_to(path.parent).as_posix()}" part="{part}"/>'
+        for time, part, file in entries
+    ]
+    path.write_text(
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
         + "\n".join(lines)
         + "\n  </Collection>\n</VTKFile>\n"
     )
-    return collection
+    return path

@@ -58,16 +58,19 @@ def write_movie(
         faults.append(f"--field: the case has no picture of maps; recorded are {', '.join(known)}")
     if frames < 2:
         faults.append(f"--frames {frames}: 2 or more")
+    _use_packaged_ffmpeg()
     writer = WRITERS.get(path.suffix)
     if writer is None:
-        faults.append(f"{path}: the file ends with {' or '.join(WRITERS)}")
+        faults.append(f"{path}: the file ends with {' or '.join(WRITERS)}, .glb or .pvd")
     elif not writer.isAvailable():
-        faults.append(f"{path}: needs ffmpeg, which is not installed; .gif needs nothing more")
+        faults.append(
+            f"{path}: needs ffmpeg, which is not installed: pip install 'piston-cosim[movie]'; "
+            ".gif needs nothing more"
+        )
     if faults or writer is None:
         raise BadInput(faults)
     units = {port: unit for picture in maps for port, unit in picture.units.items()}
-    count = len(results.instants)
-    chosen = np.unique(np.linspace(0, count - 1, min(frames, count)).round().astype(int))
+    chosen = chosen_instants(results, frames)
     figure, panels = plt.subplots(
         len(ports),
         1,
@@ -94,3 +97,22 @@ def write_movie(
             film.grab_frame()
     plt.close(figure)
     return chosen
+
+
+def chosen_instants(results: Results, frames: int) -> np.ndarray:
+    """So many at most of the recorded instants, evenly chosen; raises BadInput for less than 2."""
+    if frames < 2:
+        raise BadInput(f"--frames {frames}: 2 or more")
+    count = len(results.instants)
+    return np.unique(np.linspace(0, count - 1, min(frames, count)).round().astype(int))
+
+
+def _use_packaged_ffmpeg():
+    """The ffmpeg that imageio-ffmpeg brings, where it is installed and the system has none."""
+    if FFMpegWriter.isAvailable():
+        return
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        return
+    plt.rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()

@@ -17,6 +17,11 @@ from ..fmi.quantities import pint_unit, registry, to_si
 from .instants import instant, told
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
+PALETTE_DARK = (
+    *("#7fb2ea", "#f0896f", "#7cc98a", "#d8b85a"),
+    *("#b79be0", "#5cc8c8", "#e58cc4", "#a9b5bf"),
+)
+"""The same on a dark ground."""
 WINDOW = "#3a7d44"
 LETTERS = 9
 """Of a title to an inch: a longer one goes on in a second line."""

@@ -24,11 +24,14 @@ from .charts import Phase, Section, as_data, field_data, health_section, picture
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, figures, name_of, scaled
+from .pictures import PALETTE, PALETTE_DARK, name_of, scaled
+from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
 COLOURS = "viridis"
 """Of fields: even steps in lightness, told apart by colour-blind readers."""
+DIFFERENCES = "RdBu_r"
+"""Of differences, white at zero: red and blue are told apart by colour-blind readers."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,10 @@ class Special:
 PLAIN = Special()
 
 
-def write_report(case, runs, folder, notes="", studies=(), answers=None, special=PLAIN):
-    """Write `<folder>/report.html` and the figures.
+def write_report(
+    case, runs, folder, notes="", studies=(), answers=None, special=PLAIN, figures=True
+):
+    """Write `<folder>/report.html` and, if wanted, the figures.
 
     Parameters
     ----------
@@ -75,6 +80,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
         said).
     special : Special
         What only the kind of machine knows.
+    figures : bool
+        Whether the figures are wanted.
 
     Returns
     -------
@@ -83,7 +90,8 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    _save_figures(case, runs, folder)
+    if figures:
+        _save_figures(case, runs, folder)
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
     )
@@ -109,7 +117,7 @@ def write_report(case, runs, folder, notes="", studies=(), answers=None, special
 
 def _save_figures(case, runs, folder):
     """The case's pictures but maps, its loops and the coupling's health, as PNG and SVG."""
-    for picture, figure in figures(case, runs):
+    for picture, figure in drawn_figures(case, runs):
         if picture.kind != "map":
             _save(figure, folder / Path(picture.file).stem)
     for name in case.report.loops:
@@ -258,7 +266,8 @@ class Cursor:
     """Where the page's cursor can stand: every instant at which any run recorded fields.
 
     positions : rising, in `unit` (crank angle where every run says one, else time);
-    frames, rows : of each run the nearest recorded instant and the nearest macro step.
+    frames, rows : of each run the nearest recorded instant and the nearest macro step;
+    recorded : of each run where its recorded instants are, in `unit`.
     """
 
     label: str
@@ -266,6 +275,7 @@ class Cursor:
     positions: np.ndarray
     frames: list[np.ndarray] = field(default_factory=list)
     rows: list[np.ndarray] = field(default_factory=list)
+    recorded: list[np.ndarray] = field(default_factory=list)
 
 
 def cursor_of(runs) -> Cursor:
@@ -287,6 +297,7 @@ def cursor_of(runs) -> Cursor:
         positions,
         [nearest(own, positions) for own in recorded],
         [nearest(steps, positions) for _, steps in scales],
+        recorded,
     )
 
 
@@ -306,17 +317,19 @@ def page_data(case, runs, special) -> dict[str, Any]:
     cursor = cursor_of(runs)
     columns = Columns()
     strip = [_strip(case, port, unit, runs, cursor) for port, unit in special.strip.items()]
-    colours = (plt.get_cmap(COLOURS)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
         "labels": list(runs),
         "palette": PALETTE,
-        "colours": colours,
+        "palette_dark": PALETTE_DARK,
+        "colours": _table(COLOURS),
+        "diverging": _table(DIFFERENCES),
         "cursor": {
             "label": cursor.label,
             "unit": cursor.unit,
             "positions": columns.add(cursor.positions),
             "frames": [frames.tolist() for frames in cursor.frames],
+            "recorded": [columns.add(own) for own in cursor.recorded],
             "start": _telling(strip, cursor),
         },
         "words": [
@@ -329,6 +342,11 @@ def page_data(case, runs, special) -> dict[str, Any]:
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
     }
+
+
+def _table(name):
+    """256 colours of a map of matplotlib's, 0 to 255."""
+    return (plt.get_cmap(name)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
 
 
 def monitor_words(case, results, rows):

@@ -5,7 +5,8 @@ what the contract says an FMU of a role `repeats`: together film, motion and oil
 
 Motion and a flooded film forget their start by a factor of ten a cycle (numerical example, rigid,
 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6). What a participant says is slower is
-extrapolated between two cycles, `extrapolation`.
+extrapolated between two cycles, `extrapolation`. Not every engine repeats: a piston that slaps on
+scarce oil may take another course in each cycle. Then distances stop falling, and a run says so.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,6 +19,13 @@ from .extrapolation import Extrapolation
 
 Port = tuple[str, str]
 """Participant and variable."""
+
+NO_NEARER = 3
+"""Cycles after which a distance that has not become smaller is said to have stopped falling: an
+extrapolation that is taken back costs one, and a distance need not fall in every cycle.
+"""
+SHOWN = 4
+"""Fields that are named where a run does not become periodic."""
 
 
 class Repetition:
@@ -50,6 +58,8 @@ class Repetition:
         d of each [-].
     furthest : (participant, variable)
         Field that the last one is of.
+    apart : dict of (participant, variable) to float
+        Of each field over the last cycle [-].
     """
 
     def __init__(
@@ -68,6 +78,7 @@ class Repetition:
         self.cycles = 0
         self.distances: list[float] = []
         self.furthest = self.compared[0]
+        self.apart: dict[Port, float] = {}
         self.first: dict[Port, float] = {}
         self.begun: dict[Port, float] = {}
         self.start: dict[Port, np.ndarray] = {}
@@ -111,9 +122,9 @@ class Repetition:
         """The cycle is over: how far it is from the one before, by Eq. (Y2)."""
         now = self._read(participants)
         self.cycles += 1
-        apart = {port: self._apart(port, now[port]) for port in self.compared}
-        self.furthest = max(apart, key=apart.__getitem__)
-        self.distances.append(apart[self.furthest])
+        self.apart = {port: self._apart(port, now[port]) for port in self.compared}
+        self.furthest = max(self.apart, key=self.apart.__getitem__)
+        self.distances.append(self.apart[self.furthest])
         if self.extrapolation:
             self.extrapolation.end(participants)
         return self.distances[-1]
@@ -137,9 +148,32 @@ class Repetition:
             f"cycle {self.taken}: its end is {self.distances[-1]:.2g} from its beginning "
             f"({'.'.join(self.furthest)}), wanted {self.tolerance:g}"
         )
+        if not self.is_periodic and self.no_nearer >= NO_NEARER:
+            text += f"; no nearer for {self.no_nearer} cycles than {min(self.distances):.2g}"
         if self.is_over and not self.is_periodic:
-            text += f"; not periodic after {self.taken} cycles (time.most_cycles)"
+            text += f"; not periodic after {self.taken} cycles (time.most_cycles): {self._why()}"
         return text
+
+    @property
+    def no_nearer(self) -> int:
+        """Cycles since the one that was nearest to repeating."""
+        if not self.distances:
+            return 0
+        return len(self.distances) - 1 - self.distances.index(min(self.distances))
+
+    def _why(self):
+        """What does not repeat, the farthest first, and whether more cycles promise anything."""
+        farthest = sorted(self.apart, key=self.apart.__getitem__, reverse=True)
+        fields = ", ".join(
+            f"{'.'.join(port)} {self.apart[port]:.2g}"
+            for port in farthest[:SHOWN]
+            if self.apart[port] > self.tolerance
+        )
+        rest = sum(value > self.tolerance for value in self.apart.values()) - SHOWN
+        fields += f" and {rest} more" if rest > 0 else ""
+        if self.no_nearer >= NO_NEARER:
+            return f"the distances have stopped falling, {fields} do not repeat from cycle to cycle"
+        return f"still coming nearer, {fields} would need more cycles"
 
     def summary(self) -> dict[str, object]:
         """Summary entries."""
@@ -150,6 +184,7 @@ class Repetition:
         return {
             "cycles": self.taken,
             "cycle_distance": self.distances[-1] if self.distances else float("nan"),
+            "cycle_distance_least": min(self.distances, default=float("nan")),
             "periodic": self.is_periodic,
             **counted,
         }

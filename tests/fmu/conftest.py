@@ -11,6 +11,7 @@ import fmpy
 import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import build_native_fmu, too_old
 from piston_cosim.master.fmi.compiler import compiler
 
 HERE = Path(__file__).parent
@@ -20,6 +21,26 @@ HERE = Path(__file__).parent
 def fmu():
     """The lubrication FMU on a small grid."""
     return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."))
+
+
+@pytest.fixture(scope="session")
+def native_fmu():
+    """The same without Python; the first time its kernels are compiled, one to two minutes."""
+    return native_film([12, 10])
+
+
+def native_film(grid, **options):
+    """A native lubrication FMU for this machine."""
+    if not compiler():
+        pytest.skip("no C compiler, or not Linux on x86-64")
+    if too_old():
+        pytest.skip(too_old()[0])
+    return build_native_fmu("fmu_ehd", {"grid": grid} | options, Path("."))
+
+
+@pytest.fixture(scope="session")
+def make_native():
+    return native_film
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,8 @@
-"""The built lubrication FMU, driven in a process that has never imported the source."""
+"""The built lubrication FMU, in Python and native, driven in a process that has never imported the
+source.
+"""
 
+import pytest
 from fmpy.validation import validate_fmu
 
 PRELUDE = """
@@ -37,6 +40,11 @@ def step(fmu, film, time=0.0, size=5e-5, speed=6.0):
     fmu.doStep(time, size)
     return np.array(fmu.getReal(forces))
 """
+
+
+@pytest.fixture(params=["fmu", "native_fmu"])
+def fmu(request):
+    return request.getfixturevalue(request.param)
 
 
 def test_model_description_is_valid(fmu):

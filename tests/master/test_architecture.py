@@ -16,6 +16,7 @@ COMPILED = "master.fmi.compiled"
 OUTER = {
     "declaration.py",
     "slave.py",
+    "native.py",
     "variables.py",
     "build.py",
     "options.py",

@@ -55,7 +55,7 @@ def test_without_fields_those_of_the_case(case, results, tmp_path):
     [
         (["ehd.pressur"], 5, "a.gif", "did you mean"),
         ([], 1, "a.gif", "2 or more"),
-        ([], 5, "a.avi", "ends with .gif or .mp4"),
+        ([], 5, "a.avi", "ends with .gif or .mp4, .glb or .pvd"),
         ([], 5, "a.mp4", "needs ffmpeg"),
     ],
 )

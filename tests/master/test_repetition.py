@@ -89,7 +89,34 @@ def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
     said = []
     summary = go(toys(), tmp_path / "run.h5", tree, say=said.append)
     assert (summary["cycles"], summary["periodic"]) == (2, False)
-    assert said[-1].endswith("not periodic after 2 cycles (time.most_cycles)")
+    assert said[-1].endswith(
+        "not periodic after 2 cycles (time.most_cycles): still coming nearer, "
+        f"echo.w0 {distance(2):.2g}, plant.y0 {distance(2):.2g} would need more cycles"
+    )
+
+
+def test_a_run_whose_cycles_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
+    """sin(pi t/2) + sin(t): a cycle of 4 s begins and ends at unlike points of the second sine, by
+    2 |sin 2 cos(4 k - 2)| in cycle k; of the first seven the fourth is the nearest.
+    """
+
+    def wandering(t):
+        return np.sin(np.pi * t / 2) + np.sin(t)
+
+    tree = TREE | {"time": TREE["time"] | {"most_cycles": 7}}
+    said = []
+    system = affine([[0.0]], wandering, 1e-9, stop=4.0)
+    summary = go(system, tmp_path / "run.h5", tree, say=said.append)
+    distances = []
+    for k in range(7):
+        values = wandering(4.0 * k + np.arange(5.0))
+        distances.append(abs(values[-1] - values[0]) / np.ptp(values))
+    nearest = int(np.argmin(distances))
+    assert nearest == 3
+    assert summary["cycle_distance_least"] == pytest.approx(distances[nearest], rel=1e-9)
+    assert f"no nearer for 3 cycles than {distances[nearest]:.2g}" in said[-1]
+    assert "no nearer" not in said[nearest + 2]
+    assert "the distances have stopped falling, echo.w0" in said[-1]
 
 
 @pytest.mark.parametrize("instant", [3.0, 4.0, 5.0, 10.0])

@@ -98,6 +98,45 @@ def test_gas_widens_the_bore_of_a_running_model(reduced):
     )
 
 
+def test_a_share_of_the_gas_between_the_rings(reduced):
+    """Eq. (D18) by hand: an unit of W a metre of height, one mode that is wide everywhere alike.
+
+    Bore 0 to 0.2 m, A at 0.1 m, rings 20 and 10 mm above it: 80 mm of wall bear 5 MPa, 10 mm a
+    fifth of it and 0.3 MPa of the input.
+    """
+    height = np.linspace(0.0, 0.2, 21)
+    even = np.full((8, 21, 1), 1.0 / (2 * np.pi * 0.04))
+    wall = bore_wall(height, even, 0.04, 20e-3, 10e-3, 0.2)
+    (force,) = wall_forces(wall, 0.1, WallPressures(5e6, 3e5))
+    assert force == pytest.approx(5e6 * 0.08 + (1e6 + 3e5) * 0.01, rel=1e-12)
+    options, piston, block = reduced
+    rings = dict(top_ring_height=16e-3, second_ring_height=12e-3)
+    shared = assemble(piston, block, options, Parameters(**rings, land_pressure_share=0.3))
+    assert shared.system.wall.land_share == 0.3
+
+
+def test_an_even_land_pressure_leaves_a_rigid_piston_alone(reduced):
+    """It pushes both rings along the bore's axis with equal and opposite forces: the same motion,
+    to the last bit, where the block does not yield.
+    """
+    options, piston, block = reduced
+    last = ("radial", "axial", "omega", "kind")
+    rigid = dataclasses.replace(block, **{name: getattr(block, name)[..., :0] for name in last})
+    nothing = np.zeros((16, 12))
+    rings = dict(top_ring_height=16e-3, second_ring_height=12e-3)
+    ends = []
+    for share in (0.0, 0.5):
+        parameters = Parameters(**rings, land_pressure_share=share)
+        model = assemble(piston, rigid, options, parameters)
+        gas = Inputs(300.0, 6e6, nothing, nothing)
+        state, _ = model.start(0.3, 2e-6, 1e-4, gas)
+        for _ in range(3):
+            state, out = model.advance(state, gas, 5e-5)
+        ends.append((state.position, out["pin_force_x"], out["pin_force_y"]))
+    for there, here in zip(*ends):
+        np.testing.assert_array_equal(there, here)
+
+
 def test_rings_beside_one_another_are_refused(reduced):
     options, piston, block = reduced
     for second in (5e-3, 17e-3):

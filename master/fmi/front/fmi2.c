@@ -81,7 +81,7 @@ EXPORT int fmi2SetupExperiment(Instance *I, int tolerant, double tolerance, doub
 
 EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_initialise(I, 1); }
 EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_initialise(I, 0); }
-EXPORT int fmi2Terminate(Instance *I) { return front_call(I, "terminate", "()"); }
+EXPORT int fmi2Terminate(Instance *I) { return front_terminate(I); }
 
 EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
 {

@@ -55,7 +55,7 @@ EXPORT int fmi3ExitInitializationMode(Instance *I) { return front_initialise(I, 
 EXPORT int fmi3EnterStepMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3EnterConfigurationMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3ExitConfigurationMode(Instance *I) { (void)I; return OK; }
-EXPORT int fmi3Terminate(Instance *I) { return front_call(I, "terminate", "()"); }
+EXPORT int fmi3Terminate(Instance *I) { return front_terminate(I); }
 
 EXPORT int fmi3DoStep(Instance *I, double time, double step, bool keeps_no_state, bool *event, bool *terminate, bool *early,
                       double *reached)

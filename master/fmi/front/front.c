@@ -69,14 +69,6 @@ static void *python_in_process(void)
     return library;
 }
 
-/* First line of a file or of a command's output; empty if there is none. */
-static void first_line(FILE *stream, char *line, int size)
-{
-    if (!fgets(line, size, stream))
-        line[0] = 0;
-    line[strcspn(line, "\n")] = 0;
-}
-
 /* Appends `text` in single quotes, as a shell reads it. */
 static void quote(char *command, size_t size, const char *text)
 {
@@ -96,7 +88,7 @@ static void probe(const char *interpreter, const char *resources, char *answer, 
     FILE *stream = popen(command, "r");
     answer[0] = 0;
     if (stream) {
-        first_line(stream, answer, size);
+        front_first_line(stream, answer, size);
         pclose(stream);
     }
     if (!answer[0])
@@ -123,7 +115,7 @@ static void *start_first_python(Instance *I)
     record_of_python(path, sizeof path);
     FILE *file = fopen(path, "r");
     if (file) {
-        first_line(file, recorded, sizeof recorded);
+        front_first_line(file, recorded, sizeof recorded);
         fclose(file);
     }
     if (getenv("VIRTUAL_ENV"))
@@ -243,7 +235,8 @@ static PyObject *ask(Instance *I, const char *method, PyObject *arguments, int *
     return result;
 }
 
-int front_call(Instance *I, const char *method, const char *format, ...)
+/* Calls a method without a result, arguments as for Py_BuildValue; a status. */
+static int call(Instance *I, const char *method, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
@@ -257,7 +250,7 @@ int front_call(Instance *I, const char *method, const char *format, ...)
 
 int front_step(Instance *I, double time, double step)
 {
-    int status = front_call(I, "do_step", "(dd)", time, step);
+    int status = call(I, "do_step", "(dd)", time, step);
     if (status == OK)
         I->reached = time + step;
     return status;
@@ -266,10 +259,12 @@ int front_step(Instance *I, double time, double step)
 int front_initialise(Instance *I, int enters)
 {
     I->initialising = enters;
-    return front_call(I, enters ? "enter_initialization_mode" : "exit_initialization_mode", "()");
+    return call(I, enters ? "enter_initialization_mode" : "exit_initialization_mode", "()");
 }
 
-int front_show(Instance *I) { return I->initialising ? front_call(I, "show_start", "()") : OK; }
+int front_terminate(Instance *I) { return call(I, "terminate", "()"); }
+int front_products(Instance *I) { return call(I, "update_products", "()"); }
+int front_show(Instance *I) { return I->initialising ? call(I, "show_start", "()") : OK; }
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
@@ -349,23 +344,6 @@ static int create_slave(Instance *I)
     return status;
 }
 
-/* Whether the token is that of the FMU; says so if not. An FMU without its resources is refused later, by name. */
-static int is_own(Instance *I, const char *token)
-{
-    char path[8192], own[128] = "";
-    snprintf(path, sizeof path, "%s/token.txt", I->resources);
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return 1;
-    first_line(file, own, sizeof own);
-    fclose(file);
-    int same = token && !strcmp(token, own);
-    if (!same)
-        front_log(I, ERROR, "instantiate: %s is not the identifier of this FMU, %s: its model description is another's",
-                  token ? token : "nothing", own);
-    return same;
-}
-
 Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
 {
     Instance *I = malloc(sizeof *I);
@@ -373,7 +351,7 @@ Instance *front_create(const char *name, const char *token, char *resources, Ins
     I->name = strdup(name ? name : "instance");
     I->resources = resources;
     int status = ERROR;
-    if (is_own(I, token) && have_python(I)) {
+    if (front_is_own(I, token) && have_python(I)) {
         int held = py.PyGILState_Ensure();
         status = create_slave(I);
         py.PyGILState_Release(held);
@@ -407,64 +385,11 @@ int front_reset(Instance *I)
     return status;
 }
 
-void front_log(Instance *I, int status, const char *format, ...)
-{
-    char text[20000];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(text, sizeof text, format, list);
-    va_end(list);
-    I->send(I, status, status == DISCARD ? "logStatusDiscard" : "logStatusError", text);
-}
-
-/* ---- derivatives ------------------------------------------------------------------------------------------------ */
-
-enum { NO_DEPENDENCE = -1, UNKNOWN = -2 };
-
-/* Index into `real` that is reserved for the seed or product of a reference; NO_DEPENDENCE for a variable without;
-   UNKNOWN, logged, where there is no such variable. */
-static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Reference reference)
-{
-    for (int64_t k = 0; k < count; k++)
-        if (reference >= blocks[k].first && reference < blocks[k].first + blocks[k].size)
-            return blocks[k].reserved + reference - blocks[k].first;
-    if ((int64_t)reference < I->reals)
-        return NO_DEPENDENCE;
-    front_log(I, ERROR, "directional derivative: no real variable of value reference %u", reference);
-    return UNKNOWN;
-}
-
-int front_derivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known, size_t knowns,
-                     const double *seed, double *product)
-{
-    for (int64_t k = 0; k < I->seeds; k++)
-        memset(I->real + I->seed[k].reserved, 0, (size_t)I->seed[k].size * sizeof(double));
-    int moves = 0, status = OK;
-    for (size_t k = 0; k < knowns; k++) {
-        int64_t index = reserved(I, I->seed, I->seeds, known[k]);
-        if (index == UNKNOWN)
-            return ERROR;
-        if (index >= 0) {
-            I->real[index] = seed[k];
-            moves = 1;
-        }
-    }
-    if (moves)
-        status = front_call(I, "update_products", "()");
-    for (size_t k = 0; status == OK && k < unknowns; k++) {
-        int64_t index = reserved(I, I->product, I->products, unknown[k]);
-        if (index == UNKNOWN)
-            return ERROR;
-        product[k] = moves && index >= 0 ? I->real[index] : 0.0;
-    }
-    return status;
-}
-
 /* ---- texts and states ------------------------------------------------------------------------------------------- */
 
 int front_set_text(Instance *I, Reference reference, const char *text)
 {
-    return front_call(I, "set_string", "([I][s])", reference, text);
+    return call(I, "set_string", "([I][s])", reference, text);
 }
 
 int front_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
@@ -493,7 +418,7 @@ int front_get_state(Instance *I, void **state)
 
 int front_set_state(Instance *I, void *state)
 {
-    return front_call(I, "_set_fmu_state", "(O)", state);
+    return call(I, "_set_fmu_state", "(O)", state);
 }
 
 void front_free_state(void **state)

@@ -31,6 +31,10 @@ async function framesOf(run) {
   return (frame, cell) => halves[bits[frame * size + cell]] * run.scale;
 }
 
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+const colourOf = run => { if (run < 0) return style("--ink"); const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
+let printing = false;   // on paper colours are those of the day
+
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
 
@@ -49,15 +53,16 @@ function ticks(low, high, logarithmic, wanted = 6) {
   return logarithmic ? found.filter(value => value > 0) : found;
 }
 
-// red, green, blue at a share of the colour table, between its entries
-function colourAt(share) {
+// red, green, blue at a share of a colour table, between its entries
+function colourAt(share, colours = data.colours) {
   const place = Math.min(1, Math.max(0, share)) * 255, k = Math.min(254, Math.floor(place)), rest = place - k;
-  return [0, 1, 2].map(c => Math.round(data.colours[k][c] * (1 - rest) + data.colours[k + 1][c] * rest));
+  return [0, 1, 2].map(c => Math.round(colours[k][c] * (1 - rest) + colours[k + 1][c] * rest));
 }
 
 // the same by a table, as the bytes of a pixel; finer than a colour's 8 bits
-const fine = 4095, pixels = Uint32Array.from({ length: fine + 1 }, (_, k) => { const [r, g, b] = colourAt(k / fine); return (255 << 24 | b << 16 | g << 8 | r) >>> 0; });
-const pixelAt = share => pixels[Math.round(Math.min(1, Math.max(0, share)) * fine)];
+const fine = 4095, tableOfPixels = colours => Uint32Array.from({ length: fine + 1 }, (_, k) => { const [r, g, b] = colourAt(k / fine, colours); return (255 << 24 | b << 16 | g << 8 | r) >>> 0; });
+const pixels = tableOfPixels(data.colours), pixelsOfDifferences = tableOfPixels(data.diverging);
+const pixelAt = (share, scale) => (scale.differences ? pixelsOfDifferences : pixels)[Math.round(Math.min(1, Math.max(0, share)) * fine)];
 
 const shareOf = (value, scale) => scale.logarithmic
   ? value <= scale.low ? 0 : Math.log(value / scale.low) / Math.log(scale.high / scale.low)
@@ -89,12 +94,12 @@ function sharp(canvas, height) {
 }
 
 function drawLegend(canvas, scale, unit) {
-  const shown = [age, scale.low, scale.high, scale.logarithmic, unit].join(" ");
+  const shown = [age, scale.low, scale.high, scale.logarithmic, scale.differences, unit].join(" ");
   if (canvas.shown === shown) return;
   canvas.shown = shown;
   const { pen, width } = sharp(canvas, 32), left = 24, right = width - 40;
   for (let x = 0; x < right - left; x++) {
-    pen.fillStyle = `rgb(${colourAt((x + .5) / (right - left))})`;
+    pen.fillStyle = `rgb(${colourAt((x + .5) / (right - left), scale.differences ? data.diverging : data.colours)})`;
     pen.fillRect(left + x, 0, 1, 13);
   }
   pen.fillStyle = style("--ink"); pen.textAlign = "center";
@@ -168,7 +173,7 @@ class FieldMap {
     const image = new ImageData(n, m), dots = new Uint32Array(image.data.buffer);
     for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
       const v = this.value(i, j);
-      if (!Number.isNaN(v)) dots[(m - 1 - j) * n + i] = pixelAt(shareOf(v, scale));
+      if (!Number.isNaN(v)) dots[(m - 1 - j) * n + i] = pixelAt(shareOf(v, scale), scale);
     }
     const small = this.small;
     small.getContext("2d").putImageData(image, 0, 0);
@@ -200,7 +205,9 @@ class FieldMap {
     pen.translate(11, box.top + box.height / 2); pen.rotate(-Math.PI / 2); pen.textAlign = "center";
     pen.fillText(titled(axes[1]), 0, 0);
     pen.restore();
-    const { low, high } = this.range(), away = this.run.there ? "; blank: no film there" : "";
+    const { low, high } = this.range();
+    if (!(high >= low)) { this.caption.textContent = `${this.label}: no instant that both runs have recorded`; return; }
+    const away = this.run.there ? "; blank: no film there" : "";
     this.caption.textContent = `${this.label}: ${digits(low)} to ${withUnit(high, this.field.unit)}${away}`;
     this.canvas.setAttribute("aria-label", `${this.field.name}, ${this.caption.textContent}`);
     if (this.held) this.tell();
@@ -213,7 +220,7 @@ class FieldMap {
       if (shareOf(level, scale) < .001 || shareOf(level, scale) > .999) continue;
       const lines = contour(at, n, m, this.field.axes[0].closed, level);
       if (!lines.length) continue;
-      const bright = shareOf(level, scale) > .55, X = p => box.left + (p[0] + .5) / n * box.width, Y = p => box.top + box.height * (1 - (p[1] + .5) / m);
+      const bright = scale.differences ? Math.abs(shareOf(level, scale) - .5) < .35 : shareOf(level, scale) > .55, X = p => box.left + (p[0] + .5) / n * box.width, Y = p => box.top + box.height * (1 - (p[1] + .5) / m);
       pen.strokeStyle = bright ? "rgba(0,0,0,.55)" : "rgba(255,255,255,.7)"; pen.lineWidth = .8;
       pen.beginPath();
       for (const [p, q] of lines) { pen.moveTo(X(p), Y(p)); pen.lineTo(X(q), Y(q)); }
@@ -239,16 +246,68 @@ class FieldMap {
     this.tell();
   }
   tell() {
-    const { i, j } = this.cell, [n, m] = this.run.shape, axes = this.field.axes, value = this.value(i, j);
+    const { i, j } = this.cell, said = this.difference ? `${this.field.name}, ${this.label}` : this.field.name, [n, m] = this.run.shape, axes = this.field.axes, value = this.value(i, j);
     const along = (axis, ends, k, cells) => `${axis.label} ${withUnit(ends[0] + (k + .5) / cells * (ends[1] - ends[0]), axis.unit)}`;
     const place = [along(axes[0], this.run.ends[0], i, n), along(axes[1], this.run.ends[1], j, m)];
     if (this.frames) place.push(`${data.cursor.label} ${withUnit(positions[+slider.value], data.cursor.unit)}`);
-    tip.textContent = `${this.field.name} ${Number.isNaN(value) ? "\u2013 (no film there)" : withUnit(value, this.field.unit)}: ${place.join(", ")}`;
+    tip.textContent = `${said} ${Number.isNaN(value) ? "\u2013 (nothing there)" : withUnit(value, this.field.unit)}: ${place.join(", ")}`;
     const rect = this.canvas.getBoundingClientRect(), box = this.box;
     tip.style.display = "block"; this.held = true;
     tip.style.left = Math.min(window.innerWidth - tip.offsetWidth - 8, rect.left + box.left + (i + .5) / n * box.width + 14) + "px";
     tip.style.top = rect.top + box.top + (1 - (j + .5) / m) * box.height + 14 + "px";
   }
+}
+
+// a run's field less that of another at the same place and position of the cursor
+class DifferenceMap extends FieldMap {
+  constructor(parent, field, run, label, controls, later, first) {
+    super(parent, field, run, label, null, later.frames, controls);
+    Object.assign(this, { later, first, difference: true });
+    const both = [later, first].map(map => map.run.there).filter(there => there);
+    if (both.length) this.run = { ...run, there: run.text && both.reduce((a, b) => a.map((one, k) => one && b[k])) };
+  }
+  // both runs recorded this instant
+  common(k = +slider.value) {
+    if (!this.frames) return true;
+    const [a, b] = [this.later, this.first].map(map => map.recorded[map.frames[k]]);
+    return Math.abs(a - b) <= 1e-3 * Math.abs(positions[positions.length - 1] - positions[0]) / positions.length;
+  }
+  value(i, j) { return this.common() ? this.later.value(i, j) - this.first.value(i, j) : NaN; }
+  // largest difference of all instants, or of this one
+  largest(now) {
+    if (now || !this.frames) { const { low, high } = this.range(); return high >= low ? Math.max(-low, high) : 0; }
+    if (this.most !== undefined) return this.most;
+    const [n, m] = this.run.shape;
+    this.most = 0;
+    for (let k = 0; k < positions.length; k++) if (this.common(k)) for (let cell = 0; cell < n * m; cell++) {
+      if (this.run.there && !this.run.there[cell]) continue;
+      const apart = Math.abs(this.later.at(this.later.frames[k], cell) - this.first.at(this.first.frames[k], cell));
+      if (apart > this.most) this.most = apart;
+    }
+    return this.most;
+  }
+}
+
+// differences of every later run from the first that has the field, with a legend of their own; what repaints them
+function showDifferences(parent, field, maps, contours, now) {
+  const [first, ...later] = maps, alike = later.filter(map => String(map.run.shape) === String(first.run.shape));
+  for (const map of later) if (!alike.includes(map)) element("p", parent, `No difference of ${map.label} and ${first.label}: their grids have ${map.run.shape.join(" x ")} and ${first.run.shape.join(" x ")} cells.`, "small");
+  if (!alike.length) return () => {};
+  const row = element("div", parent, "", "scale"), label = element("label", row), box = element("input", label), legend = element("canvas", row);
+  box.type = "checkbox"; box.checked = true; label.append(` differences from ${first.label}`);
+  legend.style.cssText = "flex: 1 1 280px; max-width: 420px; min-width: 200px";
+  legend.dataset.differences = field.name;
+  const area = element("div", parent, "", "maps"), shown = alike.map(map => new DifferenceMap(area, field, map.run, `${map.label} minus ${first.label}`, { contours }, map, first));
+  const repaint = () => {
+    area.hidden = legend.hidden = !box.checked;
+    if (!box.checked) return;
+    const most = Math.max(...shown.map(map => map.largest(now()))) || 1;
+    const scale = { low: -most, high: most, logarithmic: false, differences: true };
+    drawLegend(legend, scale, field.unit);
+    shown.forEach(map => map.paint(scale));
+  };
+  box.onchange = repaint;
+  return repaint;
 }
 
 // a field of every run, with its legend and what is chosen for it
@@ -278,7 +337,9 @@ async function showField(parent, field, moving) {
   for (const [k, run] of field.runs.entries()) {
     if (!run) { element("figcaption", element("figure", area), `${data.labels[k]}: not recorded`); continue; }
     maps.push(new FieldMap(area, field, run, data.labels[k], await unpackFrames(run), moving ? data.cursor.frames[k] : null, { contours }));
+    if (moving) maps[maps.length - 1].recorded = column(data.cursor.recorded[k]);
   }
+  const repaintDifferences = maps.length > 1 ? showDifferences(parent, field, maps, contours, () => over.value === "now") : () => {};
   const repaint = () => {
     let { low, high, positive } = field;
     if (over.value === "now") {
@@ -288,6 +349,7 @@ async function showField(parent, field, moving) {
     const scale = scaleOver(low, high, Number.isFinite(positive) ? positive : 0, kind.value === "log");
     drawLegend(legend, scale, field.unit);
     maps.forEach(map => map.paint(scale));
+    repaintDifferences();
   };
   if (moving) painters.push(whenSeen(parent, repaint));
   repainters.push(repaint);
@@ -301,42 +363,36 @@ function whenSeen(node, paint) {
   return () => { if (seen) paint(); };
 }
 
-// scalar outputs under the cursor, a lane each; pointing sets the cursor
+// scalar outputs under the cursor, a lane each; pointing sets the cursor. The cursor and the values are no part of the canvas
 function strip() {
   const canvas = byId("strip"), lanes = data.strip.filter(lane => lane.runs.some(([, count]) => count));
   if (!lanes.length && !data.phases.length) { canvas.remove(); return; }
-  const tall = 34, left = 0, X = (value, width) => left + (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * (width - left);
-  const still = document.createElement("canvas");   // what does not move with the cursor
-  const drawStill = (width, height, ratio) => {
-    Object.assign(still, { width: Math.round(width * ratio), height: Math.round(height * ratio), age });
-    const pen = still.getContext("2d");
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.font = "11px system-ui, sans-serif";
+  const box = canvas.parentElement, now = element("div", box, "", "now"), tall = 34, X = (value, width) => (value - positions[0]) / ((positions[positions.length - 1] - positions[0]) || 1) * width;
+  const said = lanes.map((lane, row) => { const made = element("span", box, "", "lane"); made.style.top = 16 + tall * row - 2 + "px"; return made; });
+  const draw = () => {
+    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
     drawPhases(pen, width, height, X);
     lanes.forEach((lane, row) => {
       const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
       const Y = value => 16 + tall * row + (tall - 4) * (1 - (value - low) / ((high - low) || 1));
       runs.forEach((own, k) => {
-        pen.strokeStyle = data.palette[k % data.palette.length]; pen.lineWidth = 1.2; pen.beginPath();
+        pen.strokeStyle = colourOf(k); pen.lineWidth = 1.2; pen.beginPath();
         own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
         pen.stroke();
       });
     });
   };
   const paint = () => {
-    const { pen, width, height } = sharp(canvas, 16 + tall * lanes.length);
-    if (still.age !== age) drawStill(width, height, canvas.ratio);
-    pen.drawImage(still, 0, 0, width, height);
+    const k = +slider.value;
     lanes.forEach((lane, row) => {
-      const runs = lane.runs.map(column);
-      pen.fillStyle = style("--ink"); pen.textAlign = "left";
-      pen.fillText(`${lane.name}: ${runs.map(own => own.length ? withUnit(own[+slider.value], lane.unit) : "\u2013").join(" | ")}`, left + 4, 16 + tall * row + 11);
+      said[row].textContent = `${lane.name}: ${lane.runs.map(column).map(own => own.length ? withUnit(own[k], lane.unit) : "\u2013").join(" | ")}`;
     });
-    pen.fillStyle = style("--bad"); pen.fillRect(X(positions[+slider.value], width) - .5, 0, 1.5, height);
+    now.style.transform = `translateX(${X(positions[k], canvas.wide).toFixed(1)}px)`;
   };
-  const set = event => { if (event.buttons) { const width = canvas.clientWidth; go(nearest(positions[0] + (event.offsetX - left) / (width - left) * (positions[positions.length - 1] - positions[0]))); } };
+  const set = event => { if (event.buttons) go(nearest(positions[0] + event.offsetX / canvas.clientWidth * (positions[positions.length - 1] - positions[0]))); };
   canvas.onpointerdown = canvas.onpointermove = set;
-  painters.push(paint); repainters.push(paint);
+  draw();
+  painters.push(paint); repainters.push(() => { draw(); paint(); });
 }
 
 function drawPhases(pen, width, height, X) {
@@ -385,12 +441,19 @@ function layoutOf(drawn) {
   return layout;
 }
 
+// a shaded range along the abscissa: its lower edge, and its upper one filled down to it
+function corridorOf({ corridor }) {
+  if (!corridor) return [];
+  const edge = { type: "scatter", mode: "lines", x: column(corridor.x), line: { width: 0 }, hoverinfo: "skip", showlegend: false };
+  return [{ ...edge, y: column(corridor.low) }, { ...edge, y: column(corridor.high), fill: "tonexty", fillcolor: "rgba(120,130,140,.3)", name: corridor.said, showlegend: true }];
+}
+
 function tracesOf(drawn) {
-  if (drawn.kind === "chart") return drawn.curves.map(curve => ({
+  if (drawn.kind === "chart") return corridorOf(drawn).concat(drawn.curves.map(curve => ({
     type: "scatter", mode: curve.points ? "markers" : "lines", name: curve.name, x: column(curve.x), y: column(curve.y), connectgaps: false,
-    line: { color: data.palette[curve.run % data.palette.length], dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: data.palette[curve.run % data.palette.length] },
+    line: { color: colourOf(curve.run), dash: curve.dash, width: 1.5 }, marker: { size: curve.x[1] < 60 ? 7 : 3, color: colourOf(curve.run) },
     hovertemplate: "%{y:.5g}" + (drawn.cursor ? "" : " at %{x:.5g}") + "<extra>" + curve.name + "</extra>",
-  }));
+  })));
   const x = column(drawn.x), y = column(drawn.y), values = column(drawn.values), rows = [...y.keys()].map(j => values.subarray(j * x.length, (j + 1) * x.length));
   const { low, high, positive } = drawn.limits, scale = scaleOver(low, high, positive, drawn.logarithmic), log = scale.logarithmic;
   const shown = log ? rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : Math.log10(Math.max(v, scale.low)))) : rows.map(row => Array.from(row, v => Number.isNaN(v) ? null : v));
@@ -484,11 +547,12 @@ function show() {
 }
 function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
 let playing = false, last = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
+const steps = 8, drawnFineness = () => playing ? Math.round(fineness * steps) / steps : 1;   // in steps: another size costs a frame
 function turn(time) {
   if (!playing) return;
   const apart = time - last;
   if (apart > 30) {
-    fineness = Math.min(1, Math.max(.4, fineness * (apart > 38 ? .9 : 1.02)));
+    fineness = Math.min(1, Math.max(3 / steps, fineness * (apart > 38 ? .94 : 1.01)));
     last = time; shown += 1;
     go(+slider.value + 1);
   }
@@ -523,9 +587,9 @@ async function begin() {
   const again = () => { age += 1; repainters.forEach(paint => paint()); };
   let width = window.innerWidth;
   window.addEventListener("resize", () => { if (window.innerWidth !== width) { width = window.innerWidth; again(); } });
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-  window.addEventListener("beforeprint", () => { waiting.forEach(([, draw]) => draw()); again(); });
-  window.addEventListener("afterprint", again);
+  dark.addEventListener("change", again);
+  window.addEventListener("beforeprint", () => { printing = true; waiting.forEach(([, draw]) => draw()); again(); });
+  window.addEventListener("afterprint", () => { printing = false; again(); });
   document.body.dataset.page = "ready";
 }
 begin();

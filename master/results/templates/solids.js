@@ -105,6 +105,19 @@ function program(gl) {
   return made;
 }
 
+// whether a surface encloses a body: every edge is gone along once each way; and whether it is seen from outside counterclockwise
+function enclosing({ points, triangles }) {
+  const gone = new Set(), count = points.length / 3;
+  let volume = 0;
+  for (let t = 0; t < triangles.length; t += 3) {
+    const corners = triangles.subarray(t, t + 3), [a, b, c] = [...corners].map(p => points.subarray(3 * p, 3 * p + 3));
+    for (let k = 0; k < 3; k++) gone.add(corners[k] * count + corners[(k + 1) % 3]);
+    volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  const closed = gone.size === triangles.length && [...gone].every(edge => gone.has(edge % count * count + Math.floor(edge / count)));
+  return { closed, outward: volume > 0 };
+}
+
 class Scene {
   constructor(parent, label, run, solids, meshes, controls) {
     Object.assign(this, { label, run, solids, controls });
@@ -124,7 +137,8 @@ class Scene {
     for (const name of ["place", "share"]) gl.enableVertexAttribArray(this.slots[name] = gl.getAttribLocation(this.program, name));
     this.parts = solids.map((solid, k) => {
       const { between, triangles } = solid.motion ? { between: [], triangles: this.meshes[k].triangles } : cutOpen(this.meshes[k]);
-      return { between, count: triangles.length, place: gl.createBuffer(), share: gl.createBuffer(), index: this.buffer(triangles, gl.ELEMENT_ARRAY_BUFFER) };
+      const { closed, outward } = solid.motion ? enclosing(this.meshes[k]) : { closed: false };
+      return { closed, outward, between, count: triangles.length, place: gl.createBuffer(), share: gl.createBuffer(), index: this.buffer(triangles, gl.ELEMENT_ARRAY_BUFFER) };
     });
     const table = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, table);
@@ -191,6 +205,7 @@ class Scene {
       }
       gl.uniform3f(at("plain"), ...(solid.motion ? [.68, .72, .76] : [.55, .57, .6]));
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.index);
+      if (part.closed) { gl.enable(gl.CULL_FACE); gl.cullFace(part.outward ? gl.BACK : gl.FRONT); } else gl.disable(gl.CULL_FACE);
       gl.drawElements(gl.TRIANGLES, part.count, gl.UNSIGNED_INT, 0);
     });
     // the words stand before the outermost points of the two sides
@@ -266,7 +281,7 @@ async function showSolids() {
   let resting;
   const paint = () => {
     clearTimeout(resting);
-    draw(playing ? fineness : 1);
+    draw(drawnFineness());
     if (!playing) resting = setTimeout(draw, 250, 2);
   };
   const draw = dots => {

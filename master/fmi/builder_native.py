@@ -1,0 +1,310 @@
+"""Build an FMU that needs no Python: one library a platform, made of the participant's entries and
+the C front, beside the model description and a file that says what the slave is like.
+
+The library knows no grid: every FMU of a participant has the same one. What it is made of is kept
+by the content of the kernels; linked it is anew, which takes a second.
+"""
+
+import json
+import os
+import shutil
+import struct
+import subprocess
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from hashlib import sha256
+from importlib import import_module
+from importlib.metadata import version as version_of
+from inspect import getfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import native_code
+from .builder import slave_of, texts_of, write_archive
+from .cache import cache_folder
+from .compiler import HOME
+from .errors import BadInput
+from .native_parts import NativePart
+from .slave import PRODUCT, SEED, FieldSlave, reserved
+from .tree import import_part, reached, slave_class
+from .variables import Variable
+
+MARK = b"PCNATIV1"
+"""What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
+
+CAUSALITIES = ("parameter", "input", "constant", "output")
+TYPES = ("Real", "Integer", "String", "Enumeration")
+
+
+class Platform(NamedTuple):
+    """How a library is linked: C compilers that may be there, one of which will do; options; its
+    ending; the folder it lies in, in FMI 2 and 3.
+    """
+
+    compilers: tuple[tuple[str, ...], ...]
+    options: tuple[str, ...]
+    ending: str
+    folders: Mapping[str, str]
+
+
+ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack")
+PLATFORMS = {
+    "linux64": Platform(
+        ((os.environ.get("CC", "cc"),),), ELF, ".so", {"2.0": "linux64", "3.0": "x86_64-linux"}
+    ),
+    "win64": Platform(
+        (("x86_64-w64-mingw32-gcc",),),
+        ("-static-libgcc", "-static", "-D__USE_MINGW_ANSI_STDIO=1"),
+        ".dll",
+        {"2.0": "win64", "3.0": "x86_64-windows"},
+    ),
+    "aarch64-linux": Platform(
+        (("aarch64-linux-gnu-gcc",),),
+        ELF,
+        ".so",
+        {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
+    ),
+}
+"""By the names of `native_code.TARGETS`."""
+
+SOURCES = ("native.c", "runtime.c", "common.c")
+FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+
+
+def compiler_of(platform: str) -> tuple[str, ...] | None:
+    """Command of the C compiler for a platform, None where there is none."""
+    for command in PLATFORMS[platform].compilers:
+        if found := shutil.which(command[0]):
+            return (found, *command[1:])
+    return None
+
+
+def build_native_fmu(
+    package: str,
+    options: Mapping[str, Any],
+    folder: Path,
+    progress: Callable[[str], object] = lambda text: None,
+    version: str = "2.0",
+    *,
+    experiment: Any = None,
+    platforms: Sequence[str] = ("linux64",),
+) -> Path:
+    """FMU of a participant package that needs no Python, from the cache if the same was built
+    before.
+
+    Parameters
+    ----------
+    package, options, folder, progress, version, experiment
+        As for `builder.build_fmu`.
+    platforms : sequence of str
+        Keys of `PLATFORMS`.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadInput
+        With every fault of the options, what the library does not cover among them, and every
+        platform for which there is no C compiler.
+    """
+    if unknown := [name for name in platforms if name not in PLATFORMS]:
+        raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
+    part = part_of(package)
+    resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
+    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
+    if faults:
+        raise BadInput(faults)
+    slave = _slave(package, resolved)
+    slave.experiment = experiment or slave.experiment
+    libraries = {
+        f"binaries/{PLATFORMS[name].folders[version]}/{slave.name}{PLATFORMS[name].ending}": data
+        for name, data in _libraries(package, platforms, version, progress).items()
+    }
+    members = texts_of(slave, version, any_host=True, platforms=platforms) | libraries
+    members["resources/slave.bin"] = slave_file(slave, part)
+    digest = sha256()
+    for name in sorted(members):
+        digest.update(name.encode() + b"\0" + sha256(members[name]).digest())
+    fmu = cache_folder("fmus") / f"{package}-native-{digest.hexdigest()[:16]}.fmu"
+    if not fmu.exists():
+        progress(f"packing {fmu.name}")
+        write_archive(members, fmu)
+    return fmu
+
+
+def part_of(package: str) -> NativePart:
+    """What a participant package says of itself in its module `native`."""
+    import_part(f"{package}.build")
+    try:
+        return import_part(f"{package}.native").PART
+    except ModuleNotFoundError:
+        raise BadInput(
+            f"{package}: there is no native FMU of it yet; build it without --native"
+        ) from None
+
+
+def _missing_compilers(platforms):
+    return [
+        f"platform = {name}: needs a C compiler, "
+        + " or ".join(command[0] for command in PLATFORMS[name].compilers)
+        for name in platforms
+        if compiler_of(name) is None
+    ]
+
+
+def too_old() -> list[str]:
+    """A sentence where the numba at hand cannot make machine code for others."""
+    binding = import_module("llvmlite.binding")
+    if hasattr(binding, "create_pass_builder"):
+        return []
+    return [
+        f"numba {version_of('numba')} is too old to build a native FMU, which was made with 0.68; "
+        "run: pip install --upgrade numba"
+    ]
+
+
+def _slave(package, options):
+    """An instance of the slave in Python, which knows its table and where variables lie."""
+    with tempfile.TemporaryDirectory() as scratch:
+        (Path(scratch) / "build.json").write_text(json.dumps(options))
+        slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
+    if slave.string or slave.courses:
+        raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
+    return slave
+
+
+# ---- the library
+
+
+def _libraries(package, platforms, version, progress):
+    """Name of a platform -> its library."""
+    return {
+        name: link(name, version, code)
+        for name, code in _object_files(package, platforms, progress).items()
+    }
+
+
+def _object_files(package, platforms, progress):
+    """Name of a platform -> object file of the entries, from the cache where it was made before."""
+    folder = cache_folder("native")
+    code = _digest_of_code(package)
+    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
+    missing = [name for name, path in kept.items() if not path.exists()]
+    if missing:
+        progress(f"compiling {package} for {', '.join(missing)}, which takes one to two minutes")
+        for name, data in native_code.object_files(package, missing).items():
+            partial = kept[name].with_suffix(f".{os.getpid()}.part")
+            partial.write_bytes(data)
+            os.replace(partial, kept[name])
+    return {name: path.read_bytes() for name, path in kept.items()}
+
+
+def _digest_of_code(package):
+    """Of all that machine code is made of: kernels and what translates them."""
+    files = reached(Path(getfile(import_module(part_of(package).given.__module__))).resolve())
+    files |= {Path(native_code.__file__)}
+    digest = sha256("".join(map(version_of, ("numba", "llvmlite"))).encode())
+    for path in sorted(files):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def link(platform: str, version: str, code: bytes) -> bytes:
+    """The library of a platform from the object file of a participant's entries.
+
+    Raises
+    ------
+    RuntimeError
+        With the compiler's words.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        entries = Path(scratch) / "entries.o"
+        entries.write_bytes(code)
+        library = Path(scratch) / f"slave{PLATFORMS[platform].ending}"
+        files = [str(HOME / name) for name in (*SOURCES, FRONTS[version])]
+        command = [
+            *(compiler_of(platform) or ()),
+            "-std=gnu11",
+            "-O2",
+            "-shared",
+            *PLATFORMS[platform].options,
+            *files,
+            str(entries),
+            "-lm",
+            "-o",
+            str(library),
+        ]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{command[0]} could not link a native FMU:\n{done.stderr}")
+        return library.read_bytes()
+
+
+# ---- the file that says what the slave is like
+
+
+def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
+    """Content of resources/slave.bin: where variables lie, their ranges, what is covered of them,
+    start values, what the slave's memory begins with, sentences. front/native.c reads it.
+    """
+    given = np.asarray(part.given(slave), dtype="<f8")
+    blocks = [
+        (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
+        for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
+        for n in names
+    ]
+    table = slave.table
+    texts = [text for v in table for text in (v.name, v.unit, *v.choices)]
+    head = [
+        slave.real_count,
+        len(slave.real),
+        len(slave.integer),
+        len(slave.derivative_inputs),
+        len(slave.derivative_outputs),
+        len(table),
+        len(given),
+        len(part.faults),
+        len(texts),
+    ]
+    rows = [_row(slave, v, part.covered) for v in table]
+    integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
+    numbers = [x for v in table for x in _ranges(v, part.covered)]
+    return b"".join(
+        [
+            MARK,
+            struct.pack(f"<{len(integers)}q", *map(int, integers)),
+            np.array(numbers, dtype="<f8").tobytes(),
+            slave.real.astype("<f8").tobytes(),
+            slave.integer.astype("<i8").tobytes(),
+            given.tobytes(),
+            *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
+        ]
+    )
+
+
+def _row(slave, v: Variable, covered):
+    """Type, place, size, causality, extents, number of choices and which are covered."""
+    extents = (*v.shape, 0, 0, 0)[:3]
+    known = covered.get(v.name, v.choices)
+    mask = sum(1 << k for k, name in enumerate(v.choices) if name in known)
+    return (
+        TYPES.index(v.type),
+        slave.references[v.name],
+        v.size,
+        CAUSALITIES.index(v.causality),
+        *extents,
+        len(v.choices),
+        mask,
+    )
+
+
+def _ranges(v: Variable, covered):
+    """Allowed range, and that which is covered."""
+    low = -np.inf if v.minimum is None else v.minimum
+    high = np.inf if v.maximum is None else v.maximum
+    only = None if v.choices else covered.get(v.name)
+    return (low, high, -np.inf, np.inf) if only is None else (low, high, only, only)

@@ -1,0 +1,613 @@
+/* A slave of machine code behind front.h: its variables, its memory, its states. What it is like stands in one file of
+   the FMU, resources/slave.bin, which builder_native.py writes. */
+
+#include "front.h"
+#include "native.h"
+
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#define NOUSER
+#include <windows.h>
+#endif
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char MARK[8] = "PCNATIV1";      /* the last figure is the version of the file */
+
+enum { REAL, INTEGER, STRING, CHOICE };                     /* types of a variable, as in front.h */
+enum { PARAMETER, INPUT, CONSTANT, OUTPUT };
+enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
+
+/* What the file says of a variable: numbers, then ranges; texts apart. */
+typedef struct { int64_t type, offset, size, causality, extent[3], choices, covered; } Row;
+typedef struct { double low, high, covered_low, covered_high; } Range;
+typedef struct { const char *name, *unit; const char **choice; } Words;
+
+typedef struct { int64_t reals, first_integer, integers, seeds, products, variables, given, faults, texts; } Head;
+
+typedef struct {
+    char *file;                         /* all that lies in it; what follows points into it */
+    const Head *head;
+    const Row *row;
+    const Range *range;
+    const double *start_real, *given;
+    const int64_t *start_integer;
+    Words *words;
+    const char **choices, **fault, *refusal;
+    int64_t lengths[4], first_state, states, first_fault;
+    double *real;                       /* variables, then seeds and products */
+    int64_t *integer;
+    double *memory;
+    double *shown, *started;            /* variables that outputs were shown for; those of the last start */
+    int64_t *shown_integer, *started_integer;
+    int is_shown, has_state, was_started;
+    char refused[LONGEST];              /* why there is no state, empty if nothing is wrong */
+    Pool *pool;
+} Native;
+
+/* ---- the file ----------------------------------------------------------------------------------------------------- */
+
+/* Paths of the standard are UTF-8, on Windows too. */
+static FILE *open_file(const char *path)
+{
+#ifdef _WIN32
+    wchar_t wide[8192];
+    return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, 8192) ? _wfopen(wide, L"rb") : NULL;
+#else
+    return fopen(path, "rb");
+#endif
+}
+
+static char *read_whole(const char *path, size_t *size)
+{
+    FILE *file = open_file(path);
+    if (!file)
+        return NULL;
+    char *bytes = NULL;
+    long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
+    if (length > 0 && !fseek(file, 0, SEEK_SET) && (bytes = malloc((size_t)length)) != NULL
+        && fread(bytes, 1, (size_t)length, file) != (size_t)length) {
+        free(bytes);
+        bytes = NULL;
+    }
+    *size = (size_t)length;
+    fclose(file);
+    return bytes;
+}
+
+/* `count` things of a size from the file, the cursor moved behind them; NULL where the file ends before. */
+static const void *take(const char **cursor, const char *end, int64_t count, size_t size)
+{
+    const char *at = *cursor;
+    if (!at || count < 0 || (size_t)(end - at) / size < (size_t)count)
+        return *cursor = NULL;
+    *cursor += (size_t)count * size;
+    return at;
+}
+
+static const char *take_text(const char **cursor, const char *end)
+{
+    const char *at = *cursor, *stop = at ? memchr(at, 0, (size_t)(end - at)) : NULL;
+    *cursor = stop ? stop + 1 : NULL;
+    return stop ? at : "";
+}
+
+/* Whether the file could be read; points into it. */
+static int lay_out(Native *N, const char *path)
+{
+    size_t size = 0;
+    N->file = read_whole(path, &size);
+    const char *cursor = N->file, *end = cursor + size;
+    const char *mark = take(&cursor, end, 1, sizeof MARK);
+    if (!mark || memcmp(mark, MARK, sizeof MARK))
+        return 0;
+    const Head *h = N->head = take(&cursor, end, 1, sizeof *h);
+    if (!h)
+        return 0;
+    take(&cursor, end, 3 * (h->seeds + h->products), sizeof(int64_t));
+    N->row = take(&cursor, end, h->variables, sizeof(Row));
+    N->range = take(&cursor, end, h->variables, sizeof(Range));
+    N->start_real = take(&cursor, end, h->first_integer, sizeof(double));
+    N->start_integer = take(&cursor, end, h->integers, sizeof(int64_t));
+    N->given = take(&cursor, end, h->given, sizeof(double));
+    if (!cursor)
+        return 0;
+    N->words = calloc((size_t)h->variables, sizeof *N->words);
+    N->choices = calloc((size_t)h->texts, sizeof *N->choices);
+    N->fault = calloc((size_t)h->faults, sizeof *N->fault);
+    const char **choice = N->choices;
+    for (int64_t k = 0; k < h->variables; k++) {
+        N->words[k] = (Words){take_text(&cursor, end), take_text(&cursor, end), choice};
+        for (int64_t c = 0; c < N->row[k].choices; c++)
+            *choice++ = take_text(&cursor, end);
+    }
+    for (int64_t k = 0; k < h->faults; k++)
+        N->fault[k] = take_text(&cursor, end);
+    N->refusal = take_text(&cursor, end);
+    return cursor != NULL;
+}
+
+/* ---- sentences ---------------------------------------------------------------------------------------------------- */
+
+static void append(char *text, const char *more)
+{
+    size_t length = strlen(text);
+    snprintf(text + length, LONGEST - length, "%s", more);
+}
+
+/* A number as Python's {:g}, whatever the host's language has for a decimal point. */
+static void append_number(char *text, double number)
+{
+    char written[40];
+    if (isnan(number))
+        snprintf(written, sizeof written, "nan");
+    else
+        snprintf(written, sizeof written, "%g", number);
+    for (char *c = written; *c; c++)
+        if (*c == ',')
+            *c = '.';
+    append(text, written);
+}
+
+static void append_value(char *text, double number, const char *unit)
+{
+    append_number(text, number);
+    if (strcmp(unit, "1")) {
+        append(text, " ");
+        append(text, unit);
+    }
+}
+
+/* A sentence with {i} {j} {a} {b} {c} replaced by the numbers of a fault. */
+static void append_fault(char *text, const char *sentence, const double *fault)
+{
+    for (char one[2] = {0}; *sentence; sentence++) {
+        const char *known = "ijabc", *which = sentence[0] == '{' && sentence[1] && sentence[2] == '}' ?
+            strchr(known, sentence[1]) : NULL;
+        if (which && *which) {
+            append_number(text, fault[1 + (which - known)]);
+            sentence += 2;
+        } else {
+            one[0] = *sentence;
+            append(text, one);
+        }
+    }
+}
+
+/* All faults that an entry has noted. */
+static void append_faults(Native *N, char *text, const char *between)
+{
+    const double *fault = N->memory + N->first_fault;
+    for (int64_t k = 0; k < (int64_t)fault[0]; k++) {
+        const double *one = fault + 1 + FAULT_NUMBERS * k;
+        if (k)
+            append(text, between);
+        append_fault(text, N->fault[(int64_t)one[0]], one);
+    }
+}
+
+/* ---- ranges ------------------------------------------------------------------------------------------------------- */
+
+/* name, or name[i,j] with the last index fastest */
+static void append_element(Native *N, char *text, int64_t variable, int64_t element)
+{
+    const Row *v = N->row + variable;
+    char index[80];
+    append(text, N->words[variable].name);
+    if (v->extent[1] > 0)
+        snprintf(index, sizeof index, "[%lld,%lld]", (long long)(element / v->extent[1] + 1),
+                 (long long)(element % v->extent[1] + 1));
+    else if (v->extent[0] > 0)
+        snprintf(index, sizeof index, "[%lld]", (long long)(element + 1));
+    else
+        return;
+    append(text, index);
+}
+
+/* Adds a sentence where a choice has a number that none of them has, or none that the machine code covers. */
+static int choice_fault(Native *N, int64_t variable, char *text)
+{
+    const Row *v = N->row + variable;
+    const Words *w = N->words + variable;
+    int64_t number = N->integer[v->offset];
+    int known = number >= 1 && number <= v->choices;
+    if (known && v->covered >> (number - 1) & 1)
+        return 0;
+    char written[32];
+    append(text, *text ? "\n" : "");
+    append(text, w->name);
+    snprintf(written, sizeof written, " = %lld", (long long)number);
+    append(text, written);
+    if (known) {
+        append(text, " ");
+        append(text, w->choice[number - 1]);
+    }
+    append(text, known ? ": a native FMU covers " : ": allowed are ");
+    const char *between = "";
+    for (int64_t c = 0; c < v->choices; c++)
+        if (!known || v->covered >> c & 1) {
+            snprintf(written, sizeof written, "%s%lld ", between, (long long)(c + 1));
+            append(text, written);
+            append(text, w->choice[c]);
+            between = ", ";
+        }
+    return 1;
+}
+
+/* Adds a sentence on the first element of a number that is not finite or out of range. */
+static int number_fault(Native *N, int64_t variable, char *text)
+{
+    const Row *v = N->row + variable;
+    const Range *r = N->range + variable;
+    const char *unit = N->words[variable].unit;
+    for (int64_t k = 0; k < v->size; k++) {
+        double x = v->type == REAL ? N->real[v->offset + k] : (double)N->integer[v->offset + k];
+        if (x >= r->low && x <= r->high && isfinite(x) && x >= r->covered_low && x <= r->covered_high)
+            continue;
+        append(text, *text ? "\n" : "");
+        if (!isfinite(x)) {
+            append_element(N, text, variable, k);
+            append(text, " = ");
+            append_value(text, x, unit);
+            append(text, ": must be finite");
+            return 1;
+        }
+        int allowed = x >= r->low && x <= r->high;
+        append(text, N->words[variable].name);
+        append(text, " = ");
+        append_value(text, x, unit);
+        append(text, allowed ? ": a native FMU covers " : ": allowed is ");
+        append_number(text, allowed ? r->covered_low : r->low);
+        append(text, " to ");
+        append_value(text, allowed ? r->covered_high : r->high, unit);
+        return 1;
+    }
+    return 0;
+}
+
+/* Adds a sentence for every variable of the causalities asked for that is out of range; how many. */
+static int range_faults(Native *N, int inputs_alone, char *text)
+{
+    int count = 0;
+    for (int64_t k = 0; k < N->head->variables; k++) {
+        const Row *v = N->row + k;
+        if (v->causality == OUTPUT || v->type == STRING || (inputs_alone && v->causality != INPUT))
+            continue;
+        count += v->type == CHOICE ? choice_fault(N, k, text) : number_fault(N, k, text);
+    }
+    return count;
+}
+
+/* ---- calls -------------------------------------------------------------------------------------------------------- */
+
+/* Runs an entry; adds its faults to `text`. Whether it went well. */
+static int run(Native *N, Entering *entry, double number, char *text, const char *between)
+{
+    double numbers[4] = {number, 0.0, 0.0, 0.0};
+    N->memory[N->first_fault] = 0.0;
+    if (pool_run(N->pool, entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
+        append(text, "there is not enough memory for a step");
+        return 0;
+    }
+    append_faults(N, text, between);
+    return N->memory[N->first_fault] == 0.0;
+}
+
+static size_t real_bytes(Native *N) { return (size_t)N->head->reals * sizeof(double); }
+static size_t integer_bytes(Native *N) { return (size_t)N->head->integers * sizeof(int64_t); }
+
+static void remember(Native *N, double *real, int64_t *integer)
+{
+    memcpy(real, N->real, real_bytes(N));
+    memcpy(integer, N->integer, integer_bytes(N));
+}
+
+/* State at the start with its outputs published; a fault is logged, and every later step refused. */
+static int checked_start(Instance *I)
+{
+    Native *N = I->slave;
+    char text[LONGEST] = "";
+    remember(N, N->started, N->started_integer);
+    N->was_started = 1;
+    N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, text, "\n");
+    snprintf(N->refused, sizeof N->refused, "%s", text);
+    if (N->has_state)
+        return OK;
+    front_log(I, ERROR, "%s", text);
+    return ERROR;
+}
+
+/* Whether parameters are those of the last start. */
+static int same_parameters(Native *N)
+{
+    for (int64_t k = 0; k < N->head->variables; k++) {
+        const Row *v = N->row + k;
+        size_t size = (size_t)v->size;
+        if (v->type == CHOICE ? N->integer[v->offset] != N->started_integer[v->offset] :
+            v->causality == PARAMETER && v->type == REAL
+                && memcmp(N->real + v->offset, N->started + v->offset, size * sizeof(double)))
+            return 0;
+    }
+    return 1;
+}
+
+int front_initialise(Instance *I, int enters)
+{
+    Native *N = I->slave;
+    I->initialising = enters;
+    N->is_shown = 0;
+    return enters ? OK : checked_start(I);
+}
+
+/* In Initialization Mode: outputs follow what is set, where that is allowed. */
+int front_show(Instance *I)
+{
+    Native *N = I->slave;
+    char text[LONGEST] = "";
+    if (!I->initialising || (N->is_shown && !memcmp(N->shown, N->real, real_bytes(N))
+                             && !memcmp(N->shown_integer, N->integer, integer_bytes(N))))
+        return OK;
+    if (!range_faults(N, 0, text))
+        run(N, native_start, 0.0, text, "\n");
+    remember(N, N->shown, N->shown_integer);
+    N->is_shown = 1;
+    return OK;
+}
+
+int front_step(Instance *I, double time, double step)
+{
+    Native *N = I->slave;
+    char text[LONGEST] = "";
+    if (!N->has_state) {
+        front_log(I, DISCARD, "not initialised: %s", *N->refused ? N->refused : "no start was asked for");
+        return DISCARD;
+    }
+    if (!(step > 0.0 && isfinite(step))) {
+        append(text, "step size = ");
+        append_number(text, step);
+        append(text, " s: must be positive and finite");
+    } else if (!range_faults(N, 1, text)) {
+        char refused[LONGEST] = "";
+        double when[FAULT_NUMBERS] = {0.0, 0.0, 0.0, time + step, 0.0, 0.0};
+        if (run(N, native_advance, step, refused, "; ")) {
+            I->reached = time + step;
+            return OK;
+        }
+        append_fault(text, N->refusal, when);
+        append(text, refused);
+    }
+    front_log(I, DISCARD, "%s", text);
+    return DISCARD;
+}
+
+int front_products(Instance *I)
+{
+    Native *N = I->slave;
+    char text[LONGEST] = "";
+    if (N->has_state && run(N, native_tangent, 0.0, text, "; "))
+        return OK;
+    front_log(I, ERROR, "%s", *text ? text : "not initialised");
+    return ERROR;
+}
+
+int front_terminate(Instance *I) { (void)I; return OK; }
+
+int front_set_text(Instance *I, Reference reference, const char *text) { (void)I, (void)reference, (void)text; return OK; }
+
+int front_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
+{
+    (void)I, (void)reference, (void)texts;
+    return count ? ERROR : OK;
+}
+
+/* ---- instances ---------------------------------------------------------------------------------------------------- */
+
+/* Variables at their start values, no state. */
+static void begin(Instance *I)
+{
+    Native *N = I->slave;
+    memcpy(N->real, N->start_real, (size_t)N->head->first_integer * sizeof(double));
+    memcpy(N->integer, N->start_integer, integer_bytes(N));
+    memset(N->memory, 0, (size_t)N->lengths[2] * sizeof(double));
+    memcpy(N->memory, N->given, (size_t)N->head->given * sizeof(double));
+    N->is_shown = N->has_state = N->was_started = 0;
+    N->refused[0] = 0;
+    I->initialising = 0;
+}
+
+/* Why the slave of these resources cannot be had; NULL if it can. */
+static const char *make(Instance *I)
+{
+    char path[8192];
+    Native *N = I->slave = calloc(1, sizeof *N);
+    snprintf(path, sizeof path, "%s/slave.bin", I->resources);
+    if (!N || !lay_out(N, path))
+        return "is not there, or is of another version of piston-cosim";
+    const Head *h = N->head;
+    const int64_t *blocks = (const int64_t *)((const char *)h + sizeof *h);
+    double sizes[4];
+    N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = h->given, N->lengths[3] = 4;
+    N->pool = pool_make();
+    N->memory = malloc((size_t)h->given * sizeof(double));
+    if (!N->pool || !N->memory)
+        return "asks for more memory than there is";
+    memcpy(N->memory, N->given, (size_t)h->given * sizeof(double));
+    if (pool_run(N->pool, native_size, N->real, N->integer, N->memory, sizes, N->lengths))
+        return "does not go with this library";
+    free(N->memory);
+    N->lengths[2] = (int64_t)sizes[0];
+    N->first_state = (int64_t)sizes[1], N->states = (int64_t)sizes[2], N->first_fault = (int64_t)sizes[3];
+    N->memory = malloc((size_t)sizes[0] * sizeof(double));
+    N->real = calloc((size_t)h->first_integer, sizeof(double));
+    N->integer = calloc((size_t)h->integers + 1, sizeof(int64_t));
+    N->shown = malloc(real_bytes(N));
+    N->started = malloc(real_bytes(N));
+    N->shown_integer = malloc(integer_bytes(N) + 1);
+    N->started_integer = malloc(integer_bytes(N) + 1);
+    I->variable = malloc((size_t)h->variables * sizeof(Entry));
+    if (!N->memory || !N->real || !N->integer || !N->shown || !N->started || !N->shown_integer || !N->started_integer
+        || !I->variable)
+        return "asks for more memory than there is";
+    for (int64_t k = 0; k < h->variables; k++)
+        I->variable[k] = (Entry){N->row[k].type, N->row[k].offset, N->row[k].size};
+    I->real = N->real, I->integer = N->integer;
+    I->reals = h->reals, I->integers = h->integers, I->strings = 0;
+    I->first_integer = h->first_integer, I->first_string = h->first_integer + h->integers;
+    I->seeds = h->seeds, I->products = h->products, I->variables = h->variables;
+    I->seed = (Block *)blocks, I->product = (Block *)blocks + h->seeds;
+    begin(I);
+    return NULL;
+}
+
+Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
+{
+    Instance *I = malloc(sizeof *I);
+    *I = settings;
+    I->name = malloc(strlen(name ? name : "instance") + 1);
+    strcpy(I->name, name ? name : "instance");
+    I->resources = resources;
+#ifdef _WIN32
+    if (resources[0] == '/' && resources[1] && resources[2] == ':')      /* file:///C:/.. */
+        memmove(resources, resources + 1, strlen(resources));
+#endif
+    if (front_is_own(I, token)) {
+        const char *lacking = make(I);
+        if (!lacking)
+            return I;
+        front_log(I, ERROR, "instantiate: %s/slave.bin %s", I->resources, lacking);
+    }
+    front_free(I);
+    return NULL;
+}
+
+void front_free(Instance *I)
+{
+    Native *N = I->slave;
+    if (N) {
+        void *owned[] = {N->file, N->words, N->choices, N->fault, N->real, N->integer, N->memory, N->shown, N->started,
+                         N->shown_integer, N->started_integer, I->variable};
+        for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
+            free(owned[k]);
+        pool_free(N->pool);
+    }
+    free(N);
+    free(I->name);
+    free(I->resources);
+    free(I);
+}
+
+int front_reset(Instance *I)
+{
+    begin(I);
+    return OK;
+}
+
+/* ---- states ------------------------------------------------------------------------------------------------------- */
+
+/* A state as it is kept and as it is written: this head, variables, integers, the memory's state. Numbers lie as on all
+   systems that these FMUs are made for, the lowest byte first, so that a state may go from one to the other. */
+typedef struct { char mark[8]; int64_t reals, integers, states, has_state; } Saved;
+
+static size_t saved_size(Native *N)
+{
+    return sizeof(Saved) + real_bytes(N) + integer_bytes(N) + (size_t)N->states * sizeof(double);
+}
+
+static Saved head_of(Native *N)
+{
+    Saved s = {.reals = N->head->reals, .integers = N->head->integers, .states = N->states, .has_state = N->has_state};
+    memcpy(s.mark, MARK, sizeof s.mark);
+    return s;
+}
+
+int front_get_state(Instance *I, void **state)
+{
+    Native *N = I->slave;
+    char *at = *state ? *state : malloc(saved_size(N));
+    if (!at)
+        return ERROR;
+    *state = at;
+    *(Saved *)at = head_of(N);
+    memcpy(at += sizeof(Saved), N->real, real_bytes(N));
+    int64_t *integer = memset(at += real_bytes(N), 0, integer_bytes(N));
+    for (int64_t k = 0; k < N->head->variables; k++)
+        if (N->row[k].type == CHOICE)
+            integer[N->row[k].offset] = N->integer[N->row[k].offset];
+    memcpy(at += integer_bytes(N), N->memory + N->first_state, (size_t)N->states * sizeof(double));
+    return OK;
+}
+
+/* Variables of a kept state; of the integers its choices alone: the others count work, which nothing undoes. */
+static void restore(Native *N, const char *at)
+{
+    memcpy(N->real, at, real_bytes(N));
+    at += real_bytes(N);
+    for (int64_t k = 0; k < N->head->variables; k++) {
+        int64_t place = N->row[k].offset;
+        if (N->row[k].type == CHOICE)
+            memcpy(N->integer + place, at + (size_t)place * sizeof(int64_t), sizeof(int64_t));
+    }
+}
+
+int front_set_state(Instance *I, void *state)
+{
+    Native *N = I->slave;
+    const char *at = (const char *)state + sizeof(Saved);
+    int has_state = (int)((Saved *)state)->has_state, status = OK;
+    restore(N, at);
+    N->refused[0] = 0;
+    N->is_shown = 0;
+    if (has_state && (!N->was_started || !N->has_state || !same_parameters(N))) {
+        status = checked_start(I);
+        restore(N, at);
+    }
+    N->has_state = has_state && status == OK;
+    at += real_bytes(N) + integer_bytes(N);
+    memcpy(N->memory + N->first_state, at, (size_t)N->states * sizeof(double));
+    return status;
+}
+
+void front_free_state(void **state)
+{
+    free(*state);
+    *state = NULL;
+}
+
+int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
+{
+    size_t length = saved_size(I->slave);
+    if (bytes && *size < length) {
+        front_log(I, ERROR, "the state takes %zu bytes, %zu were given", length, *size);
+        return ERROR;
+    }
+    if (bytes)
+        memcpy(bytes, state, length);
+    else
+        *size = length;
+    return OK;
+}
+
+int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
+{
+    Native *N = I->slave;
+    Saved own = head_of(N), given;
+    size_t length = saved_size(N);
+    int fits = size >= sizeof given;
+    if (fits) {
+        memcpy(&given, bytes, sizeof given);
+        own.has_state = given.has_state;
+        fits = size == length && !memcmp(&own, &given, sizeof own) && (given.has_state == 0 || given.has_state == 1);
+    }
+    if (!fits) {
+        front_log(I, ERROR, "these %zu bytes are no state of this FMU, which takes %zu", size, length);
+        return ERROR;
+    }
+    front_free_state(state);
+    *state = malloc(length);
+    if (!*state)
+        return ERROR;
+    memcpy(*state, bytes, length);
+    return OK;
+}

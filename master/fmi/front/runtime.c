@@ -1,0 +1,110 @@
+/* What machine code of numba asks of its surroundings: counted blocks of memory, and the shape of an array told anew.
+   See native.h. */
+
+#include "native.h"
+
+#include <fenv.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef _WIN32
+#define INTERNAL
+#else
+#define INTERNAL __attribute__((visibility("hidden")))
+#endif
+
+/* ---- memory ------------------------------------------------------------------------------------------------------- */
+
+/* As numba knows it: code reads `count` and `data`. */
+typedef struct { size_t count; void *destructor, *told, *data; size_t size; void *allocator; } Counted;
+
+typedef struct Piece {
+    Counted counted;
+    struct Piece *free_next, *next;     /* of the same size and free; of all */
+    int power;
+} Piece;
+
+enum { SMALLEST = 8, POWERS = 48, ALIGNMENT = 64 };     /* pieces of 2^8 bytes and more */
+
+struct Pool { Piece *free[POWERS], *all; };
+
+static _Thread_local Pool *pool;        /* of the call that this thread is in */
+
+Pool *pool_make(void) { return calloc(1, sizeof(Pool)); }
+
+void pool_free(Pool *p)
+{
+    for (Piece *piece = p ? p->all : NULL, *next; piece; piece = next) {
+        next = piece->next;
+        free(piece);
+    }
+    free(p);
+}
+
+int pool_run(Pool *p, Entering *entry, double *real, int64_t *integer, double *memory, double *numbers,
+             const int64_t lengths[4])
+{
+    void *result = NULL, *raised = NULL;
+    Pool *outer = pool;
+    fenv_t host;
+    fegetenv(&host);
+    fesetenv(FE_DFL_ENV);               /* a host may round otherwise, or flush small numbers to zero */
+    pool = p;
+    int status = entry(&result, &raised, real, integer, memory, numbers, lengths);
+    pool = outer;
+    fesetenv(&host);
+    return status;
+}
+
+INTERNAL void *NRT_MemInfo_alloc_aligned(size_t size, uint32_t alignment)
+{
+    int power = SMALLEST;
+    if (alignment > ALIGNMENT)
+        return NULL;
+    while (((size_t)1 << power) < size)
+        if (++power == POWERS)
+            return NULL;
+    Piece *piece = pool->free[power];
+    if (piece)
+        pool->free[power] = piece->free_next;
+    else {
+        piece = malloc(sizeof *piece + ALIGNMENT + ((size_t)1 << power));
+        if (!piece)
+            return NULL;
+        *piece = (Piece){.next = pool->all, .power = power};
+        piece->counted.data = (void *)(((uintptr_t)(piece + 1) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
+        pool->all = piece;
+    }
+    piece->counted.count = 1;
+    piece->counted.size = size;
+    return piece;
+}
+
+/* Of a block that nobody counts on any more. */
+INTERNAL void NRT_MemInfo_call_dtor(void *counted)
+{
+    Piece *piece = counted;
+    piece->free_next = pool->free[piece->power];
+    pool->free[piece->power] = piece;
+}
+
+/* ---- shapes ------------------------------------------------------------------------------------------------------- */
+
+/* Strides of an array in its new shape. All arrays of the entries that are told a new one are contiguous. */
+INTERNAL int numba_attempt_nocopy_reshape(ptrdiff_t old_count, const ptrdiff_t *old_shape, const ptrdiff_t *old_strides,
+                                          ptrdiff_t count, const ptrdiff_t *shape, ptrdiff_t *strides, ptrdiff_t item,
+                                          int by_columns)
+{
+    ptrdiff_t expected = item;
+    for (ptrdiff_t k = old_count - 1; k >= 0; k--) {
+        if (old_shape[k] != 1 && old_strides[k] != expected)
+            return 0;
+        expected *= old_shape[k];
+    }
+    for (ptrdiff_t k = count - 1, stride = item; k >= 0; k--) {
+        strides[k] = stride;
+        stride *= shape[k];
+    }
+    return !by_columns;
+}

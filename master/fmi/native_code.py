@@ -1,0 +1,180 @@
+"""Machine code of a participant's entries, for any processor that LLVM knows.
+
+numba turns each entry and all kernels that it calls into one module of LLVM's language, without
+optimising it, so that it holds nothing of this machine; LLVM then optimises and translates it for
+the target. What numba hands out for calls from Python is left away. No fast mathematics, as in
+`compiled`. It runs in a process of its own, for numba is told once and for all what to do.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .tree import ROOT, import_part
+
+
+class Target(NamedTuple):
+    """What machine code is made for: LLVM's name of the platform, and of the oldest processor."""
+
+    triple: str
+    processor: str
+
+
+TARGETS = {
+    "linux64": Target("x86_64-unknown-linux-gnu", "x86-64"),
+    "win64": Target("x86_64-w64-windows-gnu", "x86-64"),
+    "aarch64-linux": Target("aarch64-unknown-linux-gnu", "generic"),
+    "darwin64": Target("x86_64-apple-macosx11.0.0", "x86-64"),
+    "aarch64-darwin": Target("arm64-apple-macosx11.0.0", "generic"),
+}
+"""Names of platforms."""
+
+RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+"""What makes numba's code one for all processors."""
+
+OPTIMISATION = 3  # LLVM's level
+
+REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an entry is given
+
+OPEN = {
+    "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
+    "shapes": {"numba_attempt_nocopy_reshape"},
+    "functions": {"ceil", "exp", "log10", "pow", "sqrt"},
+}
+"""All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
+libm. Whatever else numba would call is Python's."""
+
+
+def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
+    """Object file of a participant's entries for each of `TARGETS` asked for.
+
+    Parameters
+    ----------
+    package : str
+        Part of the project with a module `native`, or importable package.
+    platforms : list of str
+        Keys of `TARGETS`.
+
+    Raises
+    ------
+    RuntimeError
+        With the words of numba or LLVM.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        command = [sys.executable, "-m", __name__, package, scratch, *platforms]
+        around = Path(sys.modules[ROOT].__path__[0]).parent
+        path = os.pathsep.join([str(around), *filter(None, sys.path)])
+        environment = os.environ | RAW | {"PYTHONPATH": path}
+        done = subprocess.run(command, capture_output=True, text=True, env=environment)
+        if done.returncode:
+            raise RuntimeError(f"{package} could not be compiled for a native FMU:\n{done.stderr}")
+        return {name: (Path(scratch) / f"{name}.o").read_bytes() for name in platforms}
+
+
+def module_text(part: Any) -> str:
+    """All entries of a `NativePart` in LLVM's language, everything else internal."""
+    import numba
+    from llvmlite import binding
+    from numba import types
+    from numba.core import compiler
+    from numba.core.registry import cpu_target
+
+    from .compiled import KERNELS
+
+    carray = numba.__dict__["carray"]
+    for kernel in KERNELS:
+        kernel.__dict__["_kept"] = None  # what others compile is optimised for this machine
+    numbers = types.CPointer(types.float64)
+    counts = types.CPointer(types.int64)
+    flags: Any = compiler.Flags()
+    flags.nrt = True
+    flags.no_cpython_wrapper = True
+    flags.no_cfunc_wrapper = True
+    flags.error_model = "numpy"
+    whole = None
+    names = []
+    for entry in part.entries:
+        run = entry.kernel.dispatcher
+
+        def call(real, integer, memory, numbers, lengths):
+            n = carray(lengths, 4)
+            run(  # noqa: B023 - compiled before the next one comes
+                carray(real, n[REALS]),
+                carray(integer, n[INTEGERS]),
+                carray(memory, n[MEMORY]),
+                carray(numbers, n[NUMBERS]),
+            )
+
+        made: Any = compiler.compile_extra(
+            cpu_target.typing_context,
+            cpu_target.target_context,
+            call,
+            (numbers, counts, numbers, numbers, counts),
+            types.void,
+            flags,
+            {},
+        )
+        module = binding.parse_assembly(str(made.library._final_module))
+        module.get_function(made.fndesc.llvm_func_name).name = entry.name
+        names.append(entry.name)
+        if whole is None:
+            whole = module
+        else:
+            whole.link_in(module)
+    assert whole is not None
+    for symbol in (*whole.functions, *whole.global_variables):
+        if not symbol.is_declaration:
+            symbol.linkage = "external" if symbol.name in names else "internal"
+    return str(whole)
+
+
+def translated(text: str, target: Target) -> bytes:
+    """Object file of a module."""
+    from llvmlite import binding
+
+    machine = _machine(target)
+    module = binding.parse_assembly(text)
+    module.triple = target.triple
+    module.data_layout = str(machine.target_data)
+    options = binding.create_pipeline_tuning_options(speed_level=OPTIMISATION)
+    builder = binding.create_pass_builder(machine, options)
+    passes = builder.getModulePassManager()
+    passes.run(module, builder)
+    known = set().union(*OPEN.values())
+    strangers = sorted(open_symbols(module) - known)
+    if strangers:
+        raise RuntimeError(f"machine code would call {', '.join(strangers)}, which are not there")
+    return machine.emit_object(module)
+
+
+def open_symbols(module: Any) -> set[str]:
+    """Names of functions that a module calls and has not, but for LLVM's own."""
+    named = {f.name for f in module.functions if f.is_declaration}
+    return {name for name in named if not name.startswith("llvm.")}
+
+
+@cache
+def _machine(target: Target):
+    from llvmlite import binding
+
+    binding.initialize_all_targets()
+    binding.initialize_all_asmprinters()
+    return binding.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.processor, opt=OPTIMISATION, reloc="pic", codemodel="default"
+    )
+
+
+def main(package: str, folder: str, *platforms: str) -> None:
+    """Write the object files into a folder, and the module that they are made of."""
+    text = module_text(import_part(f"{package}.native").PART)
+    Path(folder, "module.ll").write_text(text)
+    for name in platforms:
+        Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

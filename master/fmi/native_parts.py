@@ -1,0 +1,38 @@
+"""What a participant package says of itself to become an FMU that needs no Python: the value
+`PART` of its module `native`.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+
+class Entry(NamedTuple):
+    """A kernel of four arrays, (real, integer, memory, numbers), and no result: real and integer
+    variables of the slave, its own memory and a few numbers of the call.
+    """
+
+    kernel: Any  # compiled.Kernel
+
+    @property
+    def name(self) -> str:
+        """Of the function in the library."""
+        return f"native_{self.kernel.py_func.__name__}"
+
+
+class NativePart(NamedTuple):
+    """The compiled side of a slave.
+
+    entries : size, start, advance and tangent, `front/native.h`;
+    given : what the memory of a slave begins with, ndarray of float64, for the slave;
+    uncovered : sentences on build options that the library does not cover;
+    covered : name of a parameter to the choices, or to the one value, that the library covers;
+    faults : sentences by their number;
+    refusal : what stands before the sentence of a refused step.
+    """
+
+    entries: tuple[Entry, ...]
+    given: Callable[[Any], Any]
+    uncovered: Callable[[dict[str, Any]], Iterable[str]]
+    covered: Mapping[str, tuple[str, ...] | float]
+    faults: tuple[str, ...]
+    refusal: str

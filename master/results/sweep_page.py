@@ -1,0 +1,80 @@
+"""The page of a sweep: parallel coordinates, response surface, Pareto front; every point links to
+its report.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from jinja2 import Environment, FileSystemLoader
+
+from .sweep_pictures import magnitude
+
+WORDS = ("friction", "slap", "contact")
+"""What a front is first drawn of: entries whose names hold these."""
+
+
+@dataclass(frozen=True)
+class SweptPoint:
+    """A row of a sweep's table, and where its report is seen from the page ("" without one)."""
+
+    row: dict
+    report: str
+
+
+def write_sweep_page(points: list[SweptPoint], axes: list[str], path: Path) -> Path:
+    """Write the page of a sweep's points that are done.
+
+    Parameters
+    ----------
+    points : list of SweptPoint
+    axes : list of str
+        Columns that were varied.
+    path : Path
+    """
+    done = [point for point in points if point.row["status"] == "done"]
+    entries = [
+        name
+        for name in dict.fromkeys(name for point in done for name in point.row)
+        if name not in axes
+        and all(isinstance(point.row.get(name), (int, float)) for point in done)
+        and np.ptp([float(point.row[name]) for point in done]) > 0
+    ]
+    chosen = [next((name for name in entries if word in name), None) for word in WORDS]
+    colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 64))[:, :3] * 255).round().astype(int)
+    data = {
+        "axes": [_axis(name, done) for name in axes],
+        "entries": entries,
+        "chosen": [name for name in chosen if name],
+        "points": [
+            {
+                "report": point.report,
+                "values": [float(point.row[name]) for name in entries],
+                "axes": [str(point.row[name]) for name in axes],
+            }
+            for point in done
+        ],
+        "colours": colours.tolist(),
+    }
+    templates = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
+    )
+    text = templates.get_template("sweep.html").render(
+        title=path.parent.name,
+        left_out=len(points) - len(done),
+        data=json.dumps(data).replace("<", "\\u003c"),
+    )
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _axis(name, done):
+    """A varied key: its values as positions, numbered where they are no numbers."""
+    texts = [str(point.row[name]) for point in done]
+    numbers = [magnitude(point.row[name]) for point in done]
+    order = list(dict.fromkeys(texts))
+    known = [number for number in numbers if number is not None]
+    values = known if len(known) == len(numbers) else [order.index(text) for text in texts]
+    return {"name": name.split(".")[-1], "values": [float(value) for value in values]}

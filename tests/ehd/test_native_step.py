@@ -1,0 +1,102 @@
+"""The step of the native FMU beside the model's, both interpreted: what they say is compared, not
+what a compiler makes of it (that: tests/fmu/test_native_fmu.py).
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+import json, sys
+import numpy as np
+from piston_cosim.fmu_ehd import native
+from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.fmu_ehd.slave import Ehd
+
+folder, changes = sys.argv[1], json.loads(sys.argv[2])
+grid = (6, 8)
+options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface="skirt")
+open(folder + "/build.json", "w").write(json.dumps(options))
+python, machine = (Ehd(instance_name="film", resources=folder) for _ in range(2))
+table = {v.name: v for v in python.table}
+
+def give(time):
+    film, velocity = motored_film(grid, time)
+    for one in (python, machine):
+        one.views["film_thickness"][...] = film - 4e-6
+        one.views["sliding_velocity"][...] = velocity
+
+for name, value in changes.items():
+    for one in (python, machine):
+        one.views[name][...] = table[name].number(value)
+give(0.0)
+python.exit_initialization_mode()
+assert not python.fault, python.fault
+numbers = np.zeros(4)
+begin = native.given(machine)
+native.size(machine.real, machine.integer, begin, numbers)
+memory = np.zeros(int(numbers[0]))
+memory[: begin.size] = begin
+faults = int(numbers[3])
+call = machine.real, machine.integer, memory, numbers
+native.start(*call)
+error, largest, iterations = {}, {}, 0
+rng = np.random.default_rng(0)
+
+def compare():
+    assert memory[faults] == 0.0
+    for v in python.table:
+        if v.causality == "output":
+            a, b = python.views[v.name], machine.views[v.name]
+            largest[v.name] = max(largest.get(v.name, 0.0), float(abs(a).max()))
+            error[v.name] = max(error.get(v.name, 0.0), float(abs(a - b).max()))
+
+compare()
+for k in range(1, 13):
+    size = (5 + k % 3) * DEGREE
+    give(k * 20 * DEGREE)
+    assert python.do_step(0.0, size)
+    numbers[0] = size
+    native.advance(*call)
+    compare()
+    iterations = max(iterations, int(machine.views["solver_iterations"]))
+    seeds = rng.standard_normal((2, *grid)) * [[[1e-6]], [[1.0]]]
+    for name, seed in zip(python.derivative_inputs, seeds):
+        machine.views["seed:" + name][...] = seed
+    native.tangent(*call)
+    products = python.directional_derivative(dict(zip(python.derivative_inputs, seeds)))
+    for name, a in products.items():
+        off = float(abs(a - machine.views["product:" + name]).max() / abs(a).max())
+        error["of " + name] = max(error.get("of " + name, 0.0), off)
+off = {name: e / largest.get(name, 1.0) for name, e in error.items() if e > 0.0}
+touched = float(python.views["contact_area_fraction"])
+print(json.dumps([off, iterations, float(python.views["film_fraction"].min()), touched]))
+"""
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        dict(roughness_rms=3e-6),
+        dict(roughness_rms=2e-6, cavity_shear="full_film", contact_law="power_fit"),
+        dict(film_fraction_upper_edge=0.6, cavitation_pressure=-5e4, pressure_upper_edge=-5e4),
+    ],
+)
+def test_the_step_has_the_bits_of_the_model(changes, tmp_path):
+    """Twelve uneven steps of a film that ruptures, with tangents."""
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(tmp_path), json.dumps(changes)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    off, iterations, emptiest, touched = json.loads(done.stdout)
+    # sums over the whole film are added in another order
+    assert set(off) <= {"stored_energy", "energy_gain", "oil_in_film", "boundary_friction_share"}
+    assert max(off.values(), default=0.0) <= 1e-12
+    assert iterations > 2 and emptiest < 0.9  # cells did switch, and the film ruptured
+    assert touched > 0.0 or "roughness_rms" not in changes

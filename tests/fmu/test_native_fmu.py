@@ -1,0 +1,377 @@
+"""The lubrication FMU that needs no Python: the values of the model, refusals, foreign machines.
+
+Its fields and all that goes on into the next step have the model's bits. Sums over the whole film
+differ by the order of summation, and what goes through exp or log by those of the C library.
+"""
+
+import os
+import shutil
+import subprocess
+import time
+import zipfile
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.motored import DEGREE, UNEVEN, motored_film, physics
+from piston_cosim.fmu_ehd.native import COVERED, uncovered
+from piston_cosim.fmu_ehd.native_step import (
+    CHOSEN,
+    COUNTERS,
+    FIELD_OUTPUTS,
+    NUMBERS,
+    SCALARS,
+    VISCOSITY_100,
+)
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.variables import CHOICES, DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS, variables
+from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of
+from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.master.participants.fmi3 import Fmu3Participant
+
+GRID = (12, 10)
+SUMMED = ("stored_energy", "energy_gain", "oil_in_film", "boundary_friction_share")
+"""Sums over the whole film, or work of such: numpy adds in another order."""
+ROUND_OFF = 1e-12  # of the largest value that an output takes: a few hundred roundings
+
+COVERED_PHYSICS = {
+    name: physics(GRID)[name]
+    for name in ("contact", "power fit", "starved", "edge pressure", "full cavity shear")
+}
+OTHER_OILS = {
+    "vogel_1921": physics(GRID)["axial temperature"],
+    "walther_1931": dict(oil=Oil("walther_1931"), oil_temperature_lower_edge=350.0),
+    "two_point": dict(oil=Oil("two_point", viscosity_40=0.08), oil_temperature_upper_edge=390.0),
+    "filled in part": dict(initial_film_fraction=0.6, roughness_rms=1e-6),
+}
+
+
+def flat(changes):
+    """Changes of `Parameters` as parameters of the FMU."""
+    default = Oil()
+    own = {k: v for k, v in changes.items() if k != "oil"}
+    oil = changes.get("oil", default)
+    return own | {
+        entry.name: getattr(oil, entry.name)
+        for entry in fields(Oil)
+        if getattr(oil, entry.name) != getattr(default, entry.name)
+    }
+
+
+def started(path, film, velocity, **values):
+    """An instance of the FMU after its initialisation."""
+    one = FmuParticipant("film", path)
+    numbered = {k: CHOICES[k].index(v) + 1 for k, v in values.items() if k in CHOICES}
+    one.start(values | numbered | {"film_thickness": film, "sliding_velocity": velocity}, 0.0, 1.0)
+    return one
+
+
+def step(one, film, velocity, size=DEGREE):
+    one.set("film_thickness", film)
+    one.set("sliding_velocity", velocity)
+    one.step(0.0, size)
+
+
+def side_by_side(path, shape, changes, steps):
+    """Largest difference of every output between FMU and model, over its largest value, in a run in
+    which every tenth step is first taken otherwise and taken back; and of the derivatives.
+    """
+    model = LubricationModel(Parameters(shape, **changes))
+    film, velocity = motored_film(shape, 0.0)
+    state, outputs = model.start(film, velocity)
+    one = started(path, film, velocity, **flat(changes))
+    rng = np.random.default_rng(0)
+    largest = dict.fromkeys(outputs, 0.0)
+    error = dict.fromkeys((*outputs, *DERIVATIVE_OUTPUTS), 0.0)
+
+    def compare():
+        for name, value in outputs.items():
+            largest[name] = max(largest[name], np.abs(value).max())
+            error[name] = max(error[name], np.abs(one.get(name) - value).max())
+
+    compare()
+    for k in range(1, steps + 1):
+        size = UNEVEN if k % 7 == 0 else DEGREE
+        film, velocity = motored_film(shape, k * DEGREE)
+        if k % 10 == 0:
+            saved = one.save()
+            step(one, 0.5 * film, -velocity, 3.0 * size)
+            one.restore(saved)
+        step(one, film, velocity, size)
+        state, outputs = model.advance(state, film, velocity, size)
+        compare()
+        if k % 10 == 5:
+            seeds = rng.standard_normal((2, *shape)) * [[[1e-6]], [[1.0]]]
+            products = one.derivative(dict(zip(DERIVATIVE_INPUTS, seeds)), DERIVATIVE_OUTPUTS)
+            for name, value in zip(DERIVATIVE_OUTPUTS, model.tangent(*seeds)):
+                off = np.abs(products[name] - value).max() / max(np.abs(value).max(), 1e-300)
+                error[name] = max(error[name], off)
+    one.close()
+    return {
+        name: e / largest[name] if largest.get(name) else e for name, e in error.items() if e > 0.0
+    }
+
+
+@pytest.mark.parametrize("name", COVERED_PHYSICS)
+def test_values_are_the_bits_of_the_model(native_fmu, name):
+    differing = side_by_side(native_fmu, GRID, COVERED_PHYSICS[name], 120)
+    assert set(differing) <= set(SUMMED)
+    assert max(differing.values(), default=0.0) <= ROUND_OFF
+
+
+@pytest.mark.parametrize("name", OTHER_OILS)
+def test_values_of_other_oils_are_the_models(native_fmu, name):
+    # two C libraries' exp and log differ by a bit, and a film passes a few of these on
+    differing = side_by_side(native_fmu, GRID, OTHER_OILS[name], 60)
+    assert max(differing.values(), default=0.0) <= 1e-11
+
+
+def test_another_grid_has_the_same_library_and_the_models_bits(native_fmu, make_native):
+    other = make_native([9, 16])
+    name = "binaries/linux64/fmu_ehd.so"
+    libraries = [zipfile.ZipFile(path).read(name) for path in (native_fmu, other)]
+    assert libraries[0] == libraries[1]
+    differing = side_by_side(other, (9, 16), dict(roughness_rms=3e-6), 60)
+    assert set(differing) <= set(SUMMED)
+
+
+def test_fmi_3_has_the_same_bits(native_fmu):
+    """Over steps whose ends are exact, for FMI 3 hands on the end less the beginning."""
+    path = build_native_fmu("fmu_ehd", {"grid": list(GRID)}, Path("."), version="3.0")
+    film, velocity = motored_film(GRID, 0.0)
+    answers = []
+    for one in (FmuParticipant("film", native_fmu), Fmu3Participant("film", path)):
+        one.start({"film_thickness": film, "sliding_velocity": velocity}, 0.0, 1.0)
+        for k in range(3):
+            one.set("film_thickness", film * (1.0 - 0.1 * k))
+            one.step(k * 2.0**-14, 2.0**-14)
+        seeds = {"film_thickness": 1e-6 * velocity, "sliding_velocity": velocity}
+        answers.append([one.get("nodal_pressure_force").copy()])
+        answers[-1] += one.derivative(seeds, DERIVATIVE_OUTPUTS).values()
+        one.close()
+    assert all(np.array_equal(a, b) for a, b in zip(*answers))
+
+
+def test_inputs_in_place_of_parameters(make_native):
+    """Pressure of an edge and a field of temperatures that change from step to step."""
+    path = make_native([6, 5], inputs=["pressure_upper_edge", "oil_temperature"])
+    shape = (6, 5)
+    oil = Oil("vogel_1921")
+    model = LubricationModel(Parameters(shape, oil))
+    temperature = np.linspace(340.0, 400.0, 30).reshape(shape)
+    film, velocity = motored_film(shape, 0.0)
+    state, _ = model.start(film, velocity, oil_temperature=temperature, pressure_upper_edge=1e5)
+    one = started(
+        path,
+        film,
+        velocity,
+        viscosity_law="vogel_1921",
+        oil_temperature=temperature,
+        pressure_upper_edge=1e5,
+    )
+    for k in range(1, 10):
+        around = dict(oil_temperature=temperature + k, pressure_upper_edge=1e5 + 1e4 * k)
+        film, velocity = motored_film(shape, k * DEGREE)
+        state, outputs = model.advance(state, film, velocity, DEGREE, **around)
+        for name, value in around.items():
+            one.set(name, value)
+        step(one, film, velocity)
+        force = outputs["nodal_pressure_force"]
+        # exp of another library
+        assert np.abs(one.get("nodal_pressure_force") - force).max() <= 1e-11 * np.abs(force).max()
+    one.set("pressure_upper_edge", -1.0)
+    with pytest.raises(Discard, match="pressure_upper_edge = -1 Pa: must not be below"):
+        one.step(0.0, DEGREE)
+    one.close()
+
+
+# ---- what is covered
+
+
+def test_every_choice_and_number_is_covered_or_refused_by_name():
+    assert set(CHOICES) == set(CHOSEN) | (set(COVERED) & set(CHOICES))
+    assert not set(CHOSEN) & set(COVERED)
+    free = {v.name for v in variables((4, 4)) if v.causality == "parameter" and not v.choices}
+    of_what_is_not_covered = free - set(NUMBERS) - set(COVERED)
+    words = ("coating", "peklenik", "share", "layer", "splash", "stroke", "chamfer", "shear", "coe")
+    assert all(any(word in name for word in words) for name in of_what_is_not_covered)
+    given = {v.name for v in variables((4, 4)) if v.causality == "output"}
+    assert given == {*FIELD_OUTPUTS, *SCALARS, *COUNTERS}
+    assert NUMBERS[VISCOSITY_100] == "viscosity_100"
+
+
+@pytest.mark.parametrize(
+    "name, value, words",
+    [
+        ("flow_factors", "patir_cheng_1978", "flow_factors = 2 patir_cheng_1978: a native FMU cov"),
+        ("pressure_viscosity_law", "barus_1893", "a native FMU covers 1 none"),
+        ("coating_thickness", 1e-5, "coating_thickness = 1e-05 m: a native FMU covers 0 to 0 m"),
+        ("bore_radius", 7.0, "bore_radius = 7 m: allowed is 0.001 to 1 m"),
+        ("pressure_lower_edge", -1e3, "pressure_lower_edge = -1000 Pa: must not be below cavit"),
+        ("film_fraction_openings", 0.5, "film_fraction_openings = 0.5 (unit 1), pressure_openin"),
+    ],
+)
+def test_what_cannot_start_is_said_by_name(native_fmu, name, value, words):
+    with pytest.raises(BadInput) as refusal:
+        started(native_fmu, *motored_film(GRID, 0.0), **{name: value}).close()
+    assert words in str(refusal.value)
+
+
+def test_all_that_is_wrong_at_a_start_is_said_at_once(native_fmu):
+    wrong = dict(bore_radius=7.0, coating_thickness=1e-5, oil_supply="bore")
+    with pytest.raises(BadInput) as refusal:
+        started(native_fmu, *motored_film(GRID, 0.0), **wrong).close()
+    assert all(name in str(refusal.value) for name in wrong)
+
+
+def test_options_that_are_not_covered_are_refused_before_anything_is_compiled():
+    options = dict(
+        grid=[200, 4], surface="bearing", inputs=[], mask=[[0, 1, 1, 1]], no_fields=False, oil={}
+    )
+    assert len(list(uncovered(options))) == 3
+    with pytest.raises(BadInput, match="surface = bearing: a native FMU covers skirt"):
+        build_native_fmu("fmu_ehd", {"grid": [8, 8], "surface": "bearing"}, Path("."))
+    with pytest.raises(BadInput, match="no native FMU of it yet"):
+        build_native_fmu("fmu_mfbd", {}, Path("."))
+    with pytest.raises(BadInput, match="platform = beos: allowed: linux64"):
+        build_native_fmu("fmu_ehd", {"grid": [8, 8]}, Path("."), platforms=["beos"])
+
+
+@pytest.mark.parametrize(
+    "shift, words",
+    [
+        (-1e-3, r"film_thickness\[\d+,\d+\] = -0\.\d+ m, and nowhere above 0 m: there is no film"),
+        (np.nan, r"film_thickness\[1,1\] = nan m: must be finite"),
+    ],
+)
+def test_a_refused_step_says_why_in_the_words_of_the_model(native_fmu, shift, words):
+    film, velocity = motored_film(GRID, 0.0)
+    one = started(native_fmu, film, velocity)
+    with pytest.raises(Discard, match=words):
+        step(one, film + shift, velocity)
+    with pytest.raises(Exception, match="the last step was refused, or there was none"):
+        one.derivative({"film_thickness": film}, DERIVATIVE_OUTPUTS)
+    step(one, film, velocity)  # goes on
+    one.close()
+
+
+# ---- what it needs
+
+
+def test_the_library_asks_for_the_c_library_alone(native_fmu, tmp_path):
+    library = zipfile.ZipFile(native_fmu).extract("binaries/linux64/fmu_ehd.so", tmp_path)
+    if not shutil.which("readelf"):
+        pytest.skip("no readelf")
+    told = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True)
+    needed = [
+        line.split("[")[1].rstrip("]") for line in told.stdout.splitlines() if "NEEDED" in line
+    ]
+    assert set(needed) <= {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"}
+
+
+def test_machine_code_that_would_call_python_is_refused():
+    calling = "declare void @{0}()\ndefine void @native_size() {{ call void @{0}() ret void }}"
+    assert translated(calling.format("exp"), TARGETS["linux64"])
+    assert "exp" in OPEN["functions"]
+    with pytest.raises(RuntimeError, match="would call PyErr_Format"):
+        translated(calling.format("PyErr_Format"), TARGETS["linux64"])
+
+
+def test_a_host_with_an_empty_environment_and_a_read_only_folder(
+    host, native_fmu, unpack, tmp_path
+):
+    """No Python, no PATH, no HOME; the values of the model. Load, start and five steps take no
+    longer than 0.1 s, all of the process.
+    """
+    place = unpack(native_fmu, tmp_path / "a place")
+    cell = ("nodal_pressure_force[3,4]", "film_thickness[3,4]")
+    given, size, steps = 2e-5, 5e-5, 3
+    arguments = place.arguments("film_thickness[3,4]", given, *cell)
+    command = [str(host), repr(size), str(steps), *map(str, arguments)]
+    place.folder.chmod(0o555)
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        done = subprocess.run(command, capture_output=True, text=True, cwd="/", env={}, timeout=60)
+        times.append(time.perf_counter() - begin)
+        assert done.returncode == 0, done.stderr
+    force, product, length, same = map(float, done.stdout.split())
+    model = LubricationModel(Parameters(GRID))
+    film = np.full(GRID, 1e-5)
+    film[2, 3] = given
+    still = np.zeros(GRID)
+    state, _ = model.start(film, still)
+    for n in range(steps + 1):
+        film[2, 3] = given * (1 - 100 * (n * size))
+        state, outputs = model.advance(state, film, still, size)
+    seed = np.zeros(GRID)
+    seed[2, 3] = 1.0
+    assert force == outputs["nodal_pressure_force"][2, 3] != 0.0
+    assert product == model.tangent(seed, still)[0][2, 3] != 0.0
+    assert same == 1.0
+    assert length == place_size()
+    assert min(times) <= 0.1
+
+
+def place_size():
+    """Bytes of a state: head, variables, integers, 18 fields, faces and 5 numbers."""
+    n_c, n_a = GRID
+    table = variables(GRID)
+    reals = sum(v.size for v in table if v.type == "Real")
+    integers = sum(v.size for v in table if v.type in ("Integer", "Enumeration"))
+    states = 18 * n_c * n_a + 2 * n_c * (n_a + 1) + 5
+    return 8 + 4 * 8 + 8 * (reals + integers + states)
+
+
+# ---- other machines
+
+
+@pytest.mark.parametrize(
+    "platform, emulator",
+    [("aarch64-linux", ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]), ("win64", ["wine"])],
+)
+def test_other_machines_give_the_same_bits(native_fmu, unpack, host, tmp_path, platform, emulator):
+    """The same host program, compiled for the machine, under an emulator."""
+    compiler = compiler_of(platform)
+    if compiler is None or shutil.which(emulator[0]) is None:
+        pytest.skip(f"{platform}: needs its C compiler and {emulator[0]}")
+    path = build_native_fmu("fmu_ehd", {"grid": list(GRID)}, Path("."), platforms=[platform])
+    there, here = unpack(path, tmp_path / "there"), unpack(native_fmu, tmp_path / "here")
+    program = tmp_path / "driver.exe"
+    driver = Path(__file__).parent / "native_driver.c"
+    subprocess.run([*compiler, "-o", str(program), str(driver), "-lm"], check=True)
+    own = tmp_path / "driver"
+    subprocess.run(["cc", "-o", str(own), str(driver), "-lm", "-ldl"], check=True)
+    answers = []
+    for command, place, folder, ending in (
+        ([str(own)], here, "linux64", "so"),
+        (
+            [*emulator, str(program)],
+            there,
+            platform,
+            "dll" if platform == "win64" else "so",
+        ),
+    ):
+        library = place.folder / "binaries" / folder / f"fmu_ehd.{ending}"
+        first = {
+            name: str(place.references[f"{name}[1,1]"])
+            for name in ("film_thickness", "sliding_velocity", "nodal_pressure_force")
+        }
+        arguments = [library, place.location, place.description.guid, "120", "200", *first.values()]
+        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
+        done = subprocess.run(
+            [*command, *map(str, arguments)],
+            capture_output=True,
+            timeout=500,
+            env=environment,
+        )
+        assert done.returncode == 0, done.stderr
+        answers.append(done.stdout.replace(b"\r", b""))
+    assert answers[0].count(b"\n") == 200
+    assert answers[0] == answers[1]

@@ -1,0 +1,123 @@
+"""Animated models and series: what a viewer computes of them is the recovered motion."""
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+import meshio
+import numpy as np
+import pytest
+
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.fields_export import Block
+from piston_cosim.master.results.gltf import RATE, write_gltf
+from piston_cosim.master.results.series import Film, write_series
+from piston_cosim.master.results.solids import Solid
+
+INSTANTS = np.array([0.1, 0.2, 0.3, 0.5])
+TIMES = 20.0
+
+
+def solids():
+    random = np.random.default_rng(7)
+    triangles = np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]])
+    points = random.normal(size=(7, 3))
+    motion = np.column_stack([1e-3 * random.normal(size=4), random.normal(size=4), [0, 0.01, 1, 2]])
+    piston = Solid(
+        "piston",
+        points,
+        triangles,
+        random.normal(size=(7, 3, 3)),
+        1e-3 * random.normal(size=(4, 3)) * [1, 1, 0],  # the third coordinate stays zero
+        motion,
+        film=(-0.5, 1.5),
+        stress=random.uniform(size=(4, 7)),
+    )
+    return [piston, Solid("block", points, triangles, np.zeros((7, 3, 0)), np.zeros((4, 0)))]
+
+
+def read(path):
+    """The description of a binary glTF file, and its accessors' values."""
+    data = path.read_bytes()
+    assert data[:4] == b"glTF" and np.frombuffer(data[4:12], "<u4").tolist() == [2, len(data)]
+    size = int.from_bytes(data[12:16], "little")
+    tree, held = json.loads(data[20 : 20 + size]), data[20 + size + 8 :]
+    values = []
+    for one in tree["accessors"]:
+        view = tree["bufferViews"][one["bufferView"]]
+        kind = {5126: "<f4", 5125: "<u4"}[one["componentType"]]
+        part = held[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[one["type"]]
+        values.append(np.frombuffer(part, kind).reshape(one["count"], width).astype(float))
+    return tree, values
+
+
+def test_morphs_and_motion_of_a_model_are_those_of_the_run(tmp_path):
+    """As the format says: weighted targets, then the node's rotation, then its translation."""
+    bodies = solids()
+    tree, values = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
+    (surface,) = tree["meshes"][0]["primitives"]
+    animation = tree["animations"][0]
+    tracks = {
+        (one["target"]["node"], one["target"]["path"]): animation["samplers"][one["sampler"]]
+        for one in animation["channels"]
+    }
+    assert set(tracks) == {(0, "weights"), (0, "translation"), (0, "rotation")}
+    clock = values[tracks[0, "weights"]["input"]].ravel()
+    # steps of 0.1, 0.1, 0.2 s, whose mean is shown as a thirtieth
+    assert clock * RATE == pytest.approx([0, 0.75, 1.5, 3], abs=1e-6)
+    weights = values[tracks[0, "weights"]["output"]].reshape(4, 3)
+    base = values[surface["attributes"]["POSITION"]]
+    targets = [values[one["POSITION"]] for one in surface["targets"]]
+    piston = bodies[0]
+    for k in range(4):
+        shape = base + sum(w * target for w, target in zip(weights[k], targets))
+        x, y, z, w = values[tracks[0, "rotation"]["output"]][k]
+        assert (x, y) == (0, 0) and z * z + w * w == pytest.approx(1, abs=1e-6)
+        turn = 2 * np.arctan2(z, w)
+        c, s = np.cos(turn), np.sin(turn)
+        shown = shape @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
+        shown += values[tracks[0, "translation"]["output"]][k]
+        across, along, beta = piston.motion[k]
+        c, s = np.cos(TIMES * beta), np.sin(TIMES * beta)
+        whole = piston.points + TIMES * piston.modes @ piston.coordinates[k]
+        wanted = whole @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
+        wanted += [TIMES * across, along, 0]
+        # single precision of numbers of about 1
+        assert shown == pytest.approx(wanted, abs=1e-6 * 5)
+    assert values[surface["indices"]].ravel().tolist() == piston.triangles.ravel().tolist()
+    for one, held in zip(tree["accessors"], values):
+        if "min" in one:
+            assert one["min"] == pytest.approx(held.min(axis=0))
+            assert one["max"] == pytest.approx(held.max(axis=0))
+    assert "targets" not in tree["meshes"][1]["primitives"][0]  # a rigid body has none
+
+
+def test_a_model_needs_bodies_and_instants(tmp_path):
+    for bodies, instants in (([], INSTANTS), (solids(), INSTANTS[:1])):
+        with pytest.raises(BadInput, match="a body and two instants are needed"):
+            write_gltf(bodies, instants, 1.0, tmp_path / "run.glb")
+
+
+def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
+    bodies = solids()
+    pressure = np.arange(4 * 8 * 2.0).reshape(4, 8, 2)
+    block = Block("ehd.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure)
+    films = [Film("ehd", 0.7, [block])]
+    path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
+    entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
+    assert [(float(one["timestep"]), one["part"]) for one in entries] == [
+        (time, part) for time in (0.1, 0.3) for part in "012"
+    ]
+    body, _, film = [meshio.read(tmp_path / one["file"]) for one in entries[3:]]
+    piston = bodies[0]
+    across, along, beta = piston.motion[2]
+    c, s = np.cos(beta), np.sin(beta)
+    turned = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    assert body.points == pytest.approx(piston.points @ turned.T + [across, along, 0])
+    moved = turned @ (piston.modes @ piston.coordinates[2])[4]
+    assert body.point_data["displacement [m]"][4] == pytest.approx(moved)
+    assert body.point_data["von Mises stress [Pa]"] == pytest.approx(piston.stress[2])
+    assert film.cell_data["ehd.pressure [Pa]"][0] == pytest.approx(pressure[2].ravel())
+    assert np.hypot(film.points[:, 0], film.points[:, 2]) == pytest.approx(0.7)
+    heights = film.points[:, 1]
+    assert (heights.min(), heights.max()) == pytest.approx((along - 0.5, along + 1.5))

@@ -1,0 +1,80 @@
+"""The page of a sweep: its front, its links, and what stands in it in a browser."""
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
+
+from .browser import Browser, found
+
+
+def front(points):
+    """Mask of the points that no other is better than: smaller or equal in everything, and smaller
+    in something.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, k)
+        Each column is to be small.
+    """
+    below = (points[None] <= points[:, None]).all(axis=2)
+    better = below & (points[None] < points[:, None]).any(axis=2)
+    return ~better.any(axis=1)
+
+
+def test_a_front_is_what_no_other_point_is_better_than():
+    points = np.array([[1, 5], [2, 2], [3, 3], [5, 1], [2, 2], [1, 6]])
+    assert front(points).tolist() == [True, True, False, True, True, False]
+
+
+def swept():
+    """Clearance 10, 20, 30 um by ovality 1, 2: friction falls where slap grows."""
+    rows = [
+        {
+            "bodies.clearance": f"{c} um",
+            "ovality": o,
+            "status": "done",
+            "message": "",
+            "mean_friction_power_w": 100.0 / c + o,
+            "slap_energy_j": 1e-4 * c * o,
+            "contact_share": 0.1 / c,
+            "same": 1.0,
+        }
+        for c in (10, 20, 30)
+        for o in (1, 2)
+    ]
+    failed = {"bodies.clearance": "40 um", "ovality": 1, "status": "failed", "message": "no"}
+    points = [SweptPoint(row, f"reports/{k}/report.html") for k, row in enumerate(rows)]
+    return [*points, SweptPoint(failed, "")]
+
+
+def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_path):
+    if not found():
+        pytest.skip("no chromium: the sweep's page was not looked at")
+    points = swept()
+    path = write_sweep_page(points, ["bodies.clearance", "ovality"], tmp_path / "sweep.html")
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(path)
+        told = browser.run("""
+          const links = name => [...document.querySelectorAll(`#${name} a`)]
+            .map(one => one.getAttribute("href"));
+          const marked = () => [...document.querySelectorAll("#pareto .dot")]
+            .map(one => one.classList.contains("best"));
+          const shown = ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent);
+          const all = marked();
+          byId("z").value = byId("x").value; byId("z").onchange();
+          return { all, two: marked(), shown, pareto: links("pareto"), parallel: links("parallel"),
+            response: links("response"), points: links("points"), entries: data.entries,
+            cells: [...document.querySelectorAll("#response a text")].map(one => one.textContent),
+            wide: document.documentElement.scrollWidth - window.innerWidth };""")
+        assert browser.said() == [] and browser.asked() == []
+    links = [point.report for point in points[:-1]]
+    assert told["pareto"] == told["parallel"] == told["points"] == links
+    assert told["response"] == links  # of a grid of two keys, in its order
+    entries = ["mean_friction_power_w", "slap_energy_j", "contact_share"]
+    assert told["entries"] == entries == told["shown"]  # what does not vary is left out
+    values = np.array([[point.row[name] for name in entries] for point in points[:-1]])
+    assert told["all"] == front(values).tolist() and told["two"] == front(values[:, :2]).tolist()
+    assert not all(told["two"])
+    assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=1e-3)
+    assert told["wide"] <= 0
