@@ -579,6 +579,23 @@ def test_dark_and_narrow(browser, page, tmp_path, flag):
     assert (found["paper"] == "rgb(255, 255, 255)") != found["dark"]
 
 
+def test_titles_of_narrow_charts_stand_clear_of_the_buttons(browser, page, tmp_path):
+    script = """waiting.forEach(([, draw]) => draw());
+      await new Promise(done => setTimeout(done, 200));
+      return [...document.querySelectorAll(".chart")].map(node => {
+        const [title, bar] = [".gtitle", ".modebar"].map(name => node.querySelector(name));
+        return title.getBoundingClientRect().top - bar.getBoundingClientRect().bottom;
+      });"""
+    phone = {"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+    with Browser(tmp_path / "profile") as window:
+        window.ask("Emulation.setDeviceMetricsOverride", **phone)
+        window.open(page[0])
+        apart = window.run(script)
+        assert window.said() == []
+    # a line of letters has some room of its own above them
+    assert min(apart) > -3 and len(apart) > 10
+
+
 def test_displacements_are_modes_times_coordinates(browser, page, tmp_path):
     """What the page's bodies are drawn with, against the product in double precision."""
     random = np.random.default_rng(5)

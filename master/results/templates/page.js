@@ -416,10 +416,15 @@ function axisOfCursor(title) {
   return axis;
 }
 
-function layoutOf(drawn) {
+// text in lines of so many letters
+const inLines = (text, letters) => text.split(" ").reduce((lines, word) => { const last = lines[lines.length - 1]; return last && last.length + word.length < letters ? [...lines.slice(0, -1), last + " " + word] : [...lines, word]; }, []);
+
+// of a chart so many pixels wide: narrow ones have their title below the buttons, in lines
+function layoutOf(drawn, width) {
+  const narrow = width < 520, title = inLines(drawn.title || drawn.name || "", narrow ? Math.floor(width / 7.5) : 200), top = narrow ? 58 + 17 * title.length : 52;
   const axis = title => ({ title: { text: title, standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") });
   const layout = {
-    title: { text: drawn.title || drawn.name, font: { size: 14 }, x: 0.02, xanchor: "left" }, height: 330, margin: { l: 60, r: 16, t: 52, b: 46 },
+    title: { text: title.join("<br>"), font: { size: 14 }, x: 0.02, xanchor: "left", ...(narrow ? { y: 1 - 42 / 330, yref: "container", yanchor: "top" } : {}) }, height: 330, margin: { l: 60, r: 16, t: top, b: 46 },
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: style("--ink"), size: 11 }, hovermode: drawn.kind === "chart" && drawn.cursor ? "x unified" : "closest",
     hoverlabel: { bgcolor: style("--soft"), font: { color: style("--ink") } }, showlegend: drawn.kind === "chart" && drawn.curves.length > 1,
     modebar: { bgcolor: "rgba(0,0,0,0)", color: style("--line"), activecolor: style("--accent") }, legend: { orientation: "h", y: -0.24, yanchor: "top" }, xaxis: axis(drawn.x), yaxis: axis(drawn.y), shapes: [], annotations: [],
@@ -436,7 +441,8 @@ function layoutOf(drawn) {
     if (phase.end <= positions[0] || phase.begin >= positions[positions.length - 1]) return;
     const a = Math.max(phase.begin, positions[0]), b = Math.min(phase.end, positions[positions.length - 1]);
     if (k % 2 && drawn.kind === "chart") layout.shapes.push({ type: "rect", yref: "paper", x0: a, x1: b, y0: 0, y1: 1, layer: "below", line: { width: 0 }, fillcolor: style("--shade") });
-    layout.annotations.push({ text: phase.name, x: (a + b) / 2, yref: "paper", y: 1, yanchor: "bottom", showarrow: false, font: { size: 10 } });
+    const room = (b - a) / (positions[positions.length - 1] - positions[0]) * (width - 76);
+    if (room > 5 * phase.name.length) layout.annotations.push({ text: phase.name, x: (a + b) / 2, yref: "paper", y: 1, yanchor: "bottom", showarrow: false, font: { size: 10 } });
   });
   return layout;
 }
@@ -499,7 +505,7 @@ function chart(parent, drawn) {
     if (!made) node.dataset.drawn = "yes";
     const first = !made;
     made = true;
-    Plotly.react(node, tracesOf(drawn), layoutOf(drawn), {
+    Plotly.react(node, tracesOf(drawn), layoutOf(drawn, node.clientWidth), {
       responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { filename: name, scale: 2 },
       modeBarButtonsToAdd: [
         { name: "svg", title: "Download as SVG", icon: arrow, click: gd => Plotly.downloadImage(gd, { format: "svg", filename: name }) },
