@@ -14,7 +14,16 @@ from ..geometry.pin import PinResultants, across, cross
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Motion
 from .piston_motion import LATERAL, ROCKING, Load
-from .slider_crank import CrankMotion, LateralMotion, Link, Mechanism, RodTurn, motion, rod_turn
+from .slider_crank import (
+    CrankMotion,
+    LateralMotion,
+    Link,
+    Mechanism,
+    RodTurn,
+    carried_mass,
+    motion,
+    rod_turn,
+)
 
 BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
 """Coordinates of the pin: its axis from that of the piston's bosses and of the rod's eye [m], along
@@ -313,3 +322,9 @@ def inertia(bodies: Bodies) -> np.ndarray:
     M[ROCKING, ROCKING] += piston.I0
     M[SPIN, SPIN] += bodies.spin_inertia
     return M
+
+
+def inertia_with_rod(bodies: Bodies) -> np.ndarray:
+    """M of `inertia`, (7, 7), and of the rod that swings with its eye (Eqs. (K12), (K16))."""
+    eye = UNIT[LATERAL] + UNIT[BOSS_X] - UNIT[EYE_X]
+    return inertia(bodies) + carried_mass(bodies.mechanism) * np.outer(eye, eye)

@@ -33,6 +33,7 @@ from .floating_pin import (
     eye_motion,
     imbalance,
     inertia,
+    inertia_with_rod,
     place_of,
     pushed,
     tangent,
@@ -155,6 +156,7 @@ class PistonOnFloatingPin(PistonInBore):
         self.coordinates = COORDINATES
         self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia)
         self.inertia = inertia(self.bodies)
+        self.with_rod = inertia_with_rod(self.bodies)
 
     def _instant(
         self,
@@ -232,7 +234,8 @@ class PistonOnFloatingPin(PistonInBore):
             auxiliary=carried,
             impact=impact,
             ledger=ledger,
-            other_forces=self.inertia @ end.acceleration - self._forces(skirt, solved.films),
+            other_forces=self.with_rod @ end.acceleration
+            - self._forces(skirt, solved.films),  # (D15)
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
@@ -342,17 +345,18 @@ class PistonOnFloatingPin(PistonInBore):
         self, before: Motion, kept: Motion, end: Motion, forces: np.ndarray, driven: float
     ) -> Ledger:
         """Energies as in `energy`, by the inertia of Eq. (D22)."""
-        M = self.inertia
+        M = self.with_rod
         way = end.position - before.position
         mean = (before.acceleration + end.acceleration) / 2
         first = float(before.velocity @ M @ before.velocity)
         last = float(kept.velocity @ M @ kept.velocity)
         return Ledger(
-            kinetic=last / 2,
+            kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
             elastic=0.0,
             film_work=float(forces @ way) + driven,  # Eq. (D11)
             error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
             axial_work=driven,
+            accounted=last / 2,
         )
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:

@@ -196,7 +196,8 @@ def cylinder_cells(shape, radius, ends):
     n, m = shape
     angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # where cells begin
     ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
-    points = np.vstack([ring + [0, height, 0] for height in np.linspace(*ends, m + 1)])
+    lower, upper = ends
+    points = np.vstack([ring + [0, height, 0] for height in np.linspace(lower, upper, m + 1)])
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
     cells = np.stack(

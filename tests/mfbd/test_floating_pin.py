@@ -22,6 +22,7 @@ from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
     PinFilms,
     imbalance,
     inertia,
+    inertia_with_rod,
     place_of,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
@@ -190,6 +191,15 @@ def test_inertia_of_the_play_by_hand():
     assert M[LATERAL, ROCKING] == pytest.approx(-1.39 * 26.5e-3)
     assert M[EYE_Y, ROCKING] == pytest.approx(1.39 * 1.5e-3)
     assert np.array_equal(M, M.T)
+
+
+def test_the_rod_swings_with_its_eye_by_hand():
+    """Eq. (K12) of the eye's way x_A + a_x - e_x: 3 + 4 - 1 m/s here, and nothing of the others."""
+    model = floating_model()
+    velocity = np.array([3.0, 5.0, 4.0, 2.0, 1.0, 7.0, 9.0])
+    more = velocity @ (inertia_with_rod(model.bodies) - inertia(model.bodies)) @ velocity / 2
+    rod = (72 / 223) ** 2 * 1.7 + 0.017 / 0.223**2
+    assert more == pytest.approx(rod * 6.0**2 / 2, rel=1e-12)
 
 
 RINGS = RingForce(40.0, -60.0, 0.3)
