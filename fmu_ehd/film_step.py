@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import cavitation, reynolds, transport
+from . import cavitation, openings, reynolds, transport
 from .coating import Softness, soften
 from .films import STORED, FilmSlopes
 from .grid import FIRST, OPENINGS, Array, Edges, Entrainment, Flags, Grid
@@ -141,10 +141,10 @@ class FilmStep:
         model = self.model
         ring = self.grid.ring
         if self._has_openings:
-            film = self.openings.without_resistance(film)
+            film = openings.freed(self.open_cells, film)
         faces = reynolds.faces(film, entrainment, self._cells)
         if self._has_openings:
-            self.openings.close(faces)
+            openings.close(self.open_cells, faces)
             self.openings.starve(faces, edges.limit)
         lift_a = self.lift_along(lift, entrainment)
         storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
@@ -220,12 +220,12 @@ class FilmStep:
         )
 
     def spilled(self) -> Array:
-        """Flow of the last step into each opening from both its sides, `Openings.spilled`."""
+        """Flow of the last step into each opening from both its sides, `openings.spilled`."""
         step = self._step
         solution = self._solution
         assert step is not None and solution is not None, "spilled before solve"
         filling = Filling(solution.pressure, solution.film_fraction, step.lift)
-        return self.openings.spilled(filling, step.faces)
+        return openings.spilled(self.open_cells, filling, step.faces)
 
     def flow_from_openings(self) -> float:
         """Flow of the last step into the film from all openings, or over both ends of a sector
@@ -270,7 +270,7 @@ class FilmStep:
         ndarray, shape (2, 5, n_c, n_a)
         """
         if self._has_openings:
-            film = self.openings.without_resistance(film)
+            film = openings.freed(self.open_cells, film)
             faces = reynolds.faces(film, entrainment, self._cells)
             bounded = self.openings.starve(faces, edges.limit)
             # a given inflow follows neither film nor velocity

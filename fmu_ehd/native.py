@@ -43,6 +43,8 @@ from .native_step import (
     Inputs,
     Outputs,
     check_surroundings,
+    filled,
+    place_openings,
     warm_by_edges,
     warm_by_field,
 )
@@ -54,7 +56,6 @@ COVERED: dict[str, tuple[str, ...] | float] = {
     "cavitation_model": ("jfo",),
     "flow_factors": ("none",),
     "oil_supply": ("edges",),
-    "opening_supply": ("lower_edge",),
     "pressure_viscosity_law": ("none",),
     "shear_thinning_law": ("none",),
     "coating_thickness": 0.0,
@@ -96,9 +97,10 @@ def given(slave: Any) -> Array:
         for name in names
     ]
     followed = [float(name in slave.options["inputs"]) for name in NUMBERS]
-    tables = [contact_table(law).ravel() for law in CONTACT_LAWS]
-    whole = [[n_c, n_a], places, directions, followed, *tables, *halves(n_c)]
-    return np.concatenate([np.asarray(part, dtype=float) for part in whole])
+    tables = [contact_table(law) for law in CONTACT_LAWS]
+    mask = slave.options["mask"] or np.ones((n_c, n_a))
+    whole = [[n_c, n_a], places, directions, followed, *tables, *halves(n_c), mask]
+    return np.concatenate([np.asarray(part, dtype=float).ravel() for part in whole])
 
 
 def uncovered(options: dict[str, Any]) -> Iterable[str]:
@@ -107,8 +109,6 @@ def uncovered(options: dict[str, Any]) -> Iterable[str]:
     n_c, _ = built.grid
     if built.surface != "skirt":
         yield f"surface = {built.surface}: a native FMU covers skirt"
-    if built.mask is not None and 0 in np.asarray(built.mask):
-        yield "mask: a native FMU covers films without cut-outs"
     if n_c > WIDEST:
         yield f"grid = {n_c} x {built.grid[1]}: a native FMU covers {WIDEST} cells around"
 
@@ -119,7 +119,7 @@ def uncovered(options: dict[str, Any]) -> Iterable[str]:
 @compiled(inline="always")
 def _state(n_c, n_a):
     """Where the state begins, and its length."""
-    first = HALVES + 2 * n_c + len(NUMBERS) + len(CHOSEN) + n_c * n_a
+    first = HALVES + 2 * n_c + len(NUMBERS) + len(CHOSEN) + 3 * n_c * n_a
     length = STATE_FIELDS * n_c * n_a + 2 * n_c * (n_a + 1) + STATE_NUMBERS
     return first, length
 
@@ -144,6 +144,10 @@ def block_of(memory: Array):
     a += n_c
     sine = memory[a : a + n_c]
     a += n_c
+    mask = memory[a : a + n].reshape((n_c, n_a))
+    a += n
+    beside = memory[a : a + n].reshape((n_c, n_a))
+    a += n
     numbers = memory[a : a + len(NUMBERS)]
     a += len(NUMBERS)
     chosen = memory[a : a + len(CHOSEN)]
@@ -182,6 +186,8 @@ def block_of(memory: Array):
         faults,
         share,
         sine,
+        mask,
+        beside,
         viscosity,
         fields,
         faces,
@@ -231,11 +237,12 @@ def take_numbers(real, integer, memory, block, all_of_them):
     if all_of_them:
         for k in range(len(CHOSEN)):
             block.chosen[k] = float(integer[_place(memory, OF_CHOSEN + k)])
+        place_openings(block)
     if changed:
         check_surroundings(block)
     field = _place(memory, OF_INPUTS + OIL_TEMPERATURE)
     if field >= 0:
-        warm_by_field(block, _field(real, field, block.viscosity.shape))
+        warm_by_field(block, filled(block, _field(real, field, block.viscosity.shape)))
     elif changed:
         warm_by_edges(block)
 

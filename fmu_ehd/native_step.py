@@ -5,8 +5,9 @@ those of the model, unchanged; what the model says in numpy between them is said
 fields and all that goes on into the next step have the same bits, sums over the whole film differ
 by the order of summation, viscosities by the last bit of exp and log.
 
-Covered is the film that `COVERED` describes: a skirt with oil in plenty, cavitation that conserves
-oil, hard surfaces with or without asperity contact, any viscosity by temperature.
+Covered is the film that `native.COVERED` describes: a skirt, cut-outs or none, with oil in plenty,
+cavitation that conserves oil, hard surfaces with or without asperity contact, any viscosity by
+temperature.
 """
 
 from typing import NamedTuple
@@ -14,13 +15,37 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from . import blocks, cavitation, contact, films, friction, reynolds, storage, summary, transport
+from . import (
+    blocks,
+    cavitation,
+    contact,
+    films,
+    friction,
+    openings,
+    reynolds,
+    storage,
+    summary,
+    transport,
+)
 from .asperity import ContactConstants, pressure_scale
 from .blocks import Factors
 from .film_step import REFINE_ABOVE
 from .films import COUETTE, QUANTITIES, STORED, FilmSlopes
 from .friction import ForceSlopes, ShearConstants, ShearInputs, ShearSlopes
-from .grid import LOWER, NORTH, SOUTH, UPPER, Array, Cells, Edges, Entrainment, Flags
+from .grid import (
+    FIRST,
+    LAST,
+    LOWER,
+    NORTH,
+    OPENINGS,
+    SOUTH,
+    UPPER,
+    Array,
+    Cells,
+    Edges,
+    Entrainment,
+    Flags,
+)
 from .oil import ZERO_CELSIUS, walther_viscosity
 from .reynolds import Filling, Storage
 from .storage import Past
@@ -92,11 +117,12 @@ NUMBERS = (
     VISCOSITY_100,
 ) = range(len(NUMBERS))
 
-CHOSEN = ("viscosity_law", "cavity_shear", "contact_law")
-VISCOSITY_LAW, OF_CAVITY_SHEAR, CONTACT_LAW = range(len(CHOSEN))
+CHOSEN = ("viscosity_law", "cavity_shear", "contact_law", "opening_supply")
+VISCOSITY_LAW, OF_CAVITY_SHEAR, CONTACT_LAW, OPENING_SUPPLY = range(len(CHOSEN))
 CONSTANT, VOGEL_1921, WALTHER_1931, TWO_POINT = range(1, 5)
 FILM_FRACTION, _ = range(1, 3)
 GREENWOOD_TRIPP_1970, _ = range(1, 3)
+_, OWN = range(1, 3)
 
 FIELD_INPUTS = ("film_thickness", "sliding_velocity", "oil_temperature")
 FILM_THICKNESS, SLIDING_VELOCITY, OIL_TEMPERATURE = range(len(FIELD_INPUTS))
@@ -155,6 +181,9 @@ FAULTS = (
     "film_fraction_openings = {a} (unit 1), pressure_openings = {b} Pa with opening_supply = "
     "lower_edge: without effect, leave them at 1 and 0 Pa or choose opening_supply = own",
     "the last step was refused, or there was none: it has no directional derivative",
+    "pressure_openings = {a} Pa: must not be below cavitation_pressure = {b} Pa",
+    "film_fraction_openings = {c} (unit 1) at pressure_openings = {a} Pa: what is only partly "
+    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (
@@ -169,6 +198,8 @@ FAULTS = (
     UPPER_PARTLY_FILLED,
     OPENINGS_WITHOUT_EFFECT,
     NO_TANGENT,
+    OPENINGS_BELOW_CAVITATION,
+    OPENINGS_PARTLY_FILLED,
 ) = range(len(FAULTS))
 MOST_FAULTS = 8
 OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c
@@ -222,6 +253,8 @@ class Block(NamedTuple):
     tables : ndarray, shape (2, 513, 6), of both contact laws;
     faults : ndarray, shape (1 + 6 x 8,), how many, then each;
     share, sine : of `summary.Halves`, shape (n_c,);
+    mask : shape (n_c, n_a), 1 where there is a film, 0 in cut-outs;
+    beside : shape (n_c, n_a), of `openings.nearest`;
     viscosity : shape (n_c, n_a) [Pa s];
     fields, faces, counts : the state, shapes (18, n_c, n_a), (2, n_c, n_a + 1), (5,);
     last, last_faces, last_numbers : of the last step, shapes (.., n_c, n_a), (n_c, n_a + 1), (4,);
@@ -234,6 +267,8 @@ class Block(NamedTuple):
     faults: Array
     share: Array
     sine: Array
+    mask: Array
+    beside: Array
     viscosity: Array
     fields: Array
     faces: Array
@@ -296,7 +331,7 @@ _walther_viscosity = compiled(walther_viscosity)
 
 
 @compiled
-def keep(place: Array, values: Array):
+def keep(place: Array, values: np.ndarray):
     """Copy an array into a part of the block of the same shape."""
     to = place.reshape(place.size)
     k = 0
@@ -338,6 +373,69 @@ def cells_of(block: Block, shape: tuple[int, int]):
     return Cells(width / n_c, block.numbers[SKIRT_LENGTH] / n_a, True)
 
 
+# ---- cells without a film
+
+
+@compiled
+def place_openings(block: Block):
+    """Say for each cut-out which film is nearest."""
+    cells = cells_of(block, block.mask.shape)
+    keep(block.beside, openings.nearest(open_of(block), cells.dx, cells.dy))
+
+
+@compiled
+def open_of(block: Block):
+    """Cells without a film."""
+    open_cells = np.empty(block.mask.shape, np.bool_)
+    for i in range(block.mask.shape[0]):
+        for j in range(block.mask.shape[1]):
+            open_cells[i, j] = block.mask[i, j] == 0.0
+    return open_cells
+
+
+@compiled
+def area_of(block: Block):
+    """Area of each cell with a film [m2], 0 in cut-outs."""
+    cells = cells_of(block, block.mask.shape)
+    n_c, n_a = block.mask.shape
+    area = np.zeros((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            if block.mask[i, j] != 0.0:
+                area[i, j] = cells.dx * cells.dy
+    return area
+
+
+@compiled
+def filled(block: Block, field: Array):
+    """A field whose cut-outs show the nearest cell with a film."""
+    n_c, n_a = field.shape
+    whole = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            k = int(block.beside[i, j])
+            whole[i, j] = field[k // n_a, k % n_a]
+    return whole
+
+
+@compiled
+def filled_inputs(block: Block, inputs):
+    """`filled` fields of a step."""
+    return Inputs(filled(block, inputs.film_thickness), filled(block, inputs.sliding_velocity))
+
+
+@compiled
+def flow_from_openings(open_cells, filling, faces, flow):
+    """Flow into the film from all cut-outs [m3/s]."""
+    into = openings.spilled(open_cells, filling, faces)
+    total = 0.0
+    for i in range(open_cells.shape[0]):
+        for j in range(open_cells.shape[1]):
+            if open_cells[i, j]:
+                total += flow[i, j + 1] - flow[i, j] - into[i, j]
+    return total
+
+
 # ---- what is around
 
 
@@ -371,7 +469,9 @@ def check_surroundings(block: Block):
     )
     pressure = x[PRESSURE_OPENINGS]
     fraction = x[FILM_FRACTION_OPENINGS]
-    if fraction != 1.0 or pressure != 0.0:
+    if block.chosen[OPENING_SUPPLY] == OWN:
+        check_edge(block, pressure, fraction, OPENINGS_BELOW_CAVITATION, OPENINGS_PARTLY_FILLED)
+    elif fraction != 1.0 or pressure != 0.0:
         refuse(block.faults, OPENINGS_WITHOUT_EFFECT, 0, 0, fraction, pressure, 0.0)
 
 
@@ -386,6 +486,10 @@ def edges_of(block: Block, shape: tuple[int, int]):
     fraction = np.full(5, below)
     pressure[UPPER] = x[PRESSURE_UPPER_EDGE] - x[CAVITATION_PRESSURE]
     fraction[UPPER] = x[FILM_FRACTION_UPPER_EDGE]
+    if block.chosen[OPENING_SUPPLY] == OWN:
+        for k in (FIRST, LAST, OPENINGS):
+            pressure[k] = x[PRESSURE_OPENINGS] - x[CAVITATION_PRESSURE]
+            fraction[k] = x[FILM_FRACTION_OPENINGS]
     return Edges(pressure, fraction, np.full((n_c, n_a + 1), np.inf))
 
 
@@ -468,10 +572,11 @@ def solve(factors: Factors, stencil: Array, ascending: bool, right: Array):
 
 
 @compiled
-def full_cells(block, factors, faces, lift, held, edges, guess):
+def full_cells(block, factors, faces, lift, held, edges, guess, open_cells):
     """Pattern of full cells and signed unknown of one step, Eq. (C1)."""
     full = guess
-    fixed = np.zeros(guess.shape, np.bool_)
+    supply = edges.film_fraction[OPENINGS]
+    in_openings = edges.pressure[OPENINGS] if supply >= 1.0 else supply - 1.0
     iteration = 0
     first = 0
     was_up = False
@@ -479,6 +584,7 @@ def full_cells(block, factors, faces, lift, held, edges, guess):
     highest = 0
     while True:
         stencil, unknown = reynolds.assemble(full, faces, lift, held, edges, True)
+        reynolds.hold(open_cells, in_openings, stencil, unknown)
         ascending = goes_up(stencil)
         first = 0
         if iteration > 0 and ascending == was_up:
@@ -487,7 +593,7 @@ def full_cells(block, factors, faces, lift, held, edges, guess):
         blocks.factorise(stencil, ascending, first, factors)
         solve(factors, stencil, ascending, unknown)
         one = iteration >= cavitation.ALL_AT_ONCE
-        found = cavitation._switch(full, unknown, fixed, True, one)
+        found = cavitation._switch(full, unknown, open_cells, True, one)
         if found.switched < 0:
             refuse(block.faults, NOT_FINITE, found.i, found.j, 0.0, 0.0, 0.0)
             return Solved(False, unknown, full, iteration + 1, stencil, ascending)
@@ -548,8 +654,7 @@ def contact_of(block: Block, film_thickness: Array):
         block.tables[0 if exact else 1],
     )
     none = np.zeros(film_thickness.shape)
-    nowhere = np.zeros(film_thickness.shape, np.bool_)
-    return contact.contact(film_thickness, none, nowhere, constants, True)
+    return contact.contact(film_thickness, none, open_of(block), constants, True)
 
 
 @compiled
@@ -561,7 +666,6 @@ def shear_of(block, inputs, quantities, pressure, fraction, edges):
     shearing = fraction
     if block.chosen[OF_CAVITY_SHEAR] != FILM_FRACTION:
         shearing = np.ones(fraction.shape)
-    area = np.full(pressure.shape, cells.dx * cells.dy)
     constants = ShearConstants(
         edges.pressure[LOWER], edges.pressure[UPPER], cells.dy, x[FRICTION_ROUNDING_VELOCITY]
     )
@@ -572,7 +676,7 @@ def shear_of(block, inputs, quantities, pressure, fraction, edges):
             inputs.sliding_velocity,
             quantities,
             touching.shear_stress,
-            area,
+            area_of(block),
             constants,
         ),
         touching,
@@ -599,9 +703,11 @@ def give_forces(block, shear, film_thickness, fraction, outputs):
     boundary = _boundary_force(inputs, inputs.boundary_stress)
     normal = np.empty((n_c, n_a))
     absolute = np.empty((n_c, n_a))
+    thickness = np.empty((n_c, n_a))
     rubbing = 0.0
     for i in range(n_c):
         for j in range(n_a):
+            thickness[i, j] = film_thickness[i, j] if block.mask[i, j] != 0.0 else np.inf
             absolute[i, j] = inputs.pressure[i, j] + block.numbers[CAVITATION_PRESSURE]
             normal[i, j] = (absolute[i, j] + touching.pressure[i, j]) * inputs.area[i, j]
             couette = inputs.film[COUETTE, i, j]
@@ -613,7 +719,7 @@ def give_forces(block, shear, film_thickness, fraction, outputs):
             outputs.fields[3, i, j] = touching.pressure[i, j]
             outputs.fields[4, i, j] = fraction[i, j]
     whole = summary.summarise(
-        film_thickness,
+        thickness,
         velocity,
         absolute,
         normal,
@@ -655,12 +761,12 @@ def note_not_finite(faults, fields, film_thickness, velocity):
 
 
 @compiled
-def give_oil(block, content, cell_area, scalars):
+def give_oil(content, area, scalars):
     """Where the oil is."""
     total = 0.0
     for i in range(content.shape[0]):
         for j in range(content.shape[1]):
-            total += content[i, j] * cell_area
+            total += content[i, j] * area[i, j]
     scalars[OIL_IN_FILM] = total
     scalars[OIL_ON_BORE] = 0.0
     scalars[OIL_SUPPLIED] = 0.0
@@ -681,6 +787,7 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     outputs : Outputs
         Overwritten.
     """
+    inputs = filled_inputs(block, inputs)
     film_thickness = inputs.film_thickness
     shape = film_thickness.shape
     n_c, n_a = shape
@@ -692,14 +799,12 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     edges = edges_of(block, shape)
     lower = edges.pressure[LOWER]
     upper = edges.pressure[UPPER]
-    cells = cells_of(block, shape)
-    cell_area = cells.dx * cells.dy
     quantities, by_film = films.smooth_film(film_thickness, block.viscosity, x[MINIMUM_FLOW_FILM])
-    filled = x[INITIAL_FILM_FRACTION]
-    fraction = np.full(shape, filled)
+    initial = x[INITIAL_FILM_FRACTION]
+    fraction = np.full(shape, initial)
     pressure = np.zeros(shape)
-    unknown = np.full(shape, filled - 1.0)
-    if filled >= 1.0:
+    unknown = np.full(shape, initial - 1.0)
+    if initial >= 1.0:
         for i in range(n_c):
             for j in range(n_a):
                 pressure[i, j] = lower + (upper - lower) * ((j + 0.5) / n_a)
@@ -721,11 +826,9 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     keep(block.fields[CONTENT], fraction * quantities[STORED])
     keep(block.fields[FILM:FILM_BEFORE], quantities)
     keep(block.fields[FILM_BEFORE:], quantities)
-    give_oil(block, block.fields[CONTENT], cell_area, outputs.scalars)
-    volume = 0.0
-    for i in range(n_c):
-        for j in range(n_a):
-            volume += cell_area * film_thickness[i, j]
+    area = shear.inputs.area
+    give_oil(block.fields[CONTENT], area, outputs.scalars)
+    volume = dot(area, film_thickness)
     block.counts[STEP_BEFORE] = 0.0
     block.counts[FRICTION_WORK] = 0.0
     block.counts[BOUNDARY_WORK] = 0.0
@@ -740,11 +843,12 @@ def lift_of(block, pace, edges, step, cells):
     n_c, n_a = block.viscosity.shape
     area = cells.dx * cells.dy
     before = block.counts[STEP_BEFORE]
+    open_cells = open_of(block)
     resting = np.empty((n_c, n_a), np.bool_)
     gained = np.empty((n_c, n_a))
     for i in range(n_c):
         for j in range(n_a):
-            resting[i, j] = fields[UNKNOWN, i, j] > 0.0
+            resting[i, j] = fields[UNKNOWN, i, j] > 0.0 or open_cells[i, j]
             passing = block.faces[PASSED, i, j + 1] - block.faces[PASSED, i, j]
             gained[i, j] = fields[GROWTH, i, j] * before + passing / area
     past = PastTransport(
@@ -760,14 +864,17 @@ def lift_of(block, pace, edges, step, cells):
 
 
 @compiled
-def guess_of(block, step):
-    """Full cells where the unknown goes on as it did."""
+def guess_of(block, edges, step):
+    """Full cells where the unknown goes on as it did; cut-outs by their supply."""
     before = block.counts[STEP_BEFORE]
     ratio = step / before if before > 0.0 else 0.0
     n_c, n_a = block.viscosity.shape
     guess = np.empty((n_c, n_a), np.bool_)
     for i in range(n_c):
         for j in range(n_a):
+            if block.mask[i, j] == 0.0:
+                guess[i, j] = edges.film_fraction[OPENINGS] >= 1.0
+                continue
             u = block.fields[UNKNOWN, i, j]
             guess[i, j] = u + ratio * (u - block.fields[UNKNOWN_BEFORE, i, j]) > 0.0
     return guess
@@ -810,6 +917,7 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     int
         Number of factorisations.
     """
+    inputs = filled_inputs(block, inputs)
     film_thickness, velocity = inputs
     shape = film_thickness.shape
     n_c, n_a = shape
@@ -824,7 +932,8 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     edges = edges_of(block, shape)
     cells = cells_of(block, shape)
     cell_area = cells.dx * cells.dy
-    guess = guess_of(block, step)
+    open_cells = open_of(block)
+    guess = guess_of(block, edges, step)
     past = Past(fields[CONTENT], fields[GROWTH], fields[GROWTH_BEFORE], counts[STEP_BEFORE])
     begin = storage.euler_step(past, step)
     pace = _pace(step, counts[STEP_BEFORE], begin.length)
@@ -834,25 +943,26 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     )
     none = np.zeros(shape)
     entrainment = Entrainment(none, -0.5 * velocity)
-    faces = reynolds.faces(quantities, entrainment, cells)
+    free = openings.freed(open_cells, quantities)
+    faces = reynolds.faces(free, entrainment, cells)
+    openings.close(open_cells, faces)
     lift_a = transport.along(lift, entrainment.axial)
     held = Storage(quantities[STORED], begin.content, cell_area / begin.length)
-    found = full_cells(block, factors, faces, lift_a, held, edges, guess)
+    found = full_cells(block, factors, faces, lift_a, held, edges, guess, open_cells)
     iterations = found.iterations
     while found.solved and give_up_lift(lift_a, found.unknown, found.full):
-        found = full_cells(block, factors, faces, lift_a, held, edges, found.full)
+        found = full_cells(block, factors, faces, lift_a, held, edges, found.full, open_cells)
         iterations += found.iterations
     if not found.solved:
         return 0
     unknown = found.unknown
-    nowhere = np.zeros(shape, np.bool_)
     pressure, deficit = cavitation.split(unknown, found.full)
-    balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, nowhere, True)
+    balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, open_cells, True)
     if balance.imbalance > REFINE_ABOVE:
         solve(factors, found.stencil, found.ascending, balance.residual)
         unknown = unknown + balance.residual
         pressure, deficit = cavitation.split(unknown, found.full)
-        balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, nowhere, True)
+        balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, open_cells, True)
     fraction = balance.film_fraction
     filling = Filling(pressure, fraction, lift_a)
     flow = reynolds.axial_flow(filling, faces, edges)
@@ -868,14 +978,16 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     to[BOUNDARY_SHARE] = boundary_work / friction_work if friction_work > 0.0 else 0.0
     to[FLOW_LOWER] = balance.edge_flow[LOWER]
     to[FLOW_UPPER] = balance.edge_flow[UPPER]
-    to[FLOW_OPENINGS] = 0.0
+    from_openings = flow_from_openings(open_cells, filling, faces, flow)
+    to[FLOW_OPENINGS] = from_openings
     to[MASS_IMBALANCE] = balance.imbalance
     to[STORED_ENERGY] = powers.stored
-    give_oil(block, balance.content, cell_area, to)
+    area = shear.inputs.area
+    give_oil(balance.content, area, to)
+    volume = dot(area, film_thickness)
     travelled = transport.travelled(block.faces[TRAVEL], pace, entrainment.axial, begin.length)
     inflow = 0.0
     outflow = 0.0
-    volume = 0.0
     for i in range(n_c):
         for j in range(n_a + 1):
             block.faces[PASSED, i, j] = (
@@ -885,15 +997,16 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
         inflow += block.faces[PASSED, i, 0]
         outflow += block.faces[PASSED, i, n_a]
         for j in range(n_a):
-            volume += cell_area * film_thickness[i, j]
             fields[UNKNOWN_BEFORE, i, j] = fields[UNKNOWN, i, j]
             fields[UNKNOWN, i, j] = unknown[i, j]
             fields[GROWTH_BEFORE, i, j] = fields[GROWTH, i, j]
             content = balance.content[i, j]
-            fields[GROWTH, i, j] = (content - fields[CONTENT, i, j]) / step
+            growth = (content - fields[CONTENT, i, j]) / step
+            fields[GROWTH, i, j] = 0.0 if open_cells[i, j] else growth
             fields[CONTENT, i, j] = content
     # Eq. (A11)
     work = block.numbers[CAVITATION_PRESSURE] * (volume - counts[VOLUME])
+    work += edges.pressure[OPENINGS] * step * from_openings
     work += edges.pressure[LOWER] * inflow - edges.pressure[UPPER] * outflow
     to[ENERGY_GAIN] = powers.stored - counts[ENERGY] + step * powers.rubbing - work
     keep(fields[FILM_BEFORE:], fields[FILM:FILM_BEFORE])
@@ -911,7 +1024,7 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     keep(last[FRACTION_NOW], fraction)
     keep(last[SHEARING_NOW], shear.inputs.shearing)
     keep(last[STRESS_NOW], shear.contact.shear_stress)
-    keep(last[FILM_NOW:SLOPES_NOW], quantities)
+    keep(last[FILM_NOW:SLOPES_NOW], free)
     keep(last[SLOPES_NOW:PRESSURE_SLOPE_NOW], by_film)
     keep(last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW], shear.contact.pressure_slope)
     keep(last[STRESS_SLOPE_NOW:MATRIX_NOW], shear.contact.shear_stress_slope)
@@ -957,7 +1070,14 @@ def linearise(block: Block):
         cells,
         cell_area / length,
     )
-    area = np.full(shape, cell_area)
+    area = area_of(block)
+    open_cells = open_of(block)
+    for m in range(2):
+        for k in range(5):
+            for i in range(n_c):
+                for j in range(n_a):
+                    if open_cells[i, j]:
+                        stencil[m, k, i, j] = 0.0
     rounding = block.numbers[FRICTION_ROUNDING_VELOCITY]
     constants = ShearConstants(edges.pressure[LOWER], edges.pressure[UPPER], cells.dy, rounding)
     shear = ShearInputs(
@@ -985,10 +1105,11 @@ def linearise(block: Block):
             v = velocity[i, j]
             speed = np.sqrt(v * v + rounding * rounding)
             for k in range(5):
-                linear[CONTACT_PRESSURE + k, i, j] = cell_area * last[PRESSURE_SLOPE_NOW + k, i, j]
+                slope = last[PRESSURE_SLOPE_NOW + k, i, j]
+                linear[CONTACT_PRESSURE + k, i, j] = area[i, j] * slope
                 # Eq. (F2)
                 slope = last[STRESS_SLOPE_NOW + k, i, j]
-                linear[CONTACT_SHEAR + k, i, j] = -cell_area * slope * v / speed
+                linear[CONTACT_SHEAR + k, i, j] = -area[i, j] * slope * v / speed
     block.last_numbers[LINEAR] = 1.0
 
 
@@ -1016,8 +1137,8 @@ def tangent(block: Block, seeds: Array, products: Array):
     factors = Factors(
         block.columns, block.diagonals, block.orders.view(np.int64), block.sizes.view(np.int64)
     )
-    film = seeds[0]
-    velocity = seeds[1]
+    film = filled(block, seeds[0, 0]).reshape((1, n_c, n_a))
+    velocity = filled(block, seeds[1, 0]).reshape((1, n_c, n_a))
     unknown = np.empty((1, n_c, n_a))
     stencil = linear[:TO_FILM].reshape((2, 5, n_c, n_a))
     reynolds.apply_stencils(stencil, film, velocity, unknown)
@@ -1031,7 +1152,7 @@ def tangent(block: Block, seeds: Array, products: Array):
             linear[TO_GRADIENT],
             linear[TO_PRESSURE],
         ),
-        np.full((n_c, n_a), cells.dx * cells.dy),
+        area_of(block),
         linear[PRESSURE_SHARE],
         linear[FRACTION_SHARE],
         cells.dy,

@@ -13,11 +13,109 @@ from typing import Any
 
 import numpy as np
 
+from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .grid import Array, Cells, Flags
 from .reynolds import Faces, Filling
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
+
+
+@compiled
+def nearest(open_cells: Flags, dx: float, dy: float):
+    """Nearest cell with a film, from centre to centre; of two at one distance the lower j, then the
+    one that comes first around.
+
+    Parameters
+    ----------
+    open_cells : ndarray of bool, shape (n_c, n_a)
+    dx, dy : float
+        Cell size [m].
+
+    Returns
+    -------
+    ndarray of int, shape (n_c, n_a)
+        i n_a + j of that cell; a cell with a film is its own, and so is one where there is no film
+        at all.
+    """
+    n_c, n_a = open_cells.shape
+    place = np.empty((n_c, n_a), np.int64)
+    for i in range(n_c):
+        for j in range(n_a):
+            place[i, j] = i * n_a + j
+            if not open_cells[i, j]:
+                continue
+            least = np.inf
+            for k in range(n_a):
+                along = (k - j) * dy
+                for steps in range(n_c // 2 + 1):
+                    before = (i - steps) % n_c
+                    after = (i + steps) % n_c
+                    if open_cells[before, k] and open_cells[after, k]:
+                        continue
+                    around = steps * dx
+                    distance = around * around + along * along
+                    if distance < least:
+                        least = distance
+                        place[i, j] = (after if open_cells[before, k] else before) * n_a + k
+                    break
+    return place
+
+
+@compiled
+def freed(open_cells: Flags, film: Array):
+    """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""
+    film = film.copy()
+    for i in range(open_cells.shape[0]):
+        for j in range(open_cells.shape[1]):
+            if open_cells[i, j]:
+                film[CONDUCTIVITY_C, i, j] = FREE
+                film[CONDUCTIVITY_A, i, j] = FREE
+    return film
+
+
+@compiled
+def close(open_cells: Flags, faces: Faces):
+    """Stop the flow of faces that have no film on either side; in place."""
+    n_c, n_a = open_cells.shape
+    for i in range(n_c + 1):
+        before = (i - 1) % n_c
+        after = i % n_c
+        for j in range(n_a):
+            if open_cells[before, j] and open_cells[after, j]:
+                faces.conductance_c[i, j] = 0.0
+                faces.transport_c[i, j] = 0.0
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            if (j == 0 or open_cells[i, j - 1]) and (j == n_a or open_cells[i, j]):
+                faces.conductance_a[i, j] = 0.0
+                faces.transport_a[i, j] = 0.0
+
+
+@compiled
+def spilled(open_cells: Flags, filling: Filling, faces: Faces):
+    """Flow into each opening from the films beside it around the circumference, Eq. (E2), shape
+    (n_c, n_a) [m3/s]; 0 elsewhere.
+    """
+    pressure, fraction, _ = filling
+    n_c, n_a = open_cells.shape
+    flow = np.empty((n_c, n_a))
+    for i in range(n_c):
+        before = (i - 1) % n_c
+        for j in range(n_a):
+            transport = faces.transport_c[i, j]
+            # Eq. (E2)
+            through = faces.conductance_c[i, j] * (pressure[before, j] - pressure[i, j])
+            through += max(transport, 0.0) * fraction[before, j]
+            through += min(transport, 0.0) * fraction[i, j]
+            flow[i, j] = through
+    into = np.zeros((n_c, n_a))
+    for i in range(n_c):
+        after = (i + 1) % n_c
+        for j in range(n_a):
+            if open_cells[i, j]:
+                into[i, j] = flow[i, j] - flow[after, j]
+    return into
 
 
 class Openings:
@@ -38,38 +136,12 @@ class Openings:
     @cached_property
     def _beside(self) -> tuple[Any, Any]:
         """Indices around and along of the nearest cells with a film."""
-        from scipy.ndimage import distance_transform_edt  # slow to import; many films need it not
-
-        around = len(self.open_cells)
-        turns = np.concatenate([self.open_cells] * 3)  # the nearest may lie across the first one
-        found = distance_transform_edt(
-            turns, self._size_of_cell, return_distances=False, return_indices=True
-        )
-        i, j = np.asarray(found)[:, around : 2 * around]
-        return i % around, j
+        return np.divmod(nearest(self.open_cells, *self._size_of_cell), self.open_cells.shape[1])
 
     def filled(self, field: Array) -> Array:
         """A field (..., n_c, n_a) whose openings show the nearest cell with a film."""
         i, j = self._beside
         return np.ascontiguousarray(field[..., i, j])
-
-    def without_resistance(self, film: Array) -> Array:
-        """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""
-        film = film.copy()
-        for row in (CONDUCTIVITY_C, CONDUCTIVITY_A):
-            film[row][self.open_cells] = FREE
-        return film
-
-    def close(self, faces: Faces) -> None:
-        """Stop the flow of faces that have no film on either side; in place."""
-        at = self.open_cells
-        across = at & np.roll(at, 1, axis=0)
-        for values in (faces.conductance_c, faces.transport_c):
-            values[:-1][across] = 0.0
-            values[-1] = values[0]
-        along = np.pad(at, ((0, 0), (1, 1)), constant_values=True)
-        for values in (faces.conductance_a, faces.transport_a):
-            values[along[:, 1:] & along[:, :-1]] = 0.0
 
     def starve(self, faces: Faces, limit: Array) -> Flags:
         """Bound what sliding drags in from openings, Eq. (E12); in place.
@@ -91,15 +163,3 @@ class Openings:
         # Eq. (E12)
         faces.transport_a[bounded] = self._inward[between] * limit[bounded]
         return bounded
-
-    def spilled(self, filling: Filling, faces: Faces) -> Array:
-        """Flow into each opening from the films beside it around the circumference, Eq. (E2),
-        shape (n_c, n_a) [m3/s]; 0 elsewhere.
-        """
-        pressure, fraction, _ = filling
-        transport = faces.transport_c[:-1]
-        # Eq. (E2)
-        flow = faces.conductance_c[:-1] * (np.roll(pressure, 1, axis=0) - pressure)
-        flow += np.maximum(transport, 0.0) * np.roll(fraction, 1, axis=0)
-        flow += np.minimum(transport, 0.0) * fraction
-        return np.where(self.open_cells, flow - np.roll(flow, -1, axis=0), 0.0)

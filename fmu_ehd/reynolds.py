@@ -367,7 +367,8 @@ def hold(fixed: Flags, value: float, stencil: Array, right: Array):
     for i in range(fixed.shape[0]):
         for j in range(fixed.shape[1]):
             if fixed[i, j]:
-                stencil[:, i, j] = 0.0
+                for k in range(5):
+                    stencil[k, i, j] = 0.0
                 stencil[CENTRE, i, j] = 1.0
                 right[i, j] = value
 

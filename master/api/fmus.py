@@ -121,8 +121,11 @@ def _of_case(
     for name, table in checked.participants.items():
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
-    build = build_options(checked, folder, say)[participant]
     package: Any = checked.participants[participant].package
+    if platforms:  # before other participants are reduced for what they give
+        own = checked.participants[participant].build
+        builder_native.check_native(package, own, folder, say, platforms)
+    build = build_options(checked, folder, say)[participant]
     experiment = experiment_ahead(checked, folder)
     if platforms:
         return builder_native.build_native_fmu(

@@ -111,13 +111,7 @@ def build_native_fmu(
         With every fault of the options, what the library does not cover among them, and every
         platform for which there is no C compiler.
     """
-    if unknown := [name for name in platforms if name not in PLATFORMS]:
-        raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
-    part = part_of(package)
-    resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
-    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
-    if faults:
-        raise BadInput(faults)
+    part, resolved = check_native(package, options, folder, progress, platforms)
     slave = _slave(package, resolved)
     slave.experiment = experiment or slave.experiment
     libraries = {
@@ -134,6 +128,30 @@ def build_native_fmu(
         progress(f"packing {fmu.name}")
         write_archive(members, fmu)
     return fmu
+
+
+def check_native(
+    package: str,
+    options: Mapping[str, Any],
+    folder: Path,
+    progress: Callable[[str], object],
+    platforms: Sequence[str],
+) -> tuple[NativePart, dict[str, Any]]:
+    """What a package says of itself, and its checked build options.
+
+    Raises
+    ------
+    BadInput
+        As `build_native_fmu`.
+    """
+    if unknown := [name for name in platforms if name not in PLATFORMS]:
+        raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
+    part = part_of(package)
+    resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
+    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
+    if faults:
+        raise BadInput(faults)
+    return part, resolved
 
 
 def part_of(package: str) -> NativePart:

@@ -3,7 +3,7 @@
 The same films through the native FMU and the FMU in Python, both by pointers in one process, a step
 of the one after a step of the other; also one directional derivative of each. One thread, the best
 of several passes for every step, so that what else the machine does counts little; the time from
-the library's load to the first outputs.
+opening the file to the first outputs, most of it the reading of the model description.
 """
 
 import os

@@ -18,13 +18,20 @@ from piston_cosim.fmu_ehd.slave import Ehd
 
 folder, changes = sys.argv[1], json.loads(sys.argv[2])
 grid = (6, 8)
+mask = np.array(json.loads(sys.argv[3]) or np.ones(grid), dtype=int)
 options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface="skirt")
+if not mask.all():
+    options["mask"] = mask.tolist()
 open(folder + "/build.json", "w").write(json.dumps(options))
 python, machine = (Ehd(instance_name="film", resources=folder) for _ in range(2))
 table = {v.name: v for v in python.table}
 
 def give(time):
     film, velocity = motored_film(grid, time)
+    if not mask.all():  # where no film is anything may stand, and each neighbour differs
+        velocity = velocity * (1.0 + 0.01 * np.arange(mask.size).reshape(grid))
+        film[mask == 0] = 0.1
+        velocity[mask == 0] = -1e3
     for one in (python, machine):
         one.views["film_thickness"][...] = film - 4e-6
         one.views["sliding_velocity"][...] = velocity
@@ -73,30 +80,60 @@ for k in range(1, 13):
         error["of " + name] = max(error.get("of " + name, 0.0), off)
 off = {name: e / largest.get(name, 1.0) for name, e in error.items() if e > 0.0}
 touched = float(python.views["contact_area_fraction"])
-print(json.dumps([off, iterations, float(python.views["film_fraction"].min()), touched]))
+emptiest = float(python.views["film_fraction"][mask == 1].min())
+print(json.dumps([off, iterations, emptiest, touched, largest["flow_openings"]]))
 """
+
+WINDOWS = [
+    [1, 1, 0, 0, 1, 1, 1, 0],
+    [1, 0, 1, 0, 1, 1, 1, 1],
+    [1, 1, 0, 1, 1, 0, 1, 1],
+    [0, 1, 1, 1, 1, 1, 1, 1],
+    [1, 1, 1, 1, 1, 0, 0, 1],
+    [1, 1, 0, 0, 1, 0, 0, 1],
+]
+"""Cut-outs across the first row, at both edges and single; a film cell with none beside it."""
+
+
+FED = dict(opening_supply="own", pressure_openings=2e5)
 
 
 @pytest.mark.parametrize(
-    "changes",
+    "changes, mask",
     [
-        dict(roughness_rms=3e-6),
-        dict(roughness_rms=2e-6, cavity_shear="full_film", contact_law="power_fit"),
-        dict(film_fraction_upper_edge=0.6, cavitation_pressure=-5e4, pressure_upper_edge=-5e4),
+        (dict(roughness_rms=3e-6), None),
+        (dict(roughness_rms=2e-6, cavity_shear="full_film", contact_law="power_fit"), None),
+        (
+            dict(film_fraction_upper_edge=0.6, cavitation_pressure=-5e4, pressure_upper_edge=-5e4),
+            None,
+        ),
+        (
+            dict(roughness_rms=3e-6, film_fraction_lower_edge=0.7, film_fraction_upper_edge=0.5),
+            WINDOWS,
+        ),
+        (dict(FED, roughness_rms=3e-6, cavitation_pressure=-5e4), WINDOWS),
+        (dict(opening_supply="own", film_fraction_openings=0.6, cavity_shear="full_film"), WINDOWS),
     ],
 )
-def test_the_step_has_the_bits_of_the_model(changes, tmp_path):
-    """Twelve uneven steps of a film that ruptures, with tangents."""
+def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
+    """Twelve uneven steps of a film that ruptures, with tangents; also beside cut-outs."""
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path), json.dumps(changes)],
+        [sys.executable, "-c", SCRIPT, str(tmp_path), json.dumps(changes), json.dumps(mask)],
         capture_output=True,
         text=True,
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
     )
     assert done.returncode == 0, done.stderr
-    off, iterations, emptiest, touched = json.loads(done.stdout)
+    off, iterations, emptiest, touched, from_openings = json.loads(done.stdout)
     # sums over the whole film are added in another order
-    assert set(off) <= {"stored_energy", "energy_gain", "oil_in_film", "boundary_friction_share"}
+    assert set(off) <= {
+        "stored_energy",
+        "energy_gain",
+        "oil_in_film",
+        "boundary_friction_share",
+        "flow_openings",
+    }
+    assert bool(from_openings) == bool(mask)
     assert max(off.values(), default=0.0) <= 1e-12
     assert iterations > 2 and emptiest < 0.9  # cells did switch, and the film ruptured
     assert touched > 0.0 or "roughness_rms" not in changes

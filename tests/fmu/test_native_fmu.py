@@ -4,6 +4,7 @@ Its fields and all that goes on into the next step have the model's bits. Sums o
 differ by the order of summation, and what goes through exp or log by those of the C library.
 """
 
+import importlib
 import os
 import shutil
 import subprocess
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, UNEVEN, motored_film, physics
+from piston_cosim.fmu_ehd.motored import DEGREE, UNEVEN, motored_film, opening, physics
 from piston_cosim.fmu_ehd.native import COVERED, uncovered
 from piston_cosim.fmu_ehd.native_step import (
     CHOSEN,
@@ -29,6 +30,7 @@ from piston_cosim.fmu_ehd.native_step import (
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.variables import CHOICES, DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS, variables
+from piston_cosim.master.api.fmus import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
@@ -36,7 +38,13 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.fmi3 import Fmu3Participant
 
 GRID = (12, 10)
-SUMMED = ("stored_energy", "energy_gain", "oil_in_film", "boundary_friction_share")
+SUMMED = (
+    "stored_energy",
+    "energy_gain",
+    "oil_in_film",
+    "boundary_friction_share",
+    "flow_openings",
+)
 """Sums over the whole film, or work of such: numpy adds in another order."""
 ROUND_OFF = 1e-12  # of the largest value that an output takes: a few hundred roundings
 
@@ -55,7 +63,7 @@ OTHER_OILS = {
 def flat(changes):
     """Changes of `Parameters` as parameters of the FMU."""
     default = Oil()
-    own = {k: v for k, v in changes.items() if k != "oil"}
+    own = {k: v for k, v in changes.items() if k not in ("oil", "open_cells")}
     oil = changes.get("oil", default)
     return own | {
         entry.name: getattr(oil, entry.name)
@@ -141,6 +149,46 @@ def test_another_grid_has_the_same_library_and_the_models_bits(native_fmu, make_
     assert set(differing) <= set(SUMMED)
 
 
+SCARCE = dict(film_fraction_lower_edge=0.7, film_fraction_upper_edge=0.8)
+FED = dict(opening_supply="own", pressure_openings=3e5, cavitation_pressure=-5e4)
+
+
+@pytest.mark.parametrize("around", [SCARCE, FED])
+def test_beside_cut_outs_the_values_are_the_bits_of_the_model(make_native, around):
+    """Windows on both sides, one across the first row, single ones at an edge and within, and a
+    film cell with none beside it; surfaces that touch.
+    """
+    open_cells = opening(GRID)
+    open_cells[4, 0] = open_cells[9, 5] = open_cells[2, 9] = True
+    open_cells[[3, 3, 2, 4], [3, 5, 4, 4]] = True
+    path = make_native([*GRID], mask=(~open_cells).astype(int).tolist())
+    changes = dict(around, open_cells=open_cells, roughness_rms=3e-6)
+    differing = side_by_side(path, GRID, changes, 90)
+    assert set(differing) <= set(SUMMED)
+    assert max(differing.values()) <= ROUND_OFF
+
+
+def test_a_cut_out_may_have_any_temperature(make_native):
+    """Oil as warm as the nearest film's is what it shows to the film beside it."""
+    shape = (6, 5)
+    mask = np.ones(shape, dtype=int)
+    mask[2, 1:4] = mask[5, 0] = 0
+    path = make_native([*shape], inputs=["oil_temperature"], mask=mask.tolist())
+    model = LubricationModel(Parameters(shape, Oil("vogel_1921"), open_cells=mask == 0))
+    temperature = np.linspace(340.0, 400.0, 30).reshape(shape)
+    film, velocity = motored_film(shape, 0.0)
+    around = dict(viscosity_law="vogel_1921", oil_temperature=temperature)
+    state, _ = model.start(film, velocity, oil_temperature=temperature)
+    one = started(path, film, velocity, **around)
+    one.set("oil_temperature", np.where(mask == 1, temperature, 290.0))
+    film, velocity = motored_film(shape, DEGREE)
+    state, outputs = model.advance(state, film, velocity, DEGREE, oil_temperature=temperature)
+    step(one, film, velocity)
+    force = outputs["nodal_friction_force"]
+    assert np.abs(one.get("nodal_friction_force") - force).max() <= 1e-11 * np.abs(force).max()
+    one.close()
+
+
 def test_fmi_3_has_the_same_bits(native_fmu):
     """Over steps whose ends are exact, for FMI 3 hands on the end less the beginning."""
     path = build_native_fmu("fmu_ehd", {"grid": list(GRID)}, Path("."), version="3.0")
@@ -215,6 +263,7 @@ def test_every_choice_and_number_is_covered_or_refused_by_name():
         ("bore_radius", 7.0, "bore_radius = 7 m: allowed is 0.001 to 1 m"),
         ("pressure_lower_edge", -1e3, "pressure_lower_edge = -1000 Pa: must not be below cavit"),
         ("film_fraction_openings", 0.5, "film_fraction_openings = 0.5 (unit 1), pressure_openin"),
+        ("oil_supply", "bore", "oil_supply = 2 bore: a native FMU covers 1 edges"),
     ],
 )
 def test_what_cannot_start_is_said_by_name(native_fmu, name, value, words):
@@ -234,13 +283,32 @@ def test_options_that_are_not_covered_are_refused_before_anything_is_compiled():
     options = dict(
         grid=[200, 4], surface="bearing", inputs=[], mask=[[0, 1, 1, 1]], no_fields=False, oil={}
     )
-    assert len(list(uncovered(options))) == 3
+    assert len(list(uncovered(options))) == 2
     with pytest.raises(BadInput, match="surface = bearing: a native FMU covers skirt"):
         build_native_fmu("fmu_ehd", {"grid": [8, 8], "surface": "bearing"}, Path("."))
     with pytest.raises(BadInput, match="no native FMU of it yet"):
         build_native_fmu("fmu_mfbd", {}, Path("."))
     with pytest.raises(BadInput, match="platform = beos: allowed: linux64"):
         build_native_fmu("fmu_ehd", {"grid": [8, 8]}, Path("."), platforms=["beos"])
+
+
+@pytest.mark.parametrize(
+    "participant, options, platform, words",
+    [
+        ("ehd", {"grid": [193, 8]}, "linux64", "grid = 193 x 8: a native FMU covers 192"),
+        ("ehd", {"surface": "bearing"}, "linux64", "surface = bearing: a native FMU covers skirt"),
+        ("ehd", {}, "beos", "platform = beos: allowed: linux64"),
+        ("bodies", {}, "linux64", "no native FMU of it yet"),
+    ],
+)
+def test_what_is_not_covered_is_refused_before_a_body_is_reduced(
+    monkeypatch, participant, options, platform, words
+):
+    """The mask of a film comes from the mesh of its body."""
+    bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
+    monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))
+    with pytest.raises(BadInput, match=words):
+        build_fmu("numerical_example", participant, options=options, platforms=[platform])
 
 
 @pytest.mark.parametrize(

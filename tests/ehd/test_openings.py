@@ -1,0 +1,38 @@
+"""Cells without a film."""
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from piston_cosim.fmu_ehd.openings import nearest
+
+
+def test_the_nearest_film_is_that_of_an_exact_distance_transform():
+    """Also the same one of several at one distance, on square cells and on others."""
+    rng = np.random.default_rng(0)
+    sizes = (1e-3, 0.7e-3, 0.5e-3, 3.3e-3)
+    for k in range(200):
+        shape = n_c, n_a = rng.integers(4, 14, 2)
+        open_cells = rng.random(shape) < rng.choice([0.1, 0.4, 0.7, 0.95])
+        open_cells[rng.integers(n_c), rng.integers(n_a)] = False
+        size = rng.choice(sizes, 2) if k % 2 else rng.uniform(1e-4, 1e-2, 2)
+        turns = np.concatenate([open_cells] * 3)
+        i, j = distance_transform_edt(turns, size, return_distances=False, return_indices=True)
+        middle = slice(n_c, 2 * n_c)
+        assert np.array_equal(nearest(open_cells, *size), i[middle] % n_c * n_a + j[middle])
+
+
+def test_of_two_films_at_one_distance_the_lower_and_the_one_before_are_taken():
+    """By hand: an opening in the middle of four, one beside a wide cell, one across the first
+    row.
+    """
+    open_cells = np.zeros((4, 3), dtype=bool)
+    open_cells[1, 1] = True
+    assert nearest(open_cells, 1.0, 1.0)[1, 1] == 3 * 1 + 0
+    assert nearest(open_cells, 1.0, 2.0)[1, 1] == 3 * 0 + 1
+    open_cells[:, 0] = [True, True, False, True]
+    assert nearest(open_cells, 1.0, 9.0)[0, 0] == 3 * 2 + 0  # two cells away, by the row before
+    assert nearest(open_cells, 1.0, 0.1)[0, 0] == 3 * 0 + 1
+
+
+def test_where_there_is_no_film_at_all_each_cell_is_its_own():
+    assert np.array_equal(nearest(np.ones((4, 5), dtype=bool), 1.0, 1.0).ravel(), range(20))
