@@ -46,9 +46,9 @@ def block_force(
 ) -> BlockForce:
     """Forces on the block.
 
-    Eq. (D21):  main bearings:  F_b = -(pin + m_pin A'' + m_r G'' + U e'')
+    Eq. (D24):  main bearings:  F_b = -(pin + m_pin A'' + m_r G'' + U e'')
                e = P/r,  P the crank pin,  U the crank's unbalance
-    Eq. (D22):  all:  F = F_b - F_l,   M = -(M_l + x_l x_A + x F_l,y - y F_l,x)
+    Eq. (D25):  all:  F = F_b - F_l,   M = -(M_l + x_l x_A + x F_l,y - y F_l,x)
                F_l, M_l the load on the piston: film, gas and rings, (x, y) the place of A
 
     All accelerations are absolute (Eq. (K14)).
@@ -80,12 +80,12 @@ def block_force(
     gy = (1 - k) * py + k * axial + added.rod_y
     # the crank's own unbalance moves as its pin does, and with the block
     ux, uy = _unbalance(mechanism, load, at, px, py)
-    # Eq. (D21)
+    # Eq. (D24)
     bearing_x = -(pin.pin_x + mechanism.pin_mass * (lateral + added.x) + mechanism.rod_mass * gx)
     bearing_y = -(pin.pin_y + mechanism.pin_mass * (axial + added.y) + mechanism.rod_mass * gy)
     bearing_x -= crank_unbalance * ux
     bearing_y -= crank_unbalance * uy
-    # Eq. (D22)
+    # Eq. (D25)
     about_a = load.moment + load.guided * now.position[LATERAL]
     moment = about_a + at.x * load.axial - at.y * load.lateral
     return BlockForce(

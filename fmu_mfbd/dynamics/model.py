@@ -516,7 +516,7 @@ class PistonInBore:
     def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
         """Change of the forces on the block, by output.
 
-        Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D22) along the change of loads, accelerations
+        Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D25) along the change of loads, accelerations
                     and the block's motion, s such that accelerations change by 1 m/s2 at most:
                     what is not linear is smaller by c2^2, some 1e-18
         """
