@@ -94,7 +94,7 @@ def command(
     picture = draw_sweep(rows, axes, tree.get("summary", {}), table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with console.status("drawing the page"):
-        page = _page(points, rows, axes, folder, table, reports)
+        page = _page(points, rows, axes, [*tree.get("summary", {})], folder, table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
@@ -104,7 +104,7 @@ def command(
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
 
 
-def _page(points, rows, axes, folder, table, reports):
+def _page(points, rows, axes, weighed, folder, table, reports):
     """The page of the sweep, and the reports of its points that are not there yet."""
     from ..case.schema import check_case
     from ..engine.answer import answer
@@ -118,10 +118,10 @@ def _page(points, rows, axes, folder, table, reports):
     for point, row in zip(points, rows):
         file = folder / "runs" / f"{point.name}.h5"
         page = folder / "reports" / point.name / "report.html"
-        weighed = {}
+        measured = {}
         if row["status"] == "done" and file.is_file():
             with Results(file) as results:
-                weighed = measures(results)
+                measured = measures(results)
                 if reports and not page.is_file():
                     case, runs = check_case(results.case, file), {point.name: results}
                     answers = {point.name: answer(case, results)}
@@ -130,8 +130,10 @@ def _page(points, rows, axes, folder, table, reports):
                         case, runs, page.parent, answers=answers, special=extra, figures=False
                     )
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
-        swept.append(SweptPoint(row | weighed, link))
-    return write_sweep_page(swept, [axis.name for axis in axes], table.with_suffix(".html"))
+        weighed = [*weighed, *measured]
+        swept.append(SweptPoint(row | measured, link))
+    varied = [axis.name for axis in axes]
+    return write_sweep_page(swept, varied, weighed, table.with_suffix(".html"))
 
 
 def _seconds(time_limit, dask):

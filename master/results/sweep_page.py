@@ -24,7 +24,9 @@ class SweptPoint:
     report: str
 
 
-def write_sweep_page(points: list[SweptPoint], axes: list[str], path: Path) -> Path:
+def write_sweep_page(
+    points: list[SweptPoint], axes: list[str], weighed: list[str], path: Path
+) -> Path:
     """Write the page of a sweep's points that are done.
 
     Parameters
@@ -32,14 +34,15 @@ def write_sweep_page(points: list[SweptPoint], axes: list[str], path: Path) -> P
     points : list of SweptPoint
     axes : list of str
         Columns that were varied.
+    weighed : list of str
+        Columns that designs are judged by: those that vary are drawn, the others of a row are not.
     path : Path
     """
     done = [point for point in points if point.row["status"] == "done"]
     entries = [
         name
-        for name in dict.fromkeys(name for point in done for name in point.row)
-        if name not in axes
-        and all(isinstance(point.row.get(name), (int, float)) for point in done)
+        for name in dict.fromkeys(weighed)
+        if all(isinstance(point.row.get(name), (int, float)) for point in done)
         and np.ptp([float(point.row[name]) for point in done]) > 0
     ]
     chosen = [next((name for name in entries if word in name), None) for word in WORDS]
@@ -64,6 +67,7 @@ def write_sweep_page(points: list[SweptPoint], axes: list[str], path: Path) -> P
     text = templates.get_template("sweep.html").render(
         title=path.parent.name,
         left_out=len(points) - len(done),
+        linked=any(point.report for point in done),
         data=json.dumps(data).replace("<", "\\u003c"),
     )
     path.write_text(text, encoding="utf-8")
@@ -71,10 +75,13 @@ def write_sweep_page(points: list[SweptPoint], axes: list[str], path: Path) -> P
 
 
 def _axis(name, done):
-    """A varied key: its values as positions, numbered where they are no numbers."""
+    """A varied key with its unit: its values as positions, numbered where they are no numbers."""
     texts = [str(point.row[name]) for point in done]
     numbers = [magnitude(point.row[name]) for point in done]
     order = list(dict.fromkeys(texts))
     known = [number for number in numbers if number is not None]
     values = known if len(known) == len(numbers) else [order.index(text) for text in texts]
-    return {"name": name.split(".")[-1], "values": [float(value) for value in values]}
+    units = {text.lstrip("+-.0123456789eE").strip() for text in texts}
+    unit = f" [{units.pop()}]" if len(known) == len(numbers) and len(units) == 1 else ""
+    short = name.split(".")[-1] + (unit if unit != " []" else "")
+    return {"name": short, "values": [float(value) for value in values]}

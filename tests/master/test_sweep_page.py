@@ -27,6 +27,9 @@ def test_a_front_is_what_no_other_point_is_better_than():
     assert front(points).tolist() == [True, True, False, True, True, False]
 
 
+ENTRIES = ["mean_friction_power_w", "slap_energy_j", "contact_share"]
+
+
 def swept():
     """Clearance 10, 20, 30 um by ovality 1, 2: friction falls where slap grows."""
     rows = [
@@ -39,6 +42,7 @@ def swept():
             "slap_energy_j": 1e-4 * c * o,
             "contact_share": 0.1 / c,
             "same": 1.0,
+            "iterations": c + o,
         }
         for c in (10, 20, 30)
         for o in (1, 2)
@@ -52,7 +56,8 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
     points = swept()
-    path = write_sweep_page(points, ["bodies.clearance", "ovality"], tmp_path / "sweep.html")
+    axes, weighed = ["bodies.clearance", "ovality"], [*ENTRIES, "same"]
+    path = write_sweep_page(points, axes, weighed, tmp_path / "sweep.html")
     with Browser(tmp_path / "profile") as browser:
         browser.open(path)
         told = browser.run("""
@@ -65,15 +70,17 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
           byId("z").value = byId("x").value; byId("z").onchange();
           return { all, two: marked(), shown, pareto: links("pareto"), parallel: links("parallel"),
             response: links("response"), points: links("points"), entries: data.entries,
+            axes: data.axes.map(axis => axis.name),
             cells: [...document.querySelectorAll("#response a text")].map(one => one.textContent),
             wide: document.documentElement.scrollWidth - window.innerWidth };""")
         assert browser.said() == [] and browser.asked() == []
     links = [point.report for point in points[:-1]]
     assert told["pareto"] == told["parallel"] == told["points"] == links
     assert told["response"] == links  # of a grid of two keys, in its order
-    entries = ["mean_friction_power_w", "slap_energy_j", "contact_share"]
-    assert told["entries"] == entries == told["shown"]  # what does not vary is left out
-    values = np.array([[point.row[name] for name in entries] for point in points[:-1]])
+    # what does not vary is left out, and what nobody weighs designs by
+    assert told["entries"] == ENTRIES == told["shown"]
+    assert told["axes"] == ["clearance [um]", "ovality"]
+    values = np.array([[point.row[name] for name in ENTRIES] for point in points[:-1]])
     assert told["all"] == front(values).tolist() and told["two"] == front(values[:, :2]).tolist()
     assert not all(told["two"])
     assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=1e-3)
