@@ -309,7 +309,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
 
 @compiled
 def advance(real: Array, integer: Array, memory: Array, numbers: Array):
-    """One step of the length numbers[0] [s]."""
+    """One step; numbers: its length [s]."""
     block = block_of(memory)
     block.faults[0] = 0.0
     take_numbers(real, integer, memory, block, False)

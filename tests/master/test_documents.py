@@ -2,6 +2,7 @@
 has its work.
 """
 
+import ast
 import re
 import tomllib
 from collections import Counter
@@ -58,6 +59,20 @@ def test_every_equation_that_is_named_is_defined(texts):
 def test_every_citation_can_be_looked_up(texts):
     listed = set(CITATION.findall((ROOT / "docs" / "references.md").read_text()))
     assert {key for text in texts.values() for key in CITATION.findall(text)} - listed == set()
+
+
+def test_no_docstring_reads_like_a_link(texts):
+    """`a[0] [s]` in plain words is a link to s for the site, which then is not built."""
+    linked = [
+        (path.name, found)
+        for path, text in texts.items()
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+        for found in re.findall(
+            r"\S+\] ?\[\S+", re.sub(r"`[^`]*`", "", ast.get_docstring(node) or "")
+        )
+    ]
+    assert linked == []
 
 
 def test_every_file_that_a_document_names_is_there():
