@@ -552,14 +552,16 @@ function show() {
   painters.forEach(paint => paint());
 }
 function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
-let playing = false, last = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
+let playing = false, due = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
+const between = 1000 / 30;   // from picture to picture while playing [ms]
 const steps = 8, drawnFineness = () => playing ? Math.round(fineness * steps) / steps : 1;   // in steps: another size costs a frame
 function turn(time) {
   if (!playing) return;
-  const apart = time - last;
-  if (apart > 30) {
-    fineness = Math.min(1, Math.max(3 / steps, fineness * (apart > 38 ? .94 : 1.01)));
-    last = time; shown += 1;
+  if (time >= due - 1) {   // a screen's beat is a little early or late
+    const late = time - due;
+    fineness = Math.min(1, Math.max(3 / steps, fineness * (late > .75 * between ? .94 : 1.01)));
+    due = Math.max(due + between, time - between);   // what is a beat late is caught up, not more
+    shown += 1;
     go(+slider.value + 1);
   }
   requestAnimationFrame(turn);
