@@ -4,7 +4,7 @@ what the FMU carries.
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from math import pi
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -37,9 +37,18 @@ from .finite_elements.mesh import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
+from .reduction.bosses import BossFilms
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduce import cached, reduce_block, reduce_piston
-from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedBody, ReducedPiston, load, save
+from .reduction.reduced_body import (
+    Anatomy,
+    ReducedBlock,
+    ReducedBody,
+    ReducedBosses,
+    ReducedPiston,
+    load,
+    save,
+)
 from .reduction.rigid import rigid_block, rigid_piston
 from .variables import inputs, parameters, signals
 
@@ -120,6 +129,11 @@ def prepare(
     block = load(ReducedBlock, bodies["block"])
     piston_file = _carried("piston", piston)
     block_file = _carried("block", block)
+    files = [piston_file, block_file]
+    pin = floating_pin(build)
+    if pin and len(piston.omega):
+        files.append(_carried("bosses", load(ReducedBosses, bodies["piston"])))
+        pin = replace(pin, bosses=files[-1].name)
     if tables.start:
         try:
             check_modes(tables.start, len(piston.omega) + len(block.omega))
@@ -142,10 +156,10 @@ def prepare(
         damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
-        floating_pin=floating_pin(build),
+        floating_pin=pin,
         mounted=build.mounted,
     )
-    return prepared.to_json(), [piston_file, block_file]
+    return prepared.to_json(), files
 
 
 def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
@@ -161,6 +175,14 @@ def floating_pin(build: Build) -> FloatingPin | None:
     """Films of the floating pin that a build table names."""
     pin = build.floating_pin
     return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length) if pin else None
+
+
+def boss_films(build: Build | Bodies) -> BossFilms | None:
+    """Films in the bosses of a flexible piston, if it has any."""
+    pin = build.floating_pin
+    if pin is None or not pin.boss_modes:
+        return None
+    return BossFilms(pin.grid, pin.boss_length, pin.boss_modes)
 
 
 def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
@@ -191,7 +213,8 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
         try:
             if body:
                 training = _training(body, build, files)
-                files[name] = _body(name, body, build.grid, progress, training)
+                bosses = boss_films(build) if isinstance(body, Piston) else None
+                files[name] = _body(name, body, build.grid, progress, training, bosses)
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
@@ -222,6 +245,7 @@ def _body(
     grid: tuple[int, int],
     progress: Say,
     training: Training | None,
+    bosses: BossFilms | None,
 ) -> Path:
     """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
     checked.
@@ -236,10 +260,14 @@ def _body(
     if options.reduced:
         path = Path(options.reduced)
         _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
+        if bosses:
+            _check_bosses(path, bosses)
         return path
     reduce = reduce_piston if isinstance(options, Piston) else reduce_block
     folder = cache_folder("bodies")
-    return cached(reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"), training)
+    return cached(
+        reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"), training, bosses
+    )
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:
@@ -275,7 +303,17 @@ def _check_own(
         raise ValueError(f"{path.name}: frequencies must be positive and rise")
 
 
-def _carried(name: str, body: ReducedBody) -> Path:
+def _check_bosses(path: Path, films: BossFilms) -> None:
+    """Raise ValueError unless a user's piston has its modes in the bosses on the films' grid."""
+    around, along, _ = load(ReducedBosses, path).boss_outward.shape[1:]
+    if (around, along) != films.grid:
+        raise ValueError(
+            f"{path.name} was reduced for films of {around} x {along} cells in its bosses, the "
+            f"floating pin has {films.grid[0]} x {films.grid[1]}"
+        )
+
+
+def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:
     """The file that goes into the FMU: the body without its anatomy, named by its content."""
     digest = hashlib.sha256()
     for value in vars(body).values():

@@ -337,6 +337,8 @@ class FloatingPin(BaseModel):
     """Of one boss along the pin."""
     small_end_length: Annotated[Length, Field(gt=0)]
     """Of the rod's eye along the pin."""
+    boss_modes: Annotated[int, Field(ge=0, le=190)] = 0
+    """How many of the piston's modes are chosen for its bosses, which yield to their films then."""
 
 
 LEAST_ROWS = 4
@@ -360,8 +362,8 @@ class Common(BaseModel):
     Without it the whole skirt is one surface, and its variables have plain names.
     """
     floating_pin: FloatingPin | None = None
-    """Films between pin, bosses and rod in place of a pin that is tied to the piston; both bodies
-    are rigid beside it.
+    """Films between pin, bosses and rod in place of a pin that is tied to the piston; the block is
+    rigid beside it, and so is the piston without boss_modes.
     """
     mounted: bool = False
     """The block stands on mounts: another participant says how it moves (block_acceleration_x
@@ -440,14 +442,39 @@ class Build(Common):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
     @model_validator(mode="after")
-    def _rigid_beside_a_floating_pin(self):
-        for name, body in (("piston", self.piston), ("block", self.block)):
-            if self.floating_pin and not body.rigid and body.modes:
-                raise ValueError(
-                    f"floating_pin: bodies must be rigid beside it, {name} is not (rigid = .., or "
-                    "modes = 0)"
-                )
+    def _beside_a_floating_pin(self):
+        if not self.floating_pin:
+            return self
+        faults = []
+        if not self.block.rigid and self.block.modes:
+            faults.append("the block must be rigid beside it (rigid = .., or modes = 0)")
+        elif (self.piston.rigid or not self.piston.modes) and self.floating_pin.boss_modes:
+            faults.append(f"boss_modes = {self.floating_pin.boss_modes}: the piston is rigid")
+        elif not self.piston.rigid and self.piston.modes:
+            faults += _faults_of_bosses(self.piston, self.floating_pin.boss_modes)
+        if faults:
+            raise ValueError("floating_pin: " + "; ".join(faults))
         return self
+
+
+def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
+    """What keeps a flexible piston's bosses from yielding to their films."""
+    faults = []
+    if not 0 < boss_modes < piston.modes:
+        faults.append(
+            f"boss_modes = {boss_modes}: of a flexible piston's {piston.modes} modes from 1 to "
+            f"{piston.modes - 1} are for its bosses"
+        )
+    if piston.tie != "rbe3":
+        faults.append(
+            f"piston.tie = {piston.tie!r}: holds the bosses against their films; must be 'rbe3', "
+            "which holds their mean motion alone"
+        )
+    if piston.basis != "pressure_modes":
+        faults.append(f"piston.basis = {piston.basis!r}: must be 'pressure_modes'")
+    if piston.modes_off:
+        faults.append(f"piston.modes_off = {piston.modes_off}: must be empty")
+    return faults
 
 
 Chosen = TypeVar("Chosen", Bodies, Build)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
-from .build import Tables, film_surfaces, floating_pin, read_tables
+from .build import Tables, boss_films, film_surfaces, floating_pin, read_tables
 from .dynamics.assembly import bore_shape, faults, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import Parameters
@@ -22,6 +22,7 @@ from .geometry.grid import cell_centres
 from .geometry.profile import BoreOrder
 from .options import Block, Build, Piston, RigidBlock, RigidPiston, read_options
 from .preview_picture import Shapes, draw_shapes
+from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
@@ -151,6 +152,8 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
     _refuse(found, options)
     angle, height, lower, upper = _grid(build, mesh)
     faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    if films := boss_films(build):
+        boss_readings(mesh, mesh.points - np.array([options.pin_offset, 0.0, 0.0]), films)
     x, _, z = mesh.points[mesh.nodes("skirt")].T
     radius = float(np.hypot(x, z).mean())
     there = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)

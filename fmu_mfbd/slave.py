@@ -19,7 +19,7 @@ from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged,
 from .dynamics.parameters import Parameters, PinParameters
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
-from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, load
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
@@ -82,12 +82,14 @@ class Mfbd(FieldSlave):
         parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
         piston = load(ReducedPiston, self.resources / options.piston.file)
         block = load(ReducedBlock, self.resources / options.block.file)
-        wrong = faults(piston, block, options, parameters)
+        pin = options.floating_pin
+        bosses = load(ReducedBosses, self.resources / pin.bosses) if pin and pin.bosses else None
+        wrong = faults(piston, block, options, parameters, bosses)
         if wrong:
             raise BadInput(wrong)
-        if options.floating_pin:
+        if pin:
             own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
-            self.model = assemble_floating(piston, block, options, parameters, own)
+            self.model = assemble_floating(piston, block, options, parameters, own, bosses)
         else:
             self.model = assemble(piston, block, options, parameters)
         try:

@@ -1,6 +1,7 @@
 """From reduced bodies and parameters to the model that runs."""
 
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import pin_surface
+from ..geometry.pin import pin_surface, shell_modes
 from ..geometry.profile import (
     barrel,
     fourier_bore,
@@ -17,7 +18,13 @@ from ..geometry.profile import (
     table_shape,
     tilt_about_x,
 )
-from ..reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, mode_classes
+from ..reduction.reduced_body import (
+    ReducedBlock,
+    ReducedBody,
+    ReducedBosses,
+    ReducedPiston,
+    mode_classes,
+)
 from .build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
 from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
@@ -107,17 +114,25 @@ def assemble_floating(
     options: BuildOptions,
     parameters: Parameters,
     pin: PinParameters,
+    bosses: ReducedBosses | None = None,
 ) -> PistonOnFloatingPin:
-    """The model of a piston whose pin floats; `pin` are its own parameters, others as of
-    `assemble`.
+    """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
+    flexible piston, others as of `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
     clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
     grids = options.pin_grids()
+    shells = []
+    if bosses:
+        shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
+    surfaces = [
+        pin_surface(radius, one, grid.shape, shell)
+        for one, grid, shell in zip_longest(clearances, grids, shells)
+    ]
     return PistonOnFloatingPin(
         assemble(piston, block, options, parameters),
-        tuple(pin_surface(radius, one, grid.shape) for one, grid in zip(clearances, grids)),
+        tuple(surfaces),
         grids,
         pin.pin_inertia or parameters.pin_mass * radius**2 / 2,
     )
@@ -175,10 +190,14 @@ def modal_damping(body: ReducedBody, options: BuildOptions, parameters: Paramete
 
 
 def faults(
-    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    parameters: Parameters,
+    bosses: ReducedBosses | None = None,
 ) -> list[str]:
     """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
-    bore.
+    bore, a pin that is not its bosses'.
     """
     crank_radius = parameters.crank_radius
     rod_length = parameters.rod_length
@@ -207,7 +226,7 @@ def faults(
             f"top_ring_height = {parameters.top_ring_height:g} m"
         )
     if options.floating_pin:
-        out += floating_faults(piston, block, parameters)
+        out += floating_faults(piston, block, parameters, bosses)
     turn = np.linspace(0.0, 2 * np.pi, 721)
     xi = offset + crank_radius * np.sin(turn)
     height_of_A = crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
@@ -228,14 +247,36 @@ def faults(
     return out
 
 
+PIN_TO_BOSS = 0.02
+"""How far the radius of a pin may lie beside that of the mesh's bosses, by it: our own choice."""
+
+
 def floating_faults(
-    piston: ReducedPiston, block: ReducedBlock, parameters: Parameters
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    parameters: Parameters,
+    bosses: ReducedBosses | None,
 ) -> list[str]:
     """Sentences about what does not go with a floating pin."""
     out = []
-    modes = len(piston.omega) + len(block.omega)
+    modes = len(block.omega) + (0 if bosses else len(piston.omega))
     if modes:
-        out.append(f"floating_pin: bodies must be rigid beside it, these have {modes} modes")
+        out.append(
+            "floating_pin: bodies must be rigid beside it but for a piston with modes for its "
+            f"bosses, these have {modes} modes"
+        )
+    fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
+    if fastest > parameters.quasi_static_frequency:
+        out.append(
+            f"quasi_static_frequency = {parameters.quasi_static_frequency:g} Hz: must lie above "
+            f"all modes with a floating pin, {fastest:.4g} Hz: its steps follow fast ones anyway"
+        )
+    radius = pin_radius(piston.radius, parameters)
+    if bosses and abs(radius - bosses.boss_radius) > PIN_TO_BOSS * bosses.boss_radius:
+        out.append(
+            f"pin_radius: {1e3 * radius:.4g} mm lies more than {PIN_TO_BOSS:.0%} beside the radius "
+            f"of the bosses in the mesh, {1e3 * bosses.boss_radius:.4g} mm"
+        )
     if parameters.crank_free:
         out.append("crank_free = 1: must be 0 with a floating pin")
     if not parameters.pin_mass:

@@ -98,11 +98,14 @@ class FloatingPin:
         Cells around and along each shell.
     boss_length, small_end_length : float
         Of one boss and of the rod's eye, along the pin [m].
+    bosses : str
+        File of the piston's modes in its bosses, among the FMU's resources; "" of a rigid piston.
     """
 
     grid: tuple[int, int]
     boss_length: float
     small_end_length: float
+    bosses: str = ""
 
     def lengths(self) -> dict[str, float]:
         """Of each surface of `PIN_SURFACES` [m]."""
@@ -185,6 +188,8 @@ class BuildOptions:
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
         if self.floating_pin is None:
             del content["floating_pin"]
+        elif not self.floating_pin.bosses:  # an FMU with rigid bosses stays the same file
+            del content["floating_pin"]["bosses"]
         if not self.mounted:  # an FMU with a block at rest stays the same file
             del content["mounted"]
         parts = {}

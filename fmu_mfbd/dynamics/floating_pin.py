@@ -1,17 +1,27 @@
-"""Equations of motion of a rigid piston, its floating pin and its rod, in coordinates [x_A, rocking
-angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y), angle of the pin].
+"""Equations of motion of a piston, its floating pin and its rod, in coordinates [x_A, rocking
+angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y), angle of the pin, modal
+coordinates of the piston].
 
 Bosses and eye hold the pin by their films alone. Where the films are thin the pin moves by
 micrometres in them: relative coordinates keep these digits, and the rod stays on the crank without
-a constraint to drift from. Plain numpy: seven equations, whatever the films' grids.
+a constraint to drift from. Plain numpy but for the piston's frame: seven equations and one a mode,
+whatever the films' grids.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.pin import PinResultants, across, cross
-from .floating_frame import FlexibleBody
+from ..geometry.pin import PinResultants, across, turned
+from .floating_frame import RIGID as FRAME
+from .floating_frame import (
+    TURN,
+    FlexibleBody,
+    FrameMotion,
+    frame_arrow,
+    frame_force,
+    mode_coupling,
+)
 from .generalised_alpha import Motion
 from .piston_motion import LATERAL, ROCKING, Load
 from .slider_crank import (
@@ -30,18 +40,17 @@ BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
 x and y in space; its angle about +z [rad]."""
 
 COORDINATES = 7
-OF_PIN = COORDINATES - BOSS_X
+"""Without modes, which follow."""
 
-UNIT = np.eye(COORDINATES)
-SMALL_END = UNIT[LATERAL] + UNIT[BOSS_X] - UNIT[EYE_X]
-"""x of the rod's eye from its concentric place, by the coordinates."""
+NO_MODES = np.zeros(0)
+"""Modal coordinates or forces of a rigid piston."""
 
 PLAY = np.array([BOSS_X, BOSS_Y, EYE_X, EYE_Y])
 """Coordinates that films hold within a clearance."""
 
 
 class Bodies(NamedTuple):
-    """Piston, mechanism, and the pin's moment of inertia about its axis [kg m2]."""
+    """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2]."""
 
     piston: FlexibleBody
     mechanism: Mechanism
@@ -51,10 +60,18 @@ class Bodies(NamedTuple):
 class PinFilms(NamedTuple):
     """What the films of the pin do, those of all bosses together, and that in the eye; `force`
     acts on the pin.
+
+    Parameters
+    ----------
+    bosses, eye : PinResultants
+    slope_push : ndarray, shape (k,)
+        Moment of pressure on the pin, its opposite on the shell, by the slopes that each mode gives
+        the bosses (Eq. (G5)) [kg^-1/2 N].
     """
 
     bosses: PinResultants
     eye: PinResultants
+    slope_push: np.ndarray = NO_MODES
 
 
 class Place(NamedTuple):
@@ -65,17 +82,20 @@ class Place(NamedTuple):
     link : Link
         Of the rod's eye.
     rod : RodTurn
-    arm : ndarray, shape (2,)
-        First moment of the piston about A in space, R S [kg m].
+    axes : ndarray, shape (2, 2)
+        R, from the piston's axes to space.
     piston, pin : ndarray, shape (2,)
         Accelerations of A and of the pin's axis [m/s2].
+    frame : FrameMotion
+        Of the piston.
     """
 
     link: Link
     rod: RodTurn
-    arm: np.ndarray
+    axes: np.ndarray
     piston: np.ndarray
     pin: np.ndarray
+    frame: FrameMotion
 
 
 class Lack(NamedTuple):
@@ -83,8 +103,8 @@ class Lack(NamedTuple):
 
     Parameters
     ----------
-    residual : ndarray, shape (7,)
-        [N], [N m]
+    residual : ndarray, shape (7 + k,)
+        [N], [N m], [kg^-1/2 N]
     on_piston : ndarray, shape (2,)
         Force that piston needs of its pin, G [N].
     above_eye : float
@@ -99,9 +119,14 @@ class Lack(NamedTuple):
     torque: float
 
 
+def small_end(coordinates: np.ndarray) -> float:
+    """x of the rod's eye from its concentric place, or its change in time, by the coordinates'."""
+    return float(coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X])
+
+
 def eye_motion(now: Motion) -> LateralMotion:
     """How the rod's eye moves across the bore."""
-    return LateralMotion(*(float(SMALL_END @ one) for one in now))
+    return LateralMotion(*(small_end(one) for one in now))
 
 
 def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
@@ -115,26 +140,28 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     ----------
     bodies : Bodies
     now : Motion
-        n = 7.
+        n = 7 + k.
     crank : CrankMotion
     """
     eye = eye_motion(now)
     link = motion(bodies.mechanism, eye, crank)
     rod = rod_turn(bodies.mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
-    angle = now.position[ROCKING]
-    c = np.cos(angle)
-    s = np.sin(angle)
-    x, y = bodies.piston.S
+    axes = turned(now.position[ROCKING])
     a = now.acceleration
     # Eq. (K16)
     high = link.axial_acceleration + a[EYE_Y]
-    return Place(
-        link=link,
-        rod=rod,
-        arm=np.array([c * x - s * y, s * x + c * y]),
-        piston=np.array([a[LATERAL], high - a[BOSS_Y]]),
-        pin=np.array([a[LATERAL] + a[BOSS_X], high]),
+    piston = np.array([a[LATERAL], high - a[BOSS_Y]])
+    along, up = (axes.T @ piston).tolist()
+    frame = FrameMotion(
+        ax=along,
+        ay=up,
+        alpha=float(a[ROCKING]),
+        w=float(now.velocity[ROCKING]),
+        q=now.position[COORDINATES:],
+        dq=now.velocity[COORDINATES:],
+        ddq=a[COORDINATES:],
     )
+    return Place(link, rod, axes, piston, np.array([a[LATERAL] + a[BOSS_X], high]), frame)
 
 
 def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms) -> Lack:
@@ -145,35 +172,32 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
                 a:      K_x + N - B_x = 0,   -G_y - B_y = 0
                 e:      -N - E_x = 0,   T - E_y = 0
                 phi:    J phi'' - M_pin = 0
-                G = m A'' + angle'' Z s - angle'^2 s - load,   s = R S
-                I = Z s . A'' + I_0 angle'' - (moment + guided x_A)
+                modes:  F_q - modal = 0
+                G = R F - load,   I = F_t - (moment + guided x_A)
+                F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y
                 N = f1 T + rod - psi1 M_rod        f1, rod, psi1 of Eqs. (K2) to (K4) at x_S
     B, E: force of the films in bosses and eye on the pin; M_piston, M_rod: their moments on the
-    shells; M_pin: of all of them on the pin. With a = e = 0 the first and the last but two
+    shells; M_pin: of all of them on the pin. With a = e = 0 the first and those of angle and modes
     together are Eq. (D5), with the films' moments for the friction.
 
     Parameters
     ----------
     bodies : Bodies
     load : Load
-        On the piston, all but the pin's.
+        On the piston, all but the pin's; `modal` with that of the bosses' films.
     now : Motion
-        n = 7.
+        n = 7 + k.
     crank : CrankMotion
     films : PinFilms
     """
     at = place_of(bodies, now, crank)
-    piston = bodies.piston
     mechanism = bodies.mechanism
     link = at.link
-    turning = now.velocity[ROCKING]
-    spin = now.acceleration[ROCKING]
-    needed = np.array([load.lateral, load.axial])
+    force = frame_force(bodies.piston, at.frame)
     # Eq. (D21)
-    on_piston = piston.mass * at.piston + spin * across(at.arm) - turning**2 * at.arm - needed
-    moment = load.moment + load.guided * now.position[LATERAL]
-    rocking = cross(at.arm, at.piston) + piston.I0 * spin - moment
+    on_piston = at.axes @ [force.x, force.y] - [load.lateral, load.axial]
+    rocking = force.moment - (load.moment + load.guided * now.position[LATERAL])
     pin_x, pin_y = mechanism.pin_mass * at.pin
     piston_x, piston_y = on_piston
     above_eye = piston_y + pin_y
@@ -181,17 +205,16 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
     boss_x, boss_y = films.bosses.force
     eye_x, eye_y = films.eye.force
     on_pin = films.bosses.on_pin + films.eye.on_pin
-    residual = np.array(
-        [
-            piston_x + pin_x + sideways,
-            rocking - films.bosses.on_shell,
-            pin_x + sideways - boss_x,
-            -piston_y - boss_y,
-            -sideways - eye_x,
-            above_eye - eye_y,
-            bodies.spin_inertia * now.acceleration[SPIN] - on_pin,
-        ]
-    )
+    rigid = [
+        piston_x + pin_x + sideways,
+        rocking - films.bosses.on_shell,
+        pin_x + sideways - boss_x,
+        -piston_y - boss_y,
+        -sideways - eye_x,
+        above_eye - eye_y,
+        bodies.spin_inertia * now.acceleration[SPIN] - on_pin,
+    ]
+    residual = np.concatenate([rigid, force.modal - load.modal])
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
     torque = above_eye * lever + link.rod_moment - films.eye.on_shell * at.rod.lever
@@ -214,71 +237,93 @@ def tangent(
     ----------
     bodies, load, now, crank, films
         As for `imbalance`; the films' nodal forces are held, and turn with their shells.
-    to_velocity, to_position : ndarray, shape (7,)
-        [s], [s2]
+    to_velocity, to_position : ndarray, shape (7 + k,)
+        [s], [s2]; all modes alike.
 
     Returns
     -------
-    ndarray, shape (7, 7)
+    ndarray, shape (7 + k, 7 + k)
     """
     at = place_of(bodies, now, crank)
-    piston = bodies.piston
     link = at.link
     rod = at.rod
     c1 = to_velocity
     c2 = to_position
-    angle = UNIT[ROCKING]
-    w = now.velocity[ROCKING]
-    spin = now.acceleration[ROCKING]
-    normal = across(at.arm)
+    unit = np.eye(len(now.position))
+    angle = unit[ROCKING]
+    modes = unit[COORDINATES:]
+    force = frame_force(bodies.piston, at.frame)
     above_eye = imbalance(bodies, load, now, crank, films).above_eye
 
-    eye_position = SMALL_END * c2
-    eye_velocity = SMALL_END * c1
-    high = link.axial_by_acceleration * SMALL_END
+    eye = unit[LATERAL] + unit[BOSS_X] - unit[EYE_X]
+    eye_position = eye * c2
+    eye_velocity = eye * c1
+    high = link.axial_by_acceleration * eye
     high = high + link.axial_by_velocity * eye_velocity + link.axial_by_position * eye_position
-    by_piston = np.array([UNIT[LATERAL], high + UNIT[EYE_Y] - UNIT[BOSS_Y]])
-    by_pin = np.array([UNIT[LATERAL] + UNIT[BOSS_X], high + UNIT[EYE_Y]])
-    with_angle = normal - 2 * w * c1[ROCKING] * at.arm
-    with_angle = with_angle - c2[ROCKING] * (spin * at.arm + w**2 * normal)
-    on_piston = piston.mass * by_piston + np.outer(with_angle, angle)
-    rocking = normal @ by_piston
-    rocking = rocking + (piston.I0 - c2[ROCKING] * float(at.arm @ at.piston)) * angle
-    rocking = rocking - c2[LATERAL] * load.guided * UNIT[LATERAL]
+    by_piston = np.array([unit[LATERAL], high + unit[EYE_Y] - unit[BOSS_Y]])
+    by_pin = np.array([unit[LATERAL] + unit[BOSS_X], high + unit[EYE_Y]])
+    # A's acceleration in the body's axes, which turn, then the angle and the modes
+    by_frame = at.axes.T @ by_piston - np.outer(across(at.axes.T @ at.piston), angle * c2)
+    rows = _frame_tangent(bodies.piston, at.frame, c1, c2) @ np.vstack([by_frame, angle, modes])
+    on_piston = at.axes @ rows[:TURN]
+    on_piston = on_piston + np.outer(across(at.axes @ [force.x, force.y]), angle * c2)
+    slope_push = films.slope_push @ modes * c2 if len(films.slope_push) else 0.0
+    rocking = rows[TURN] - c2[LATERAL] * load.guided * unit[LATERAL] + slope_push
     on_pin = bodies.mechanism.pin_mass * by_pin
     lifting = on_piston[1] + on_pin[1]
     bent = link.curvature * above_eye - rod.curvature * films.eye.on_shell
     bent += link.rod_force_by_position
-    sideways = link.slope * lifting + link.rod_force_by_acceleration * SMALL_END
+    sideways = link.slope * lifting + link.rod_force_by_acceleration * eye
     sideways = sideways + link.rod_force_by_velocity * eye_velocity + bent * eye_position
 
     boss_turn = angle * c2[ROCKING]
     eye_turn = rod.slope * eye_position
     boss = np.outer(across(films.bosses.force), boss_turn)
-    eye = np.outer(across(films.eye.force), eye_turn)
+    in_eye = np.outer(across(films.eye.force), eye_turn)
     boss_x, boss_y = films.bosses.force
     eye_x, eye_y = films.eye.force
     from_boss = now.position[BOSS_X : BOSS_Y + 1]
     from_eye = now.position[EYE_X : EYE_Y + 1]
-    levers = boss_y * c2[BOSS_X] * UNIT[BOSS_X] - boss_x * c2[BOSS_Y] * UNIT[BOSS_Y]
+    levers = boss_y * c2[BOSS_X] * unit[BOSS_X] - boss_x * c2[BOSS_Y] * unit[BOSS_Y]
     levers = levers + float(from_boss @ films.bosses.force) * boss_turn
-    levers = levers + eye_y * c2[EYE_X] * UNIT[EYE_X] - eye_x * c2[EYE_Y] * UNIT[EYE_Y]
+    levers = levers + eye_y * c2[EYE_X] * unit[EYE_X] - eye_x * c2[EYE_Y] * unit[EYE_Y]
     levers = levers + float(from_eye @ films.eye.force) * eye_turn
-    return np.array(
-        [
-            on_piston[0] + on_pin[0] + sideways,
-            rocking,
-            on_pin[0] + sideways - boss[0],
-            -on_piston[1] - boss[1],
-            -sideways - eye[0],
-            lifting - eye[1],
-            bodies.spin_inertia * UNIT[SPIN] + levers,
-        ]
-    )
+    rigid = [
+        on_piston[0] + on_pin[0] + sideways,
+        rocking,
+        on_pin[0] + sideways - boss[0],
+        -on_piston[1] - boss[1],
+        -sideways - in_eye[0],
+        lifting - in_eye[1],
+        bodies.spin_inertia * unit[SPIN] + levers - slope_push,
+    ]
+    return np.vstack([rigid, rows[FRAME:]])
 
 
-def pushed(at: Place, films: PinFilms, skirt: tuple[float, float, float]) -> np.ndarray:
-    """What changes of the forces add to the residual (Eq. (D21)), shape (7,).
+def _frame_tangent(
+    piston: FlexibleBody, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
+) -> np.ndarray:
+    """Derivative of the frame's rows (Eqs. (D1) to (D3)) by A's acceleration in the body's axes,
+    the angle and the modes, (3 + k, 3 + k); the integrator moves angle and modes each in its own
+    way.
+    """
+    arrow = frame_arrow(piston, frame, c1[ROCKING], c2[ROCKING])
+    if not len(frame.q):
+        return arrow.top
+    of_modes = c1[COORDINATES], c2[COORDINATES]
+    modal = frame_arrow(piston, frame, *of_modes)
+    coupling = mode_coupling(piston, frame.alpha, frame.w, *of_modes)
+    top = np.hstack([arrow.top[:, :FRAME], modal.top[:, FRAME:]])
+    return np.vstack([top, np.hstack([arrow.left, np.diag(modal.diagonal) + coupling])])
+
+
+def pushed(
+    at: Place,
+    films: PinFilms,
+    skirt: tuple[float, float, float],
+    modal: np.ndarray = NO_MODES,
+) -> np.ndarray:
+    """What changes of the forces add to the residual (Eq. (D21)), shape (7 + k,).
 
     Parameters
     ----------
@@ -287,26 +332,27 @@ def pushed(at: Place, films: PinFilms, skirt: tuple[float, float, float]) -> np.
         Changes.
     skirt : (float, float, float)
         Changes of what acts on the piston beside the pin: along x and y [N], about A [N m].
+    modal : ndarray, shape (k,)
+        Changes of all modal forces on it [kg^-1/2 N].
     """
     lateral, axial, moment = skirt
     sideways = -at.link.slope * axial - at.rod.slope * films.eye.on_shell
     boss_x, boss_y = films.bosses.force
     eye_x, eye_y = films.eye.force
-    return np.array(
-        [
-            sideways - lateral,
-            -moment - films.bosses.on_shell,
-            sideways - boss_x,
-            axial - boss_y,
-            -sideways - eye_x,
-            -axial - eye_y,
-            -films.bosses.on_pin - films.eye.on_pin,
-        ]
-    )
+    rigid = [
+        sideways - lateral,
+        -moment - films.bosses.on_shell,
+        sideways - boss_x,
+        axial - boss_y,
+        -sideways - eye_x,
+        -axial - eye_y,
+        -films.bosses.on_pin - films.eye.on_pin,
+    ]
+    return np.concatenate([rigid, -modal])
 
 
 def inertia(bodies: Bodies) -> np.ndarray:
-    """M, (7, 7), of the motion across the bore and of the pin in its shells.
+    """M, (7 + k, 7 + k), of the motion across the bore and of the pin in its shells.
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye at rest
                                      along the bore
@@ -314,17 +360,24 @@ def inertia(bodies: Bodies) -> np.ndarray:
     Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
     """
     piston = bodies.piston
-    a = np.array([UNIT[LATERAL], UNIT[EYE_Y] - UNIT[BOSS_Y]])
-    pin = np.array([UNIT[LATERAL] + UNIT[BOSS_X], UNIT[EYE_Y]])
-    lever = np.outer(UNIT[ROCKING], across(piston.S) @ a)
+    unit = np.eye(COORDINATES + len(piston.stiffness))
+    modes = unit[COORDINATES:]
+    a = np.array([unit[LATERAL], unit[EYE_Y] - unit[BOSS_Y]])
+    pin = np.array([unit[LATERAL] + unit[BOSS_X], unit[EYE_Y]])
+    coupled = np.outer(unit[ROCKING], across(piston.S) @ a + piston.g @ modes)
+    coupled = coupled + a.T @ piston.T @ modes
     # Eq. (D22)
-    M = piston.mass * a.T @ a + lever + lever.T + bodies.mechanism.pin_mass * pin.T @ pin
+    M = piston.mass * a.T @ a + coupled + coupled.T + bodies.mechanism.pin_mass * pin.T @ pin
     M[ROCKING, ROCKING] += piston.I0
     M[SPIN, SPIN] += bodies.spin_inertia
-    return M
+    return M + modes.T @ modes
 
 
 def inertia_with_rod(bodies: Bodies) -> np.ndarray:
-    """M of `inertia`, (7, 7), and of the rod that swings with its eye (Eqs. (K12), (K16))."""
-    eye = UNIT[LATERAL] + UNIT[BOSS_X] - UNIT[EYE_X]
-    return inertia(bodies) + carried_mass(bodies.mechanism) * np.outer(eye, eye)
+    """M of `inertia`, (7 + k, 7 + k), and of the rod that swings with its eye (Eqs. (K12),
+    (K16)).
+    """
+    M = inertia(bodies)
+    unit = np.eye(len(M))
+    eye = unit[LATERAL] + unit[BOSS_X] - unit[EYE_X]
+    return M + carried_mass(bodies.mechanism) * np.outer(eye, eye)

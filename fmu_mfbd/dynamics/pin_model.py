@@ -1,5 +1,5 @@
 """A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses and in the rod's eye, bodies rigid.
+bosses, which may yield, and in the rod's eye; pin, rod and block are rigid.
 """
 
 from typing import Any, NamedTuple
@@ -11,11 +11,15 @@ from ..geometry.pin import (
     PinForces,
     PinResultants,
     PinSurface,
+    Yielding,
     across,
     grid_power,
+    modal_push,
     opening_of,
     resultants_on,
+    slope_push,
     turned,
+    yielded,
 )
 from .build_options import FilmGrid
 from .energy import Ledger
@@ -25,6 +29,7 @@ from .floating_pin import (
     COORDINATES,
     EYE_X,
     EYE_Y,
+    NO_MODES,
     PLAY,
     SPIN,
     Bodies,
@@ -82,7 +87,7 @@ class Shell(NamedTuple):
 
 class Reach(NamedTuple):
     """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
-    end of a step, shape (7,).
+    end of a step, shape (7 + k,).
     """
 
     velocity: np.ndarray
@@ -96,7 +101,7 @@ class Solved(NamedTuple):
     ----------
     reach : Reach
     load : Load
-        On the piston, all but the pin's.
+        On the piston, all but the pin's; with the modal forces of the bosses' films.
     end : Motion
     crank : CrankMotion
     guided : float
@@ -128,15 +133,14 @@ class Solved(NamedTuple):
 
 
 class PistonOnFloatingPin(PistonInBore):
-    """Rigid piston, floating pin and rod, and the geometry of the films between them and in the
-    bore.
+    """Piston, floating pin and rod, and the geometry of the films between them and in the bore.
 
     Parameters
     ----------
     tied : PistonInBore
-        The same without a pin of its own.
+        The same without a pin of its own, no mode of it static, the block rigid.
     pins : tuple of PinSurface
-        In both bosses and in the rod's eye.
+        In both bosses and in the rod's eye; the bosses with the piston's modes, if it has any.
     grids : tuple of FilmGrid
         Names and shapes of their fields.
     spin_inertia : float
@@ -153,7 +157,9 @@ class PistonOnFloatingPin(PistonInBore):
         vars(self).update(vars(tied))
         self.pins = pins
         self.grids = grids
-        self.coordinates = COORDINATES
+        self.coordinates = COORDINATES + self.modes
+        # what is held so stiffly that a step sees none of its inertia
+        self.held = np.append(PLAY, np.arange(COORDINATES, self.coordinates))
         self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia)
         self.inertia = inertia(self.bodies)
         self.with_rod = inertia_with_rod(self.bodies)
@@ -179,15 +185,15 @@ class PistonOnFloatingPin(PistonInBore):
             axial=skirt.axial - along_bore,
             moment=skirt.moment + system.pin_offset * along_bore + others.rings.moment,  # Eq. (D8)
             guided=along_bore,
-            modal=np.zeros(0),
+            modal=self._modal(skirt, inputs.pins) + others.gas * system.gas_force,
         )
-        predicted, carried, reach = _predicted(c, before, auxiliary)
+        predicted, carried, reach = self._predicted(c, before, auxiliary)
         solved = self._solved((predicted, before.acceleration), reach, load, crank, inputs.pins)
         self._pin = solved = solved._replace(guided=guided.height)
         self._pin_forces = inputs.pins
         end = solved.end
         carried = carried + c.to_auxiliary * end.acceleration
-        carried[PLAY] = 0.0
+        carried[self.held] = 0.0
         kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
         piston = system.piston
         rigid = Inertia(piston.mass + system.mechanism.pin_mass, piston.S[1], piston.I0)
@@ -195,6 +201,7 @@ class PistonOnFloatingPin(PistonInBore):
 
         guided_velocity = guided.lever * crank.speed
         height_now, axial_velocity = self._height(end, crank)
+        of_skirt = Motion(*(_of_skirt(one) for one in end))
         thickness = np.empty(len(push))
         velocity = np.empty(len(push))
         errors = []
@@ -210,20 +217,20 @@ class PistonOnFloatingPin(PistonInBore):
                 NodalForces(push[first:last].reshape(shape), drag[first:last].reshape(shape)),
                 axial_velocity,
                 guided_velocity,
-                end.position[:RIGID],
-                end.velocity[:RIGID],
+                of_skirt.position,
+                of_skirt.velocity,
             )
             thickness[first:last] = film.film_thickness.ravel()
             velocity[first:last] = film.sliding_velocity.ravel()
-            rigid_velocity = end.velocity[:RIGID]
             errors.append(
-                work_error(parts[k], film, axial_velocity, guided_velocity, rigid_velocity)
+                work_error(parts[k], film, axial_velocity, guided_velocity, of_skirt.velocity)
             )
             on_slopes += film.axial_force
             first = last
         driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
         driven += solved.films.eye.on_shell * solved.shells[-1].own_turning
-        ledger = self._ledger(before, kept, end, self._forces(skirt, solved.films), c.step * driven)
+        forces = self._forces(skirt, solved.films, self._modal(skirt, inputs.pins))
+        ledger = self._ledger(before, kept, end, forces, c.step * driven)
         pin_x, pin_y = solved.lack.on_piston
         return Instant(
             position=end.position,
@@ -234,8 +241,7 @@ class PistonOnFloatingPin(PistonInBore):
             auxiliary=carried,
             impact=impact,
             ledger=ledger,
-            other_forces=self.with_rod @ end.acceleration
-            - self._forces(skirt, solved.films),  # (D15)
+            other_forces=self.with_rod @ end.acceleration - forces,  # Eq. (D15)
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
@@ -270,6 +276,7 @@ class PistonOnFloatingPin(PistonInBore):
         predicted, begun = guess
         acceleration = begun.copy()
         change = np.inf
+        slopes = self._slope_push(forces)
         for evaluation in range(1, PASSES + 1):
             end = Motion(
                 predicted.position + reach.position * acceleration,
@@ -277,8 +284,8 @@ class PistonOnFloatingPin(PistonInBore):
                 acceleration,
             )
             shells = self._shells(end, crank)
-            each = self._resultants(shells, forces)
-            films = _together(each)
+            each = self._resultants(shells, forces, end.position[COORDINATES:])
+            films = _together(each, slopes)
             lack = imbalance(self.bodies, load, end, crank, films)
             slope = tangent(self.bodies, load, end, crank, films, *reach)
             step = np.linalg.solve(slope, lack.residual)
@@ -319,13 +326,57 @@ class PistonOnFloatingPin(PistonInBore):
         return (*[boss] * BOSSES, small_end)
 
     def _resultants(
-        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...]
+        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], modal: np.ndarray
     ) -> list[PinResultants]:
-        """Of each film of the pin."""
-        return [
-            resultants_on(surface, one, shell.place, shell.axes)
-            for surface, one, shell in zip(self.pins, forces, shells)
+        """Of each film of the pin, the bosses yielding by their modal coordinates."""
+        out = []
+        for surface, one, shell in zip(self.pins, forces, shells):
+            found = resultants_on(surface, one, shell.place, shell.axes)
+            if surface.modes is not None:
+                found = found.with_slopes(float(slope_push(surface, one.pressure) @ modal))
+            out.append(found)
+        return out
+
+    def _slope_push(self, forces: tuple[PinForces, ...]) -> np.ndarray:
+        """Of all yielding bosses (Eq. (G5)), (k,)."""
+        return sum(
+            (
+                slope_push(surface, one.pressure)
+                for surface, one in zip(self.pins, forces)
+                if surface.modes is not None
+            ),
+            NO_MODES if not self.modes else np.zeros(self.modes),
+        )
+
+    def _modal(self, skirt: FilmForces, forces: tuple[PinForces, ...]) -> np.ndarray:
+        """Forces of all films on the piston's modes, (k,)."""
+        pushed_by = [
+            modal_push(surface, one)
+            for surface, one in zip(self.pins, forces)
+            if surface.modes is not None
         ]
+        return sum(pushed_by, skirt.piston)
+
+    def _predicted(
+        self, c: Coefficients, before: Motion, auxiliary: np.ndarray
+    ) -> tuple[Motion, np.ndarray, Reach]:
+        """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
+
+        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e and modes by Eq. (N8)
+
+        Films hold the pin within its play, springs the modes that bend away from it: what inertia
+        does there is over within microseconds, and a method that remembers it rings.
+        """
+        n = self.coordinates
+        held = self.held
+        position, velocity, carried = predict(c, before, auxiliary)
+        reach = Reach(np.full(n, c.to_velocity), np.full(n, c.to_position))
+        # Eq. (N9)
+        position[held] = before.position[held] + c.step * before.velocity[held]
+        velocity[held] = before.velocity[held]
+        reach.velocity[held] = c.step
+        reach.position[held] = c.step**2
+        return Motion(position, velocity, np.zeros(n)), carried, reach
 
     def _height(self, end: Motion, crank: CrankMotion) -> tuple[float, float]:
         """Height of A [m] and its velocity [m/s] (Eq. (K16))."""
@@ -335,11 +386,14 @@ class PistonOnFloatingPin(PistonInBore):
         place, speed = (one[EYE_Y] - one[BOSS_Y] for one in (end.position, end.velocity))
         return float(now.height + place), float(driven + speed)
 
-    def _forces(self, skirt: FilmForces, films: PinFilms) -> np.ndarray:
-        """Generalised forces of all films, but for what they do along the driven motion, (7,)."""
+    def _forces(self, skirt: FilmForces, films: PinFilms, modal: np.ndarray) -> np.ndarray:
+        """Generalised forces of all films, but for what they do along the driven motion, (7 + k,);
+        `modal` those on the modes.
+        """
         on_pin = films.bosses.on_pin + films.eye.on_pin
         rocking = skirt.moment + films.bosses.on_shell
-        return np.array([skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin])
+        rigid = [skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin]
+        return np.append(rigid, modal)
 
     def _ledger(
         self, before: Motion, kept: Motion, end: Motion, forces: np.ndarray, driven: float
@@ -352,7 +406,7 @@ class PistonOnFloatingPin(PistonInBore):
         last = float(kept.velocity @ M @ kept.velocity)
         return Ledger(
             kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
-            elastic=0.0,
+            elastic=float(self.system.piston.stiffness @ kept.position[COORDINATES:] ** 2) / 2,
             film_work=float(forces @ way) + driven,  # Eq. (D11)
             error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
             axial_work=driven,
@@ -368,6 +422,7 @@ class PistonOnFloatingPin(PistonInBore):
             surface = self.pins[k]
             shell = pin.shells[k]
             gap = surface.clearance + opening_of(surface, shell.own_place())
+            gap = gap + yielded(surface, position[COORDINATES:])
             outputs |= {
                 f"{grid.prefix}film_thickness": gap,
                 f"{grid.prefix}sliding_velocity": np.zeros(grid.shape),
@@ -378,6 +433,9 @@ class PistonOnFloatingPin(PistonInBore):
                 f"{grid.prefix}interface_work_error": self._work_error(k, shell),
             }
         eye_x, eye_y = pin.films.eye.force
+        if self.modes:
+            outputs["modal_coordinate"] = position[COORDINATES:].copy()
+            outputs["modal_velocity"] = now.kept_velocity[COORDINATES:].copy()
         return outputs | {
             "pin_displacement_x": position[BOSS_X],
             "pin_displacement_y": position[BOSS_Y],
@@ -394,10 +452,15 @@ class PistonOnFloatingPin(PistonInBore):
         """Power of a film on the grid (Eq. (G4)) minus that in the coordinates, relative [-]."""
         found = self._pin.each[k]
         forces = self._pin_forces[k]
+        surface = self.pins[k]
+        end = self._pin.end
+        yielding = Yielding(end.position[COORDINATES:], end.velocity[COORDINATES:])
         power, size = grid_power(
-            self.pins[k], forces, shell.own_place(), shell.own_velocity(), shell.turning
+            surface, forces, shell.own_place(), shell.own_velocity(), shell.turning, yielding
         )
         parts = found.force @ shell.velocity, found.on_shell * shell.own_turning
+        if surface.modes is not None:
+            parts = (*parts, float(modal_push(surface, forces) @ yielding.velocity))
         pin = found.on_pin * (shell.own_turning + shell.turning)
         size += sum(abs(one) for one in (*parts, pin))
         return float(abs(power - sum(parts) - pin) / size) if size > 0.0 else 0.0
@@ -432,14 +495,15 @@ class PistonOnFloatingPin(PistonInBore):
             skirt.axial + rings.axial,
             skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         )
-        films = _together(self._resultants(last.shells, pins))
+        now = end.position[COORDINATES:]
+        films = _together(self._resultants(last.shells, pins, now), NO_MODES)
         at = place_of(self.bodies, end, last.crank)
         if self._linear is None:
             self._linear = np.linalg.inv(
                 tangent(self.bodies, last.load, end, last.crank, last.films, *last.reach)
             )
             self.jacobian_evaluations += 1
-        acceleration = -self._linear @ pushed(at, films, changes)
+        acceleration = -self._linear @ pushed(at, films, changes, self._modal(skirt, pins))
         # Eq. (D23)
         moved = Motion(
             last.reach.position * acceleration, last.reach.velocity * acceleration, acceleration
@@ -454,8 +518,9 @@ class PistonOnFloatingPin(PistonInBore):
         velocities = []
         for surface, window in zip(system.surfaces, windows):
             sides = (surface.skirt, surface.bore, window)
-            gaps.append(opening(*sides, place[LATERAL], place[ROCKING], none, none).ravel())
-            velocities.append(sliding(*sides, rising, speed[ROCKING], none, none).ravel())
+            bent, bending = place[COORDINATES:], speed[COORDINATES:]
+            gaps.append(opening(*sides, place[LATERAL], place[ROCKING], bent, none).ravel())
+            velocities.append(sliding(*sides, rising, speed[ROCKING], bending, none).ravel())
         out: dict[str, Any] = {
             **self._by_film("film_thickness", np.concatenate(gaps)),
             **self._by_film("sliding_velocity", np.concatenate(velocities)),
@@ -476,34 +541,20 @@ class PistonOnFloatingPin(PistonInBore):
             way = shell.axes.T @ (ways[which] - turn[which] * across(shell.place))
             faster = surface.radius * (speed[SPIN] - turning[which])
             out |= {
-                f"{grid.prefix}film_thickness": opening_of(surface, way),
+                f"{grid.prefix}film_thickness": opening_of(surface, way)
+                + yielded(surface, place[COORDINATES:]),
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
             }
         return out
 
 
-def _predicted(
-    c: Coefficients, before: Motion, auxiliary: np.ndarray
-) -> tuple[Motion, np.ndarray, Reach]:
-    """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
-
-    Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a and e by Eq. (N8)
-
-    Films hold the pin within its play: what its inertia does there is over within microseconds, and
-    a method that remembers it rings.
-    """
-    position, velocity, carried = predict(c, before, auxiliary)
-    reach = Reach(np.full(COORDINATES, c.to_velocity), np.full(COORDINATES, c.to_position))
-    # Eq. (N9)
-    position[PLAY] = before.position[PLAY] + c.step * before.velocity[PLAY]
-    velocity[PLAY] = before.velocity[PLAY]
-    reach.velocity[PLAY] = c.step
-    reach.position[PLAY] = c.step**2
-    return Motion(position, velocity, np.zeros(COORDINATES)), carried, reach
+def _of_skirt(coordinates: np.ndarray) -> np.ndarray:
+    """Coordinates of the skirt's film: x_A, rocking angle, modes."""
+    return np.append(coordinates[:RIGID], coordinates[COORDINATES:])
 
 
-def _together(each: list[PinResultants]) -> PinFilms:
+def _together(each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
     """Films of both bosses as one, and that in the eye."""
     *bosses, eye = each
     force, on_pin, on_shell = (sum(parts) for parts in zip(*bosses))
-    return PinFilms(PinResultants(np.asarray(force), float(on_pin), float(on_shell)), eye)
+    return PinFilms(PinResultants(np.asarray(force), float(on_pin), float(on_shell)), eye, slopes)

@@ -14,6 +14,29 @@ PIN_SURFACES = ("boss_left", "boss_right", "small_end")
 """Film surfaces of a floating pin: bosses, then the rod's eye."""
 
 
+class ShellModes(NamedTuple):
+    """How a shell yields, by k modes of its body.
+
+    Parameters
+    ----------
+    outward, onward : ndarray, shape (cells, k)
+        Displacement along e and t at the grid's points, j fastest [kg^-1/2].
+    slope : ndarray, shape (cells, k)
+        d outward/da, by central differences around [kg^-1/2].
+    """
+
+    outward: np.ndarray
+    onward: np.ndarray
+    slope: np.ndarray
+
+
+class Yielding(NamedTuple):
+    """Where a shell yields and how fast: modal coordinates and velocities, (k,)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
 class PinSurface(NamedTuple):
     """A pin in a shell.
 
@@ -25,6 +48,8 @@ class PinSurface(NamedTuple):
         Of the pin; of the shell minus that of the pin [m].
     shape : (int, int)
         (c, a), cells around and along the shell.
+    modes : ShellModes, optional
+        None: a rigid shell.
     """
 
     outward: np.ndarray
@@ -32,6 +57,7 @@ class PinSurface(NamedTuple):
     radius: float
     clearance: float
     shape: tuple[int, int]
+    modes: ShellModes | None = None
 
 
 class PinForces(NamedTuple):
@@ -58,14 +84,33 @@ class PinResultants(NamedTuple):
     on_pin: float
     on_shell: float
 
+    def with_slopes(self, moment: float) -> "PinResultants":
+        """With the moment of pressure by the slopes of a yielding shell (Eq. (G5)) [N m]."""
+        return self._replace(on_pin=self.on_pin + moment, on_shell=self.on_shell - moment)
 
-def pin_surface(radius: float, clearance: float, shape: tuple[int, int]) -> PinSurface:
+
+def shell_angles(around: int) -> np.ndarray:
+    """Angles of the grid's lines from the shell's own +x about +z, (around,) [rad]."""
+    return 2 * np.pi * np.arange(around) / around
+
+
+def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
+    """Modes of a shell, given on its grid, (c, a, k)."""
+    around, along, k = outward.shape
+    step = 2 * np.pi / around
+    slope = (np.roll(outward, -1, axis=0) - np.roll(outward, 1, axis=0)) / (2 * step)
+    return ShellModes(*(one.reshape(around * along, k) for one in (outward, onward, slope)))
+
+
+def pin_surface(
+    radius: float, clearance: float, shape: tuple[int, int], modes: ShellModes | None = None
+) -> PinSurface:
     """Film surface on a grid (c, a)."""
     around, _ = shape
-    angle = 2 * np.pi * np.arange(around) / around
+    angle = shell_angles(around)
     outward = np.array([np.cos(angle), np.sin(angle)])
     onward = np.array([-np.sin(angle), np.cos(angle)])
-    return PinSurface(outward, onward, radius, clearance, shape)
+    return PinSurface(outward, onward, radius, clearance, shape, modes)
 
 
 def turned(angle: float) -> np.ndarray:
@@ -116,6 +161,49 @@ def _lines(surface, values):
     return np.repeat(values[:, None], surface.shape[1], axis=1)
 
 
+def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
+    """What the shell's yielding adds to the film thickness, or to its change in time.
+
+    Eq. (H8):  h = c - d . e + u_e,   u_e = sum_k Phi_ek q_k
+
+    Parameters
+    ----------
+    surface : PinSurface
+    modal : ndarray, shape (k,)
+        q [kg^1/2 m], or its change.
+
+    Returns
+    -------
+    ndarray, shape (c, a)
+        [m]
+    """
+    if surface.modes is None:
+        return np.zeros(surface.shape)
+    return (surface.modes.outward @ modal).reshape(surface.shape)  # Eq. (H8)
+
+
+def modal_push(surface: PinSurface, forces: PinForces) -> np.ndarray:
+    """Forces of a film on its shell's modes by virtual work, (k,) [kg^-1/2 N].
+
+    Eq. (G6):  Q_k = sum p Phi_ek - sum f Phi_tk
+    """
+    assert surface.modes
+    push = np.ravel(forces.pressure) @ surface.modes.outward
+    return push - np.ravel(forces.circumferential) @ surface.modes.onward  # Eq. (G6)
+
+
+def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
+    """Moment of pressure on the pin about +z, by modal coordinate, (k,) [kg^-1/2 N].
+
+    Eq. (G5):  M_pin = .. + sum p du_e/da,   M_shell = .. - sum p du_e/da
+
+    Pressure stands upright on a shell that is not round any more, and so has a moment about its
+    axis; what is left of the film's balance about it acts on the pin, as in Eq. (G3).
+    """
+    assert surface.modes
+    return np.ravel(pressure) @ surface.modes.slope  # Eq. (G5)
+
+
 def resultants_on(
     surface: PinSurface, forces: PinForces, place: np.ndarray, axes: np.ndarray
 ) -> PinResultants:
@@ -152,11 +240,12 @@ def grid_power(
     place: np.ndarray,
     velocity: np.ndarray,
     turning: float,
+    yielding: Yielding | None = None,
 ) -> tuple[float, float]:
     """Power of the film on pin and shell, from what every cell sees, and the sum of the absolute
     values of its terms.
 
-    Eq. (G4):  P = sum p (dh/dt + w dh/da) + sum f ((R - d . e) w + t . d')
+    Eq. (G4):  P = sum p (dh/dt + w dh/da) + sum f ((R - d . e) w + t . d' - u_t')
                w = phi' - chi'
 
     Pressure works on the normal velocity of the pin's surface, which turning adds to where the film
@@ -170,17 +259,24 @@ def grid_power(
         d and d' in the axes of the shell [m], [m/s].
     turning : float
         w [rad/s].
+    yielding : Yielding, optional
+        Of a shell with modes.
 
     Returns
     -------
     float, float
         [W], [W]
     """
-    shape = surface.shape
-    push = forces.pressure.reshape(shape).sum(axis=1)
-    drag = forces.circumferential.reshape(shape).sum(axis=1)
+    push = forces.pressure.reshape(surface.shape)
+    drag = forces.circumferential.reshape(surface.shape)
     # Eq. (G4)
     closing = -(velocity @ surface.outward) - turning * (place @ surface.onward)
     arm = surface.radius - place @ surface.outward
-    terms = push * closing, drag * (turning * arm + velocity @ surface.onward)
+    onward = turning * arm + velocity @ surface.onward
+    terms = push.sum(axis=1) * closing, drag.sum(axis=1) * onward
+    if surface.modes is not None and yielding is not None:
+        outward = surface.modes.outward @ yielding.velocity
+        outward += turning * (surface.modes.slope @ yielding.position)
+        along = surface.modes.onward @ yielding.velocity
+        terms = (*terms, push.ravel() * outward, -drag.ravel() * along)
     return sum(float(one.sum()) for one in terms), sum(float(np.abs(one).sum()) for one in terms)

@@ -41,10 +41,19 @@ from .bases import (
     pressure_modes,
     static_answers,
 )
+from .bosses import Bosses, BossFilms, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
-from .reduced_body import Anatomy, Probes, ReducedBlock, ReducedBody, ReducedPiston, save
+from .reduced_body import (
+    Anatomy,
+    Probes,
+    ReducedBlock,
+    ReducedBody,
+    ReducedBosses,
+    ReducedPiston,
+    save,
+)
 from .symmetry import ClassedModes, symmetric_modes
 from .training import trained_shapes
 from .truncation import probes, random_patterns
@@ -84,17 +93,21 @@ class FullModel(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced body and what reports need of it besides; no probes of a body without modes."""
+    """A reduced body and what reports need of it besides; no probes of a body without modes, bosses
+    of a piston with films in them.
+    """
 
     body: ReducedBody
     anatomy: Anatomy
     probes: Probes | None = None
+    bosses: ReducedBosses | None = None
 
 
 class FilmSide(NamedTuple):
     """What a basis must know of the side that the film touches: name of the surface, matrices that
     read its displacement on a grid, where pressure is expected there (`expected_pressure`), which
-    points have the surface under them, and film forces at the points that it is trained on.
+    points have the surface under them, and film forces at the points that it is trained on; of a
+    piston with films in its bosses those too.
     """
 
     surface: str
@@ -102,6 +115,8 @@ class FilmSide(NamedTuple):
     weight: np.ndarray
     there: np.ndarray
     training: FilmLoads | None
+    bosses: Bosses | None = None
+    boss_films: BossFilms | None = None
 
 
 class Basis(NamedTuple):
@@ -167,6 +182,7 @@ def reduce_piston(
     progress: Say = print,
     factors: Factorise = factorise,
     training: Training | None = None,
+    bosses: BossFilms | None = None,
 ) -> Reduced:
     """Reduced piston: mass properties, modes and their values on the skirt grid.
 
@@ -181,6 +197,8 @@ def reduce_piston(
         Factorises a matrix (`solver`).
     training : Training, optional
         For the basis `trained`.
+    bosses : BossFilms, optional
+        Films in the bosses, which the modes answer to as well.
 
     Raises
     ------
@@ -212,11 +230,12 @@ def reduce_piston(
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
     weight = expected_pressure(angle, along)
     film_forces = training.loads.film if training else None
-    film = FilmSide("skirt", surface.reading, weight, there.ravel(), film_forces)
+    film = FilmSide("skirt", surface.reading, weight, there.ravel(), film_forces, read, bosses)
     modes, kept = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
     body = ReducedPiston(
@@ -230,7 +249,20 @@ def reduce_piston(
         skirt_lower=lower,
         skirt_upper=upper,
     )
-    return Reduced(body, _anatomy(mesh, position, M, shapes, options, there), kept)
+    anatomy = _anatomy(mesh, position, M, shapes, options, there)
+    in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
+    return Reduced(body, anatomy, kept, in_bosses)
+
+
+def _in_bosses(bosses: Bosses, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
+    """Modes, (3 n, k), in both bosses."""
+    table = (*grid, shapes.shape[1])
+    return ReducedBosses(
+        boss_outward=np.stack([(one.outward @ shapes).reshape(table) for one in bosses.sides]),
+        boss_onward=np.stack([(one.onward @ shapes).reshape(table) for one in bosses.sides]),
+        boss_stations=np.stack([one.stations for one in bosses.sides]),
+        boss_radius=bosses.radius,
+    )
 
 
 def reduce_block(
@@ -395,7 +427,10 @@ def _modes(
     elif options.basis == "characteristic_constraint_modes":
         shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), count)
     else:
-        shapes = _film_shapes(elastic, film, count, loads[elastic.free])
+        more = film.boss_films.modes if film.boss_films else 0
+        shapes = _film_shapes(elastic, film, count - more, loads[elastic.free])
+        if film.bosses and film.boss_films and more:
+            shapes = with_boss_modes(elastic, film.bosses, film.boss_films.grid, shapes, count)
     kept = probes(elastic, film.reading, random_patterns(film.there))
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
@@ -510,6 +545,7 @@ def cached(
     folder: Path | str,
     progress: Say = print,
     training: Training | None = None,
+    bosses: BossFilms | None = None,
 ) -> Path:
     """Path of the reduced body's .npz, made unless one of the same file contents, options, training
     and code (`code_digest`) lies in `folder`.
@@ -527,6 +563,8 @@ def cached(
     progress : callable
     training : Training, optional
         For the basis `trained`: its forces count, not the file they come from.
+    bosses : BossFilms, optional
+        Films in a piston's bosses.
     """
     decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced", "train_on"})
     for key in FILES:
@@ -535,15 +573,19 @@ def cached(
     decided |= {"grid": list(grid), "code": code_digest(), "of": reduce.__name__}
     if training:
         decided["training"] = training.digest()
+    also = {}
+    if bosses:
+        decided["bosses"] = bosses._asdict()
+        also["bosses"] = bosses
     digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
     path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{digest}.npz"
     if not path.exists():
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy, kept = reduce(options, grid, progress, factors, training)
+        body, anatomy, kept, held = reduce(options, grid, progress, factors, training, **also)
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
-        save(path, *(part for part in (body, anatomy, kept) if part))
+        save(path, *(part for part in (body, anatomy, kept, held) if part))
         factors.forget()
     return path

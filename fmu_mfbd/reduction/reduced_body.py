@@ -77,6 +77,28 @@ class ReducedBlock:
 
 
 @dataclass(frozen=True)
+class ReducedBosses:
+    """Values of a piston's modes in its two pin bosses, that at z < 0 first, on the grids of their
+    films, (c, a) cells each, in its own file; k modes.
+
+    Parameters
+    ----------
+    boss_outward, boss_onward : ndarray, shape (2, c, a, k)
+        Displacement of the shell away from the pin's axis, and around it with ascending i
+        [kg^-1/2].
+    boss_stations : ndarray, shape (2, a)
+        z of the grid's rows [m].
+    boss_radius : float
+        Mean one of the bores [m].
+    """
+
+    boss_outward: np.ndarray
+    boss_onward: np.ndarray
+    boss_stations: np.ndarray
+    boss_radius: float
+
+
+@dataclass(frozen=True)
 class Anatomy:
     """What a reduced body keeps for reports, pictures and recovery; no FMU carries it.
 
@@ -138,7 +160,7 @@ class Probes:
 
 
 ReducedBody = ReducedPiston | ReducedBlock
-Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | Anatomy | Probes)
+Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | ReducedBosses | Anatomy | Probes)
 
 
 def mode_classes(body: ReducedBody) -> np.ndarray | None:
@@ -153,7 +175,7 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock, Anatomy or Probes.
+        ReducedPiston, ReducedBlock, ReducedBosses, Anatomy or Probes.
     path : Path
         .npz
 
@@ -173,7 +195,7 @@ def load(part: type[Part], path: Path) -> Part:
     return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
 
 
-def save(path: Path, *parts: ReducedBody | Anatomy | Probes) -> None:
+def save(path: Path, *parts: ReducedBody | ReducedBosses | Anatomy | Probes) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".partial.npz")

@@ -34,12 +34,22 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     PinResultants,
+    Yielding,
+    grid_power,
+    modal_push,
     opening_of,
     pin_surface,
     resultants_on,
+    shell_modes,
+    slope_push,
     turned,
+    yielded,
 )
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston
+from piston_cosim.fmu_mfbd.reduction.reduced_body import (
+    ReducedBlock,
+    ReducedBosses,
+    ReducedPiston,
+)
 
 GRID = (16, 12)
 PIN_GRID = (24, 4)
@@ -104,6 +114,44 @@ def floating_model(**pin):
 
 def tied_model():
     return assemble(*bodies(), options(False), PARAMETERS)
+
+
+MODES = 3
+
+
+def yielding_bodies(young=1.0):
+    """The same with three modes, no two classes of their matrices alike, and their values in the
+    bosses; `young` times as stiff.
+    """
+    rng = np.random.default_rng(7)
+    piston, block = bodies()
+    cells = GRID[0] * GRID[1]
+    half = rng.standard_normal((2, MODES, MODES))
+    piston = dataclasses.replace(
+        piston,
+        T=0.2 * rng.standard_normal((2, MODES)),
+        b=5e-3 * rng.standard_normal(MODES),
+        B=0.3 * (half[0] + half[0].T) + np.eye(MODES),
+        g=5e-3 * rng.standard_normal(MODES),
+        G=0.2 * (half[1] - half[1].T),
+        omega=np.sqrt(young) * np.array([2.1e4, 3.3e4, 9e4]),
+        kind=np.full(MODES, -1),
+        gas_force=rng.standard_normal(MODES),
+        radial=rng.standard_normal((cells, MODES)),
+        axial=0.3 * rng.standard_normal((cells, MODES)),
+    )
+    a = 2 * np.pi * np.arange(PIN_GRID[0]) / PIN_GRID[0]
+    wave = np.array([np.cos(n * a + p) for n, p in ((2, 0.3), (1, 1.1), (3, -0.4))]).T
+    along = 1 + 0.2 * rng.standard_normal((2, PIN_GRID[1], MODES))
+    outward = wave[None, :, None, :] * along[:, None]
+    onward = 0.4 * np.roll(outward, 3, axis=1)
+    stations = np.array([[-1.0], [1.0]]) * np.linspace(0.03, 0.05, PIN_GRID[1])
+    return piston, block, ReducedBosses(outward, onward, stations, 18e-3)
+
+
+def yielding_model(young=1.0, parameters=PARAMETERS):
+    piston, block, bosses = yielding_bodies(young)
+    return assemble_floating(piston, block, options(True), parameters, PinParameters(), bosses)
 
 
 def test_film_thickness_and_forces_by_hand():
@@ -202,6 +250,91 @@ def test_the_rod_swings_with_its_eye_by_hand():
     assert more == pytest.approx(rod * 6.0**2 / 2, rel=1e-12)
 
 
+def test_a_shell_that_yields_by_hand():
+    """One mode, u_e = 2 cos 2a q on eight cells around: at a = 0 it opens by 2 q, at 90 deg it
+    closes by as much; pressure at 45 deg, where the shell falls with slope -4 sin 90 deg q, turns
+    the pin. Central differences of cos 2a on eight cells: sin(2 step)/step in place of 2.
+    """
+    a = np.pi / 4 * np.arange(8)
+    modes = shell_modes(2 * np.cos(2 * a)[:, None, None], np.sin(a)[:, None, None])
+    surface = pin_surface(0.02, 10e-6, (8, 1), modes)
+    q = np.array([3e-6])
+    np.testing.assert_allclose(
+        yielded(surface, q)[:, 0], [6e-6, 0, -6e-6, 0, 6e-6, 0, -6e-6, 0], atol=1e-20
+    )
+    push, drag = np.zeros((8, 1)), np.zeros((8, 1))
+    push[1], drag[2] = 7.0, 5.0
+    forces = PinForces(push, drag)
+    np.testing.assert_allclose(slope_push(surface, push), [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
+    # pressure stands where the mode has no displacement, friction acts against u_t = sin 90 deg
+    np.testing.assert_allclose(modal_push(surface, forces), [-5.0], atol=1e-14)
+    still = grid_power(surface, forces, np.zeros(2), np.zeros(2), 30.0, Yielding(q, 0 * q))
+    turned_by = -7.0 * 2 * 4 / np.pi * 3e-6 * 30.0
+    assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
+    moving = grid_power(surface, forces, np.zeros(2), np.zeros(2), 0.0, Yielding(q, q))
+    assert moving[0] == pytest.approx(-5.0 * 3e-6, rel=1e-12)
+
+
+def test_modes_of_a_standing_engine_yield_by_their_springs():
+    """Crank at rest, forces that stay, critical damping: each mode ends where its spring holds the
+    modal force of gas and of all films, less what the frame's acceleration asks; the bosses open by
+    its shape. 400 us damp the start to 0.2 %, what falls meanwhile turns by a per cent.
+    """
+    critical = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_damping_ratio=1.0)
+    model = yielding_model(parameters=critical)
+    rng = np.random.default_rng(3)
+    push = 20 * rng.random(GRID)
+    pins = tuple(PinForces(300 * rng.random(PIN_GRID), rng.random(PIN_GRID)) for _ in model.pins)
+    at_rest = Inputs(0.0, 2e5, push, 0 * push, pins=pins)
+    state, _ = model.start(0.3, 0.0, 0.0, at_rest)
+    for _ in range(400):
+        state, out = model.advance(state, at_rest, 1e-6)
+    piston, _, bosses = yielding_bodies()
+    a = state.acceleration
+    crank = CrankMotion(0.3, 0.0, 0.0)
+    now = Motion(state.position, state.velocity, a)
+    frame = place_of(model.bodies, now, crank).frame
+    force = np.pi * 55e-3**2 * 2e5 * piston.gas_force - push.ravel() @ piston.radial
+    for k in range(2):
+        force = force + np.einsum("ij,ijk->k", pins[k].pressure, bosses.boss_outward[k])
+        force = force - np.einsum("ij,ijk->k", pins[k].circumferential, bosses.boss_onward[k])
+    inertial = frame.ax * piston.T[0] + frame.ay * piston.T[1] + frame.alpha * piston.g
+    wanted = (force - inertial) / piston.omega**2
+    np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=2e-2)
+    stretched = out["boss_right.film_thickness"] - model.pins[1].clearance
+    d = model._pin.shells[1].own_place()
+    rigid = opening_of(model.pins[1], d)
+    np.testing.assert_allclose(
+        stretched - rigid, bosses.boss_outward[1] @ out["modal_coordinate"], atol=1e-15
+    )
+
+
+def test_inertia_of_modes_by_hand():
+    """Eq. (D22): a mode alone, with the piston's shift along either axis, and with its turning."""
+    model = yielding_model()
+    piston, *_ = yielding_bodies()
+    M = inertia(model.bodies)
+    assert np.array_equal(M, M.T)
+    np.testing.assert_allclose(M[7:, 7:], np.eye(MODES))
+    np.testing.assert_allclose(M[LATERAL, 7:], piston.T[0])
+    np.testing.assert_allclose(M[BOSS_Y, 7:], -piston.T[1])
+    np.testing.assert_allclose(M[EYE_Y, 7:], piston.T[1])
+    np.testing.assert_allclose(M[ROCKING, 7:], piston.g)
+
+
+def test_a_stiff_piston_is_the_rigid_one():
+    """Young's modulus times 1e6, 1e9: what modes do falls with it, and nothing else is left."""
+    names = ("lateral_displacement", "rocking_angle", "pin_displacement_y", "side_force_demand")
+
+    def way(model):
+        return np.array([rough_way(model, steps)[1][name] for steps in (2, 6) for name in names])
+
+    rigid = way(floating_model())
+    apart = [np.abs(way(yielding_model(young)) / rigid - 1).max() for young in (1e6, 1e9)]
+    assert apart[1] < 1e-6
+    assert apart[1] < 2e-3 * apart[0]
+
+
 RINGS = RingForce(40.0, -60.0, 0.3)
 
 
@@ -222,12 +355,13 @@ def rough_way(model, steps):
     return state, out
 
 
+@pytest.mark.parametrize("make", [floating_model, yielding_model])
 @pytest.mark.parametrize("steps", [1, 6])
-def test_derivative_of_all_films_against_differences(steps):
+def test_derivative_of_all_films_against_differences(steps, make):
     """Central differences of a step, once of backward Euler and once not. The step is smooth; with
     unit changes it is affine but for what millimetres of play and turning shells bend: 1e-6.
     """
-    model = floating_model()
+    model = make()
     state, _ = rough_way(model, steps)
     base = random_inputs(model, 50)
     rng = np.random.default_rng(1)
@@ -259,9 +393,10 @@ def test_derivative_of_all_films_against_differences(steps):
         assert np.abs(product - difference).max() <= 1e-6 * np.abs(difference).max(), name
 
 
-def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates():
+@pytest.mark.parametrize("make", [floating_model, yielding_model])
+def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(make):
     """Eq. (G4) against the resultants, with forces as rough as they come."""
-    _, out = rough_way(floating_model(), 5)
+    _, out = rough_way(make(), 5)
     for name in ("skirt", "boss_left", "boss_right", "small_end"):
         assert out[f"{name}.interface_work_error"] <= 1e-13
 
