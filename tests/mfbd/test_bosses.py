@@ -6,23 +6,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions, stiffness
-from piston_cosim.fmu_mfbd.finite_elements.faces import face_load, surface_matrix
-from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces, read_mesh
-from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
+from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
-from piston_cosim.fmu_mfbd.options import Piston
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.bosses import BossFilms, boss_readings, with_boss_modes
-from piston_cosim.fmu_mfbd.reduction.reduce import full_model
-from piston_cosim.fmu_mfbd.reduction.reduced_body import (
-    Anatomy,
-    ReducedBosses,
-    ReducedPiston,
-    load,
-)
-from piston_cosim.master.case.schema import find_case, read_tree
 
 from .conftest import tube
 
@@ -141,5 +130,5 @@ def test_a_film_longer_than_its_boss_and_a_boss_that_is_not_there_are_told(pipe)
     with pytest.raises(MeshFault, match="'pin_bore': has no face at z < 0"):
         boss_readings(one, one.points, BossFilms(GRID, 16e-3, 0))
     beside = pipe.points + [1e-3, 0.0, 0.0]
-    with pytest.raises(MeshFault, match="nodes lie up to .* beside a cylinder about the pin's axis"):
+    with pytest.raises(MeshFault, match="beside a cylinder about the pin's axis"):
         boss_readings(pipe, beside, BossFilms(GRID, 16e-3, 0))

@@ -1,0 +1,190 @@
+"""What the piston of `yielding_bosses` answers in its bosses and on its skirt, static, reduced and
+by its whole mesh.
+
+1. Boss deflection under loads that are known, with gas on the crown and inertia in balance with
+   them: the reduced body's beside that of the unreduced mesh on six supports of its own. The loads:
+   an even half turn of pressure, and a cosine over +-30 deg that falls along the pin; of a finished
+   run, given by its results file, the pressures of its left boss besides.
+2. Deflection of the skirt under a load on its thrust side, bosses tied rigidly, on a film of
+   growing stiffness about a rigid pin, on even pressure.
+
+Run: python tests/bench/bosses.py [RESULTS.h5]
+"""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from piston_cosim.fmu_mfbd.build import boss_films, reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
+from piston_cosim.fmu_mfbd.finite_elements.faces import face_load, surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
+from piston_cosim.fmu_mfbd.options import read_options
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, mean_conditions
+from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings
+from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model
+from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
+from piston_cosim.master.case.schema import find_case, read_tree
+
+PATH = find_case("yielding_bosses")
+FILM = "left_film"
+
+
+class Whole:
+    """The piston's mesh, unreduced: balanced loads and free bodies on six supports."""
+
+    def __init__(self, build):
+        self.mesh, self.K, self.M = full_model(
+            build.piston, ("skirt", "crown", "pin_bore"), lambda text: None
+        )
+        points = self.mesh.points
+        self.bosses = boss_readings(self.mesh, points, boss_films(build))
+        self.rigid = rigid_motions(points)
+        gas = face_load(points, self.mesh.faces["crown"])
+        self.gas = gas.ravel() / -gas[:, 1].sum()
+        crown = self.mesh.nodes("crown")
+        x, _, z = points[crown].T
+        east, west, south = crown[x.argmax()], crown[x.argmin()], crown[z.argmax()]
+        # x, y, z of one node, y of two more, x of the last: a body held, but not pressed
+        supports = [3 * east, 3 * east + 1, 3 * east + 2, 3 * west + 1, 3 * south + 1, 3 * south]
+        self.loose = np.setdiff1d(np.arange(len(self.rigid)), supports)
+        self.factors = factorise(self.K.tocsr()[self.loose][:, self.loose].tocsc())
+        area = surface_matrix(points, self.mesh.faces["pin_bore"])
+        self.mean = mean_conditions(points, [np.asarray(area.sum(axis=1)).ravel()])
+
+    def balanced(self, pressure):
+        """Nodal forces of cells' forces in both bosses, (2, c, a), of gas that carries what of them
+        acts along the cylinder, and of inertia for the rest.
+        """
+        force = self.bosses.outward().T @ np.ravel(pressure)
+        force = force + (self.rigid[:, 1] @ force) * self.gas
+        inertia = self.rigid.T @ (self.M @ self.rigid)
+        return force - self.M @ (self.rigid @ np.linalg.solve(inertia, self.rigid.T @ force))
+
+    def balance_at_bosses(self, force):
+        """Forces with those that hold the mean motion of the bores against them (Eq. (J5))."""
+        held = np.linalg.solve((self.mean @ self.rigid).T, self.rigid.T @ force)
+        return force - self.mean.T @ held
+
+    def free(self, force):
+        """Displacement of the whole body from the mean motion of its bores."""
+        out = np.zeros(len(force))
+        out[self.loose] = self.factors.solve(force[self.loose])
+        return out - self.rigid @ np.linalg.solve(self.mean @ self.rigid, self.mean @ out)
+
+
+def known_pressures(grid, results):
+    """Cells' forces in both bosses by name, the right one mirrored from the left."""
+    around, along = grid
+    a = shell_angles(around)
+    even = np.outer(np.maximum(np.sin(a), 0.0) > 1e-9, np.ones(along))
+    edge = np.cos(np.pi / 6)
+    patch = np.maximum(np.cos(a - np.pi / 2) - edge, 0.0)
+    loads = {"half a turn, even": even, "+-30 deg": np.outer(patch, np.linspace(0.0, 2.0, along))}
+    if results:
+        import h5py
+
+        with h5py.File(results) as file:
+            pressures = file["fields"][FILM]["pressure"][:]
+        for name, at in (
+            ("at the highest pressure", pressures.max(axis=(1, 2)).argmax()),
+            ("amid the run", len(pressures) // 2 + len(pressures) // 8),
+        ):
+            loads[f"of the film, {name}"] = pressures[at]
+    return {name: np.stack([one, one[:, ::-1]]) for name, one in loads.items()}
+
+
+def of_bosses(whole, build, tree, results):
+    """Table 1."""
+    table = tree["participants"]["bodies"]["build"]
+    grid = boss_films(build).grid
+    loads = {k: whole.balanced(p) for k, p in known_pressures(grid, results).items()}
+    reading = whole.bosses.outward()
+    exact = {name: reading @ whole.free(force) for name, force in loads.items()}
+    print("boss deflection beside the whole mesh: rms over rms, largest over largest")
+    for modes, own in ((100, 60), (150, 110), (200, 160)):
+        table["piston"]["modes"] = modes
+        table["floating_pin"] = table["floating_pin"] | {"boss_modes": own}
+        path = reduced_bodies(table, PATH.parent, lambda text: None)["piston"]
+        shapes = load(Anatomy, path).shapes.reshape(-1, modes)
+        omega = load(ReducedPiston, path).omega
+        for name, force in loads.items():
+            found = reading @ (shapes @ (shapes.T @ force / omega**2))
+            error = found - exact[name]
+            size = np.linalg.norm(exact[name])
+            largest = np.abs(error).max() / np.abs(exact[name]).max()
+            print(
+                f"{modes:4d} modes, {own:3d} for the bosses  {name:35s}"
+                f"{np.linalg.norm(error) / size:9.1e} {largest:9.1e}",
+                flush=True,
+            )
+
+
+def of_skirt(whole, build):
+    """Table 2: mean deflection of the skirt where a load on its thrust side acts, without moment
+    about the pin, over that of a piston tied to a rigid pin at every node of its bosses.
+    """
+    mesh = whole.mesh
+    angle, height = cell_centres(
+        *build.grid, *np.sort(mesh.points[mesh.nodes("skirt"), 1])[[0, -1]]
+    )
+    reading = film_surface(mesh, "skirt", angle, height).reading.radial
+    patch = np.maximum(np.cos(angle - np.pi / 2) - np.cos(np.pi / 6), 0.0)
+    pressure = np.outer(patch, np.ones(len(height))).ravel()
+    about = np.outer(patch, height).ravel()
+    turn = reading.T @ np.stack([pressure, about], axis=1)
+    moments = whole.rigid[:, 5] @ turn  # about the pin
+    pressure = pressure - moments[0] / moments[1] * about
+    force = -reading.T @ (pressure / pressure.sum())
+
+    def deflection(moved):
+        return float(force @ moved)
+
+    tied = Elastic(whole.K, whole.M, mesh.nodes("pin_bore"))
+    rigid = deflection(tied.full(tied.solve(force[tied.free])[:, None])[:, 0])
+    print("\nskirt under a load on its thrust side, by that of bosses tied to a rigid pin (RBE2)")
+    print(f"tied {1e9 * rigid:26.3f} um/kN")
+    # the film: springs across the gap on a pin at rest; what they leave free has no load
+    films = whole.bosses.outward()
+    area = 2 * np.pi * whole.bosses.radius / boss_films(build).grid[0]
+    area *= boss_films(build).length / boss_films(build).grid[1]
+    node = int(mesh.nodes("crown")[mesh.points[mesh.nodes("crown"), 0].argmax()])
+    loose = np.setdiff1d(np.arange(len(force)), [3 * node + 1, 3 * node + 2])
+    for stiffness in (1e12, 1e13, 1e14, 1e15, 1e16):
+        spring = stiffness * area
+        K = (whole.K + spring * (films.T @ films)).tocsr()[loose][:, loose].tocsc()
+        moved = np.zeros(len(force))
+        moved[loose] = factorise(K).solve(force[loose])
+        # a turn about the pin and a shift along it meet no spring
+        for k in (2, 5):
+            slack = whole.mean @ moved
+            moved = moved - whole.rigid[:, k] * slack[k] / (whole.mean @ whole.rigid[:, k])[k]
+        found = deflection(moved)
+        print(
+            f"film of {stiffness:.0e} Pa/m {1e9 * found:10.3f} um/kN, {found / rigid - 1:+.1%}",
+            flush=True,
+        )
+    force_free = whole.balance_at_bosses(force)
+    even = deflection(whole.free(force_free))
+    print(f"mean motion of the bosses (RBE3) {1e9 * even:.3f} um/kN, {even / rigid - 1:+.1%}")
+
+
+def main():
+    """Both tables."""
+    tree = read_tree(PATH)
+    build = read_options(tree["participants"]["bodies"]["build"], PATH.parent)
+    whole = Whole(build)
+    of_skirt(whole, build)
+    of_bosses(whole, build, tree, Path(sys.argv[1]) if len(sys.argv) > 1 else None)
+
+
+if __name__ == "__main__":
+    main()

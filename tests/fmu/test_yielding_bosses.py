@@ -1,0 +1,173 @@
+"""models/yielding_bosses: a flexible piston on a floating pin, four films; its stiff limit, oil and
+work to round-off, kill -9 and resume.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.master.case.check import check
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+from .test_resume import compare
+
+PATH = find_case("yielding_bosses")
+PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
+SKIRT, PIN = (24, 12), (48, 4)
+PISTON = "participants.bodies.build.piston"
+
+
+def settings(*changes):
+    """Coarse grids, few modes, through the firing."""
+    films = [(f"participants.{name}.build.grid", list(PIN)) for name in PINS]
+    masks = [(f"participants.{name}.build.mask", "none") for name in PINS]
+    supplies = [(f"participants.{name}.parameters.opening_supply", "lower_edge") for name in PINS]
+    pin = {"grid": list(PIN), "boss_length": "16 mm", "small_end_length": "20 mm", "boss_modes": 24}
+    return [
+        ("time.stop", "80 deg"),
+        ("participants.bodies.parameters.start_crank_angle", "-40 deg"),
+        ("participants.bodies.build.grid", list(SKIRT)),
+        ("participants.skirt_film.build.grid", list(SKIRT)),
+        ("participants.bodies.build.floating_pin", pin),
+        (f"{PISTON}.modes", 50),
+        *films,
+        *masks,
+        *supplies,
+        *changes,
+    ]
+
+
+def computed(path, *changes):
+    tree = read_tree(PATH, settings(*changes))
+    tree |= {"record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
+    case = check_case(tree, PATH)
+    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
+    return Results(path)
+
+
+@pytest.fixture(scope="module")
+def yielding(tmp_path_factory):
+    return computed(tmp_path_factory.mktemp("yielding") / "yielding.h5")
+
+
+@pytest.fixture(scope="module")
+def rigid(tmp_path_factory):
+    pin = "participants.bodies.build.floating_pin.boss_modes"
+    return computed(tmp_path_factory.mktemp("rigid") / "rigid.h5", (f"{PISTON}.modes", 0), (pin, 0))
+
+
+def test_oil_and_work_of_four_films_to_round_off(yielding):
+    for film in ("skirt_film", *PINS):
+        assert yielding.series(f"{film}.mass_imbalance").values.max() <= 1e-12
+    for surface in ("skirt", *PINS.values()):
+        assert yielding.series(f"bodies.{surface}.interface_work_error").values.max() <= 1e-12
+    assert yielding.summary["unconverged_steps"] == 0
+    assert abs(yielding.summary["interface_work_imbalance"]) <= 1e-5
+    assert yielding.summary["energy_created_share_max"] < 0.05
+    assert yielding.summary["mean_iterations"] < 4.0
+
+
+def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(yielding):
+    """Pin and piston in balance along the bore: what the pin does to the eye is what it does to the
+    piston, but for the pin's own mass, 60 g at up to 6700 m/s2.
+    """
+    on_eye = yielding.series("bodies.small_end_force_y").values
+    on_piston = yielding.series("bodies.pin_force_y").values
+    assert np.abs(on_piston + on_eye).max() < 0.06 * 7000.0
+    assert np.abs(on_eye).max() > 1e4
+
+
+def test_bosses_that_yield_spread_the_load(yielding, rigid):
+    """Pressure falls, motion along the bore with the deflection: micrometres."""
+    soft, hard = (
+        one.series("left_film.maximum_pressure").values.max() for one in (yielding, rigid)
+    )
+    assert soft < 0.8 * hard
+
+
+def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tmp_path):
+    """The rest is 1/1000 of what the modes do; frames differ by nothing: A is the mean of the bores
+    and these do not move.
+    """
+    stiff = computed(tmp_path / "stiff.h5", (f"{PISTON}.young", "1000 GPa"))
+    for name in ("lateral_displacement", "pin_displacement_y", "small_end_displacement_y"):
+        soft, hard, near = (one.series(f"bodies.{name}").values for one in (yielding, rigid, stiff))
+        apart = np.abs(soft - hard).max()
+        print(f"{name}: {apart:.2e} m at 78 GPa, {np.abs(near - hard).max():.2e} m at 1000 GPa")
+        assert np.abs(near - hard).max() < 0.2 * apart
+
+
+def test_the_shipped_case_is_sound_and_what_cannot_yield_is_told():
+    assert check("yielding_bosses").faults == []
+
+    def told(*changes):
+        return " ".join(check("yielding_bosses", list(changes)).faults)
+
+    assert "must be 'rbe3'" in told((f"{PISTON}.tie", "rbe2"))
+    assert "from 1 to 99 are for its bosses" in told(
+        ("participants.bodies.build.floating_pin.boss_modes", 100)
+    )
+    assert "the piston is rigid" in told((f"{PISTON}.modes", 0))
+    assert "must be 'pressure_modes'" in told((f"{PISTON}.basis", "craig_bampton"))
+    assert "have no bore under them" in told(
+        ("participants.bodies.build.floating_pin.boss_length", "30 mm"),
+        ("participants.left_film.parameters.skirt_length", "30 mm"),
+        ("participants.right_film.parameters.skirt_length", "30 mm"),
+    )
+
+
+def test_a_pin_that_is_not_the_bosses_is_refused_at_the_start(tmp_path):
+    radius = [("participants.bodies.parameters.pin_radius", "9 mm")]
+    radius += [(f"participants.{name}.parameters.bore_radius", "9 mm") for name in PINS]
+    with pytest.raises(Exception, match="beside the radius of the bosses in the mesh, 8.5 mm"):
+        computed(tmp_path / "wide.h5", *radius)
+
+
+def test_a_body_reduced_for_other_films_is_refused(tmp_path):
+    build = read_tree(PATH, settings())["participants"]["bodies"]["build"]
+    from piston_cosim.fmu_mfbd.build import reduced_bodies
+
+    own = reduced_bodies(build, PATH.parent, lambda text: None)["piston"]
+    piston = {"reduced": str(own), "tie": "rbe3", "modes": 50}
+    other = build["floating_pin"] | {"grid": [40, 4]}
+    with pytest.raises(BadInput, match="films of 48 x 4 cells in its bosses, .* has 40 x 4"):
+        prepare(build | {"piston": piston, "floating_pin": other}, PATH.parent, lambda text: None)
+
+
+def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
+    changes = settings(("time.stop", "30 deg"), ("record.checkpoint_every", 5))
+    command = [sys.executable, "-m", "piston_cosim", "run", "yielding_bosses", "--no-plots"]
+    command += ["--only", "yielding"]
+    for key, value in changes:
+        command += ["--set", f"{key}={_toml(value)}"]
+    whole, cut = tmp_path / "whole", tmp_path / "cut"
+    subprocess.run([*command, "--output", str(whole)], check=True, capture_output=True, timeout=600)
+    process = subprocess.Popen(
+        [*command, "--output", str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    checkpoint = cut / "yielding.h5.checkpoint"
+    deadline = time.monotonic() + 300
+    while not checkpoint.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    assert process.wait(60) == -signal.SIGKILL
+    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
+    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
+    assert compare(whole / "yielding.h5", cut / "yielding.h5") == []
+
+
+def _toml(value):
+    """A value as --set takes it."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + " }"
+    return f'"{value}"' if isinstance(value, str) else str(value)
