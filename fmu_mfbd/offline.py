@@ -359,7 +359,7 @@ def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str,
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:
     """Files of one body, and what is to be said about it."""
-    body, anatomy, _ = _whole(name, path)
+    body, anatomy, *_ = _whole(name, path)
     reduced = output / f"{name}.npz"
     table_file = output / f"{name}-modes.csv"
     shapes_file = output / f"{name}-modes.vtu"
