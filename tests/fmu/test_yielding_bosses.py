@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
@@ -88,32 +88,45 @@ def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(yielding):
 
 
 def test_a_boss_that_yields_bears_at_its_inner_end(yielding, rigid):
-    """Both carry the same load, 20 deg after firing as at any time; rigid shells bear evenly along
+    """Both carry the same load, 40 deg after firing as at any time; rigid shells bear evenly along
     a pin that stays parallel to them, yielding ones where the piston is stiffest: the left boss at
     its upper end, next to the rod.
     """
     carried, apart = [], []
     for one in (yielding, rigid):
-        pressure = one.dataset("left_film.pressure")[-3]
+        pressure = one.dataset("left_film.pressure")[-1]
         lift = np.sin(2 * np.pi * np.arange(PIN[0]) / PIN[0])[:, None]
         rows = (pressure * lift).sum(axis=0)
         carried.append(rows.sum())
         apart.append(rows[2:].sum() / rows[:2].sum())
     assert carried[0] == pytest.approx(carried[1], rel=1e-2)
     assert apart[1] == pytest.approx(1.0, rel=1e-6)
+    print(apart)
     assert apart[0] > 1.1
 
 
 def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tmp_path):
-    """The rest is 1/1000 of what the modes do; frames differ by nothing: A is the mean of the bores
-    and these do not move.
+    """Its modes with a thousandth of their compliance. Where the pin stands in its bosses goes with
+    it; the piston's way across the bore bends in the skirt's wedge and has some times that left.
     """
-    stiff = computed(tmp_path / "stiff.h5", (f"{PISTON}.young", "1000 GPa"))
-    for name in ("lateral_displacement", "pin_displacement_y", "small_end_displacement_y"):
+    tree = read_tree(PATH, settings())
+    build = tree["participants"]["bodies"]["build"]
+    with np.load(reduced_bodies(build, PATH.parent, lambda text: None)["piston"]) as file:
+        arrays = dict(file)
+    arrays["omega"] = arrays["omega"] * np.sqrt(1000.0)
+    path = tmp_path / "stiff.npz"
+    np.savez(path, **arrays)
+    build["piston"] = {"reduced": str(path), "tie": "rbe3", "modes": 50}
+    tree |= {"record": {"every": 100}, "pictures": []}
+    case = check_case(tree, PATH)
+    run(open_system(case, PATH.parent, lambda text: None), case, tree, tmp_path / "stiff.h5")
+    stiff = Results(tmp_path / "stiff.h5")
+    for name in ("lateral_displacement", "pin_displacement_y"):
         soft, hard, near = (one.series(f"bodies.{name}").values for one in (yielding, rigid, stiff))
         apart = np.abs(soft - hard).max()
-        print(f"{name}: {apart:.2e} m at 78 GPa, {np.abs(near - hard).max():.2e} m at 1000 GPa")
-        assert np.abs(near - hard).max() < 0.2 * apart
+        left = np.abs(near - hard).max()
+        print(f"{name}: {apart:.2e} m apart, {left:.2e} m of a piston 1000 times as stiff")
+        assert left < 5e-3 * apart
 
 
 def test_the_shipped_case_is_sound_and_what_cannot_yield_is_told():
@@ -144,8 +157,6 @@ def test_a_pin_that_is_not_the_bosses_is_refused_at_the_start(tmp_path):
 
 def test_a_body_reduced_for_other_films_is_refused(tmp_path):
     build = read_tree(PATH, settings())["participants"]["bodies"]["build"]
-    from piston_cosim.fmu_mfbd.build import reduced_bodies
-
     own = reduced_bodies(build, PATH.parent, lambda text: None)["piston"]
     piston = {"reduced": str(own), "tie": "rbe3", "modes": 50}
     other = build["floating_pin"] | {"grid": [40, 4]}

@@ -238,6 +238,20 @@ def test_forces_of_several_films_are_those_of_the_skirt(tmp_path):
         recorded_loads(path, GRID)
 
 
+def test_films_of_a_floating_pin_are_none_of_the_skirt(tmp_path):
+    """On a grid of the same size, whose forces would pass for the skirt's."""
+    film = film_forces(GRID)
+    path = results(tmp_path / "run.h5", {}, film)
+    wires = [(f"ehd.{name}", f"bodies.skirt.{name}") for name in FORCES]
+    with h5py.File(path, "a") as file:
+        for name in FORCES:
+            file[f"fields/boss/{name}"] = 7.0 * film.pressure
+        wires += [(f"boss.{FORCES[0]}", f"bodies.boss_left.{FORCES[0]}")]
+        file.attrs["case"] = case_text(wires)
+    found = recorded_loads(path, GRID)
+    np.testing.assert_array_equal(found.film.pressure, film.pressure)
+
+
 @pytest.fixture
 def kept(kept_bodies, monkeypatch):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
