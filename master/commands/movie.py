@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from ..case.contract import players
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
-from .common import body_skins, console, open_runs
+from .common import body_skins, console, open_runs, say
 
 
 def command(
@@ -43,7 +43,7 @@ def command(
         How much larger than it is a model (.glb) has deflection, motion across and tilt.
     case
         Case whose folder the paths of meshes start from (.glb, .pvd); default the case named as the
-        folder of the results.
+        folder of the results, or the one that comes with the tool and has the title of the run's.
     output
         The file: .gif; .mp4 with the extra "movie" or ffmpeg installed; .glb; .pvd with its files
         in a folder of that name; by default the results' name with .gif.
@@ -61,7 +61,10 @@ def command(
         if not times > 0:
             raise BadInput(f"--times {times:g}: more than 0")
         chosen = chosen_instants(results, frames)
-        solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        found = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        solids = [solid for solid in found if solid.owner == found[0].owner]
+        if len(solids) < len(found):
+            say(f"of several cylinders {found[0].owner} is shown")
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)

@@ -43,7 +43,8 @@ def command(
         variable low [unit]" and "... high [unit]" give a band. Charts of runs, points and bands.
     case
         Case whose folder the paths of meshes start from, for the bodies in motion; default the case
-        named as the folder of the results. Without it, or them, the page has no bodies.
+        named as the folder of the results, or the one that comes with the tool and has the title of
+        the run's. Where meshes are not found there, the page has no bodies.
     """
     described, runs = open_runs(files)
     columns = read_measured(measured) if measured else None

@@ -21,10 +21,11 @@ from plotly.offline import get_plotlyjs
 from ..case.schema import reduced
 from ..fmi.quantities import short
 from .charts import Phase, Section, as_data, field_data, health_section, picture_section
+from .coordinates import crank_angle_port
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, PALETTE_DARK, name_of, scaled
+from .pictures import PALETTE, PALETTE_DARK, handy_unit, name_of, names_of, scaled
 from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
@@ -316,7 +317,14 @@ def page_data(case, runs, special) -> dict[str, Any]:
     """
     cursor = cursor_of(runs)
     columns = Columns()
-    strip = [_strip(case, port, unit, runs, cursor) for port, unit in special.strip.items()]
+    lanes = special.strip or {reduced(text).port: "" for text in case.monitor.values()}
+    named = names_of(list(lanes))
+    strip = [
+        _strip(case, port, named[port], unit, runs, cursor)
+        for port, unit in lanes.items()
+        if port != crank_angle_port(case)
+    ]
+    fields = names_of(drawn_fields(case, runs))
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
         "labels": list(runs),
@@ -330,15 +338,17 @@ def page_data(case, runs, special) -> dict[str, Any]:
             "positions": columns.add(cursor.positions),
             "frames": [frames.tolist() for frames in cursor.frames],
             "recorded": [columns.add(own) for own in cursor.recorded],
-            "start": _telling(strip, cursor),
+            "start": _telling(strip if special.strip else [], cursor),
         },
         "words": [
             monitor_words(case, results, rows) for results, rows in zip(runs.values(), cursor.rows)
         ],
         "phases": [vars(phase) for phase in special.phases],
         "strip": [lane | {"runs": [columns.add(own) for own in lane["runs"]]} for lane in strip],
-        "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
-        "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
+        "fields": [field_frames(case, port, name, runs) for port, name in fields.items()],
+        "solids": solids_data(
+            [special.solids.get(label, []) for label in runs], columns, list(fields)
+        ),
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
     }
@@ -370,12 +380,14 @@ def _telling(strip, cursor) -> int:
     return int(np.abs(lanes[0]).argmax()) if lanes else len(cursor.positions) // 2
 
 
-def _strip(case, port, unit, runs, cursor):
+def _strip(case, port, name, unit, runs, cursor):
     """A port of every run at the cursor's positions, [] where a run has it not; in the unit of the
-    case's pictures, or else `unit`.
+    case's pictures, or else `unit`, or one of handy size.
     """
     shown = [results for results in runs.values() if port in results.ports]
-    wanted = shown_units(case).get(port, unit)
+    largest = max((np.abs(own.series(port).values).max() for own in shown), default=0.0)
+    handy = handy_unit(shown[0].series(port).unit, largest) if shown else None
+    wanted = shown_units(case).get(port) or unit or handy
     values = [
         scaled(results.series(port).values[rows], results.series(port).unit, wanted)[0]
         if port in results.ports
@@ -383,7 +395,7 @@ def _strip(case, port, unit, runs, cursor):
         for results, rows in zip(runs.values(), cursor.rows)
     ]
     unit = scaled(0.0, shown[0].series(port).unit, wanted)[1] if shown else ""
-    return {"name": name_of(port), "unit": unit, "runs": values}
+    return {"name": name, "unit": unit, "runs": values}
 
 
 def shown_units(case):
@@ -403,21 +415,25 @@ def drawn_fields(case, runs):
     ]
 
 
-def field_frames(case, port, runs):
+def field_frames(case, port, name, runs):
     """Frames of a field of every run at all its recorded instants, over one common range."""
     stacks, there = [], []
     unit = ""
+    has = [results for results in runs.values() if port in results.recorded]
+    wanted = field_unit(case, has[0], port) or handy_unit(
+        has[0].dataset(port).attrs["unit"],
+        max(np.nanmax(np.abs(results.dataset(port)[:]), initial=0.0) for results in has),
+    )
     for results in runs.values():
         if port not in results.recorded:
             stacks.append(None)
             there.append(None)
             continue
         dataset = results.dataset(port)
-        wanted = field_unit(case, results, port)
         values, unit = scaled(dataset[:], dataset.attrs["unit"], wanted)
         stacks.append(values)
         there.append(results.there(port))
-    return field_data(name_of(port), unit, case.axes_of(port), stacks, there)
+    return field_data(name, unit, case.axes_of(port), stacks, there)
 
 
 def field_unit(case, results, port):

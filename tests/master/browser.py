@@ -154,7 +154,9 @@ class Browser:
         """
         kinds = {
             "Runtime.consoleAPICalled": lambda one: [str(arg.get("value")) for arg in one["args"]],
-            "Runtime.exceptionThrown": lambda one: one["exceptionDetails"]["text"],
+            "Runtime.exceptionThrown": lambda one: one["exceptionDetails"].get(
+                "exception", one["exceptionDetails"]
+            ),
             "Log.entryAdded": lambda one: one["entry"]["text"],
         }
         words = [

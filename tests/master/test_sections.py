@@ -74,7 +74,7 @@ def test_edges_of_the_skirt_move_with_the_tilt():
         )
     }
     case = Case.model_construct()
-    skins = {"r": [skin("piston", (-0.02, 0.01))]}
+    skins = {"r": {"bodies": [skin("piston", (-0.02, 0.01))]}}
     chart = special(case, runs, skins).sections[0].drawn[0]
     lower, upper = chart.curves
     assert lower.y == pytest.approx([45.0, 5.0]) and upper.y == pytest.approx([-15.0, 5.0])
