@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -133,6 +134,32 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
             except BadInput as error:
                 say(f"{label}: no bodies of {name} are drawn: {error}; --case names their folder")
     return {label: own for label, own in found.items() if own}
+
+
+def page_of(case, runs, folder, *, source=None, notes="", studies=(), ahead=(), figures=True):
+    """Write the report of runs with their answers, bodies and all that their machine is known by.
+
+    Parameters
+    ----------
+    case : Case
+        Of the first run.
+    runs : dict of str to Results
+    folder : Path
+    source : str, optional
+        Case whose folder the paths of meshes start from.
+    notes, studies, figures
+        As `results.report.write_report` has them.
+    ahead : sequence of Section
+        Shown first.
+    """
+    from ..engine.answer import answer
+    from ..engine.sections import special
+    from ..results.report import write_report
+
+    answers = {label: answer(case, results) for label, results in runs.items()}
+    own = special(case, runs, body_skins(runs, source))
+    own = replace(own, sections=[*ahead, *own.sections])
+    return write_report(case, runs, folder, notes, studies, answers, own, figures)
 
 
 def case_folder(results, case=None) -> Path:

@@ -143,6 +143,14 @@ class Browser:
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
 
+    def key(self, name: str):
+        """Press a key: Tab, an arrow by its name, or a letter."""
+        codes = {"Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40}
+        given = {"key": name, "windowsVirtualKeyCode": codes.get(name, ord(name[0]))}
+        text = {"text": name} if len(name) == 1 else {"code": name}
+        self.ask("Input.dispatchKeyEvent", type="keyDown", **given, **text)
+        self.ask("Input.dispatchKeyEvent", type="keyUp", **given)
+
     def metrics(self) -> dict[str, float]:
         """Performance.getMetrics: processor time of the page's script, layout and tasks [s]."""
         told = self.ask("Performance.getMetrics")["metrics"]

@@ -270,7 +270,7 @@ async function showSolids() {
   const tick = (text, checked) => { const label = element("label", row), box = element("input", label); box.type = "checkbox"; box.checked = checked; label.append(" " + text); box.onchange = () => paint(); return box; };
   const block = tick("block, cut open", true), follow = tick("follow the piston", true);
   const view = { round: -.45, up: .3, half: 1, middle: [0, 0, 0] };
-  const controls = { block, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
+  const controls = { block, view, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
   const area = element("div", parent, "", "maps");
   data.solids.runs.forEach((solids, run) => {
     for (const owner of new Set(solids.map(solid => solid.owner)))
