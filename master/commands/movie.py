@@ -69,15 +69,16 @@ def command(
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)
         else:
-            write_series(solids, _films(results), results.instants, chosen, target)
+            write_series(solids, _films(results, solids), results.instants, chosen, target)
     else:
         with console.status("drawing"):
             write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)
 
 
-def _films(results):
-    """Recorded fields of every film, on its bore."""
+def _films(results, solids):
+    """Recorded fields of every film that lies around the piston, on its bore."""
+    from ..engine.places import gap_port
     from ..results.fields_export import read_block
     from ..results.series import Film
 
@@ -88,7 +89,13 @@ def _films(results):
         shapes = [results.dataset(port).shape for port in ports if port.startswith(f"{name}.")]
         if shapes and "bore_radius" in given:
             alike = [port for port in ports if results.dataset(port).shape == shapes[0]]
-            own = [port for port in alike if port.startswith(f"{name}.") or "film" in port]
+            gap = gap_port(results, name)
+            own = [port for port in alike if port.startswith(f"{name}.") or port == gap]
+            ends = [solid.between(own[0]) for solid in solids if solid.film]
+            if None in ends:
+                say(f"{name} lies not around the piston and is left out")
+                continue
             blocks = [read_block(results, port) for port in own]
-            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks))
+            heights = ends[0] if ends else None
+            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks, heights))
     return found

@@ -325,6 +325,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
         if port != crank_angle_port(case)
     ]
     fields = names_of(drawn_fields(case, runs))
+    units = field_units(case, runs, list(fields))
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
         "labels": list(runs),
@@ -345,7 +346,11 @@ def page_data(case, runs, special) -> dict[str, Any]:
         ],
         "phases": [vars(phase) for phase in special.phases],
         "strip": [lane | {"runs": [columns.add(own) for own in lane["runs"]]} for lane in strip],
-        "fields": [field_frames(case, port, name, runs) for port, name in fields.items()],
+        "fields": [
+            field_frames(case, port, units[port], runs)
+            | {"name": name, "variable": port.rpartition(".")[2].replace("_", " ")}
+            for port, name in fields.items()
+        ],
         "solids": solids_data(
             [special.solids.get(label, []) for label in runs], columns, list(fields)
         ),
@@ -415,15 +420,27 @@ def drawn_fields(case, runs):
     ]
 
 
-def field_frames(case, port, name, runs):
+def field_units(case, runs, ports) -> dict[str, str | None]:
+    """Units fields are shown in: those the case says, else one of handy size, the same for all that
+    have a variable's name.
+    """
+    largest, said = {}, {}
+    for port in ports:
+        name = port.rpartition(".")[2]
+        for results in runs.values():
+            if port in results.recorded:
+                dataset = results.dataset(port)
+                said[port] = said.get(port) or field_unit(case, results, port)
+                own = float(np.nanmax(np.abs(dataset[:]), initial=0.0))
+                unit, most = largest.get(name, (dataset.attrs["unit"], 0.0))
+                largest[name] = unit, max(most, own)
+    return {port: said[port] or handy_unit(*largest[port.rpartition(".")[2]]) for port in ports}
+
+
+def field_frames(case, port, wanted, runs):
     """Frames of a field of every run at all its recorded instants, over one common range."""
     stacks, there = [], []
     unit = ""
-    has = [results for results in runs.values() if port in results.recorded]
-    wanted = field_unit(case, has[0], port) or handy_unit(
-        has[0].dataset(port).attrs["unit"],
-        max(np.nanmax(np.abs(results.dataset(port)[:]), initial=0.0) for results in has),
-    )
     for results in runs.values():
         if port not in results.recorded:
             stacks.append(None)
@@ -433,7 +450,7 @@ def field_frames(case, port, name, runs):
         values, unit = scaled(dataset[:], dataset.attrs["unit"], wanted)
         stacks.append(values)
         there.append(results.there(port))
-    return field_data(name, unit, case.axes_of(port), stacks, there)
+    return field_data(name_of(port), unit, case.axes_of(port), stacks, there)
 
 
 def field_unit(case, results, port):

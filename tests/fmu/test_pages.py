@@ -2,7 +2,9 @@
 films, two cylinders. The page is gone through by keys; what it draws is what the results hold.
 """
 
+import csv
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import meshio
@@ -14,6 +16,7 @@ from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.commands import sweep
 from piston_cosim.master.commands.common import body_skins, page_of
 from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
@@ -62,8 +65,13 @@ def seen(request, tmp_path_factory):
 READ = """
 for (const box of document.querySelectorAll("#fields label input"))
   if (box.parentElement.textContent.includes("contours") && box.checked) box.click();
-const read = [], picture = canvas => canvas.getContext("2d").getImageData(
-  0, 0, canvas.width, canvas.height);
+const read = [], picture = canvas => {
+  const copy = document.createElement("canvas");
+  copy.width = canvas.width; copy.height = canvas.height;
+  const pen = copy.getContext("2d", { willReadFrequently: true });
+  pen.drawImage(canvas, 0, 0);
+  return pen.getImageData(0, 0, copy.width, copy.height);
+};
 for (let k = 0; k < positions.length; k += 4) {
   go(k); repainters.forEach(paint => paint());
   for (const canvas of document.querySelectorAll("#fields canvas")) {
@@ -274,3 +282,59 @@ def test_every_control_is_reached_by_keys(seen):
 def test_results_in_any_folder_find_their_bodies(seen):
     skins = body_skins(seen.runs, None)
     assert ("run" in skins) == (seen.kind != "bearing")
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A sweep of two by two short runs and its reports, as the command makes them."""
+    if not found():
+        pytest.skip("no chromium: the sweep's page was not looked at")
+    folder = tmp_path_factory.mktemp("sweep")
+    changes = [*SMALL, ("time.stop", "24 deg"), ("time.step", "4 deg"), ("record.every", "8 deg")]
+    given = {
+        "vary": ["radial_clearance=40um;60um", "barrel=20um;40um"],
+        "set_": [f"{key}={value!r}" for key, value in changes],
+        "output": folder,
+        "workers": 2,
+    }
+    sweep.command("data_sheet", **given)
+    assert not (folder / "reports").exists()  # only when asked for
+    sweep.command("data_sheet", **given, reports=True)
+    return folder
+
+
+def test_each_point_of_a_sweep_leads_to_its_report(swept, tmp_path):
+    with open(swept / "sweep.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["done"] * 4
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(swept / "sweep.html")
+        told = browser.run("""return {
+          links: Object.fromEntries(["pareto", "parallel", "response", "points"].map(name =>
+            [name, [...document.querySelectorAll(`#${name} a`)].map(a => a.getAttribute("href"))])),
+          entries: data.entries, values: data.points.map(one => one.values),
+          axes: data.axes.map(one => one.name), shown: ["x", "y", "z"].map(name =>
+            byId(name).selectedOptions[0].textContent) };""")
+        pages = [f"reports/{Path(row['results']).stem}/report.html" for row in rows]
+        assert all(told["links"][name] == pages for name in told["links"])
+        assert told["axes"] == ["radial_clearance [um]", "barrel [um]"]
+        assert "mean_friction_power_w" in told["shown"] and "slap_energy_j" in told["shown"]
+        for k, row in enumerate(rows):
+            with Results(swept / "runs" / f"{Path(row['results']).stem}.h5") as results:
+                slap = results.series("bodies.kinetic_energy").values.max()
+            values = dict(zip(told["entries"], told["values"][k]))
+            assert values["slap_energy_j"] == slap
+            assert values["mean_friction_power_w"] == float(row["mean_friction_power_w"])
+        # by keys alone: Tab to the first point of the front, Enter opens its report
+        for _ in range(20):
+            browser.key("Tab")
+            if browser.run("return document.activeElement.closest('#pareto') !== null"):
+                break
+        browser.key("Enter")
+        browser.run(
+            "while (!location.pathname.endsWith('report.html') ||"
+            " document.body?.dataset.page !== 'ready')"
+            " await new Promise(done => setTimeout(done, 50));"
+        )
+        assert browser.run("return data.solids.runs[0].length") == 2
+        assert browser.said() == [] and browser.asked() == []

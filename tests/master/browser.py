@@ -145,9 +145,17 @@ class Browser:
 
     def key(self, name: str):
         """Press a key: Tab, an arrow by its name, or a letter."""
-        codes = {"Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40}
+        codes = {
+            "Tab": 9,
+            "Enter": 13,
+            "ArrowLeft": 37,
+            "ArrowUp": 38,
+            "ArrowRight": 39,
+            "ArrowDown": 40,
+        }
         given = {"key": name, "windowsVirtualKeyCode": codes.get(name, ord(name[0]))}
-        text = {"text": name} if len(name) == 1 else {"code": name}
+        letters = "\r" if name == "Enter" else name if len(name) == 1 else ""
+        text = {"text": letters} if letters else {"code": name}
         self.ask("Input.dispatchKeyEvent", type="keyDown", **given, **text)
         self.ask("Input.dispatchKeyEvent", type="keyUp", **given)
 

@@ -537,6 +537,7 @@ def test_first_picture_and_frames_a_second(browser, tmp_path):
     the first picture less than 2 s.
     """
     page = large_page(tmp_path)
+    assert page.stat().st_size < 15e6
     with Browser(tmp_path / "profile") as window:
         window.ask("Page.navigate", url=page.as_uri())
         window.run(

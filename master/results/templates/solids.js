@@ -235,15 +235,22 @@ function colourings(scenes) {
     const high = 1e6 * Math.max(...solids.map(one => one.name === name ? one.largest : 0));
     over(`displacement of the ${name}`, "µm", [{ low: 0, high }], false, (scene, k, frame, sizes) => scene.solids[k].name === name && scene.solids[k].count ? sizes : null, []);
   }
-  for (const [f, field] of data.fields.entries()) {
-    const runs = field.runs.filter(run => run);
-    if (field.low === field.high || !scenes.some(scene => field.runs[scene.run] && scene.solids.some(one => one.over[f]))) continue;
-    over(field.name, field.unit, [field], field.logarithmic, (scene, k, frame, sizes) => {
-      const run = field.runs[scene.run], solid = scene.solids[k];
-      if (!run || !solid.over[f]) return null;
-      const cells = (solid.cells ||= {})[f] ||= cellsOf(scene.meshes[k], run, solid.over[f]);
-      return sizes.map((_, p) => cells[p] < 0 ? NaN : run.at(frame, cells[p]));
-    }, runs);
+  // what is alike of several films is one colouring: each body, and each surface of it, has its own
+  const drawn = [...data.fields.keys()].filter(f => scenes.some(scene => data.fields[f].runs[scene.run] && scene.solids.some(one => one.over[f])));
+  const kind = f => `${data.fields[f].variable} [${data.fields[f].unit}]`;
+  for (const key of new Set(drawn.map(kind))) {
+    const alike = drawn.filter(f => kind(f) === key), fields = alike.map(f => data.fields[f]), [field] = fields;
+    if (Math.min(...fields.map(one => one.low)) === Math.max(...fields.map(one => one.high))) continue;
+    over(fields.length === 1 ? field.name : field.variable, field.unit, fields, fields.some(one => one.logarithmic), (scene, k, frame, sizes) => {
+      const solid = scene.solids[k], own = alike.filter(f => solid.over[f] && data.fields[f].runs[scene.run]);
+      if (!own.length) return null;
+      const values = sizes.map(() => NaN);
+      for (const f of own) {
+        const run = data.fields[f].runs[scene.run], cells = (solid.cells ||= {})[f] ||= cellsOf(scene.meshes[k], run, solid.over[f]);
+        for (let p = 0; p < cells.length; p++) if (cells[p] >= 0) values[p] = run.at(frame, cells[p]);
+      }
+      return values;
+    }, fields.flatMap(one => one.runs.filter(run => run)));
   }
   if (!found.length) over("nothing", "", [{ low: 0, high: 1 }], false, () => null, []);
   return found;
