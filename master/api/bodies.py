@@ -1,7 +1,7 @@
 """Bodies reduced, by the part that knows them."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +68,17 @@ def reduced(
     """The same of a tree whose paths begin in `folder`."""
     offline: Any = import_part(OFFLINE)
     return offline.reduce(build_table(tree), folder, output, progress)
+
+
+def build_tables(tree: dict[str, Any], names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """The tables of those of the participants `names` that are made of bodies."""
+    package = OFFLINE.split(".")[0]
+    tables = {name: tree["participants"][name] for name in names}
+    return {
+        name: table.get("build", {})
+        for name, table in tables.items()
+        if table.get("package") == package
+    }
 
 
 def build_table(tree: dict[str, Any]) -> dict[str, Any]:

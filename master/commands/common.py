@@ -1,6 +1,8 @@
 """What several commands do: read --set and --grid, resolve variants, open results, speak."""
 
+import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,7 +11,8 @@ from rich.console import Console
 from rich.table import Table
 
 from ..case.changes import value_at
-from ..case.schema import check_case, find_case, read_tree
+from ..case.contract import players
+from ..case.schema import case_names, check_case, find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 
@@ -111,19 +114,73 @@ def open_runs(files):
     return check_case(tree, files[0]), runs
 
 
-def body_skins(runs, case) -> dict[str, list[Any]]:
-    """Label -> surfaces of the run's bodies; those that cannot be had are left out with a word."""
-    from ..api.bodies import OFFLINE, build_table
+def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
+    """Label -> participant -> surfaces of its bodies; those that cannot be had are left out with a
+    word.
+    """
+    from ..api.bodies import OFFLINE, build_tables
 
     found = {}
     for label, results in runs.items():
-        try:
-            table = build_table(results.case)
-            folder = find_case(case or results.path.resolve().parent.name).parent
-            found[label] = import_part(OFFLINE).skins(table, folder, say)
-        except BadInput as error:
-            say(f"{label}: no bodies are drawn: {error}")
-    return found
+        folder = case_folder(results, case)
+        known = {}
+        found[label] = {}
+        for name, table in build_tables(results.case, players(results.case, "bodies")).items():
+            key = json.dumps(table)
+            try:
+                if key not in known:
+                    known[key] = import_part(OFFLINE).skins(table, folder, say)
+                found[label][name] = known[key]
+            except BadInput as error:
+                say(f"{label}: no bodies of {name} are drawn: {error}; --case names their folder")
+    return {label: own for label, own in found.items() if own}
+
+
+def page_of(case, runs, folder, *, source=None, notes="", studies=(), ahead=(), figures=True):
+    """Write the report of runs with their answers, bodies and all that their machine is known by.
+
+    Parameters
+    ----------
+    case : Case
+        Of the first run.
+    runs : dict of str to Results
+    folder : Path
+    source : str, optional
+        Case whose folder the paths of meshes start from.
+    notes, studies, figures
+        As `results.report.write_report` has them.
+    ahead : sequence of Section
+        Shown first.
+    """
+    from ..engine.answer import answer
+    from ..engine.sections import special
+    from ..results.report import write_report
+
+    answers = {label: answer(case, results) for label, results in runs.items()}
+    own = special(case, runs, body_skins(runs, source))
+    own = replace(own, sections=[*ahead, *own.sections])
+    return write_report(case, runs, folder, notes, studies, answers, own, figures)
+
+
+def case_folder(results, case=None) -> Path:
+    """Folder that the paths of a run's case start from: that of `case`, of the case named as the
+    folder of the results, or of the case that comes with the tool and has its title; the results'
+    own where there is none.
+    """
+    if case:
+        return find_case(case).parent
+    own = results.path.resolve().parent
+    try:
+        return find_case(own.name).parent
+    except BadInput:
+        alike = (find_case(name) for name in case_names())
+        title = results.case.get("title")
+        return next((path.parent for path in alike if title in _titles(read_tree(path))), own)
+
+
+def _titles(tree):
+    """Titles of a case and its variants."""
+    return [one.get("title") for one in (tree, *tree.get("variants", {}).values())]
 
 
 def print_answers(answers, verbose=False):

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from ..case.contract import players
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
-from .common import body_skins, console, open_runs
+from .common import body_skins, console, open_runs, say
 
 
 def command(
@@ -43,7 +43,7 @@ def command(
         How much larger than it is a model (.glb) has deflection, motion across and tilt.
     case
         Case whose folder the paths of meshes start from (.glb, .pvd); default the case named as the
-        folder of the results.
+        folder of the results, or the one that comes with the tool and has the title of the run's.
     output
         The file: .gif; .mp4 with the extra "movie" or ffmpeg installed; .glb; .pvd with its files
         in a folder of that name; by default the results' name with .gif.
@@ -61,20 +61,24 @@ def command(
         if not times > 0:
             raise BadInput(f"--times {times:g}: more than 0")
         chosen = chosen_instants(results, frames)
-        solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        found = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        solids = [solid for solid in found if solid.owner == found[0].owner]
+        if len(solids) < len(found):
+            say(f"of several cylinders {found[0].owner} is shown")
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)
         else:
-            write_series(solids, _films(results), results.instants, chosen, target)
+            write_series(solids, _films(results, solids), results.instants, chosen, target)
     else:
         with console.status("drawing"):
             write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)
 
 
-def _films(results):
-    """Recorded fields of every film, on its bore."""
+def _films(results, solids):
+    """Recorded fields of every film that lies around the piston, on its bore."""
+    from ..engine.places import gap_port
     from ..results.fields_export import read_block
     from ..results.series import Film
 
@@ -85,7 +89,13 @@ def _films(results):
         shapes = [results.dataset(port).shape for port in ports if port.startswith(f"{name}.")]
         if shapes and "bore_radius" in given:
             alike = [port for port in ports if results.dataset(port).shape == shapes[0]]
-            own = [port for port in alike if port.startswith(f"{name}.") or "film" in port]
+            gap = gap_port(results, name)
+            own = [port for port in alike if port.startswith(f"{name}.") or port == gap]
+            ends = [solid.between(own[0]) for solid in solids if solid.film]
+            if None in ends:
+                say(f"{name} lies not around the piston and is left out")
+                continue
             blocks = [read_block(results, port) for port in own]
-            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks))
+            heights = ends[0] if ends else None
+            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks, heights))
     return found

@@ -6,11 +6,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..api.bodies import OFFLINE, build_table
-from ..case.schema import find_case
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from ..results.instants import instant, told
-from .common import console, open_runs, say
+from .common import case_folder, console, open_runs, say
 
 PORT = "{}.modal_coordinate"
 
@@ -36,7 +35,7 @@ def command(
         ehd.maximum_pressure"); several allowed.
     case
         Case whose folder the paths of meshes start from; default the case named as the folder of
-        the results.
+        the results, or the one that comes with the tool and has the title of the run's.
     output
         Folder for the files; default the folder of the results.
     """
@@ -53,7 +52,7 @@ def command(
             "run the case again with modes"
         )
     instants = [instant(results, text) for text in time]
-    folder = find_case(case or file.resolve().parent.name).parent
+    folder = case_folder(results, case)
     for wanted in instants:
         recorded = results.field(port, wanted)
         begin = (output or file.parent) / f"{file.stem}-{1e6 * recorded.time:.0f}us"

@@ -1,17 +1,13 @@
 """`piston-cosim report`."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..engine.answer import answer
-from ..engine.sections import special
 from ..fmi.errors import BadInput
 from ..results.compare import check_measured, measured_section, read_measured
-from ..results.report import write_report
-from .common import body_skins, console, open_runs
+from .common import console, open_runs, page_of
 
 
 def command(
@@ -43,20 +39,19 @@ def command(
         variable low [unit]" and "... high [unit]" give a band. Charts of runs, points and bands.
     case
         Case whose folder the paths of meshes start from, for the bodies in motion; default the case
-        named as the folder of the results. Without it, or them, the page has no bodies.
+        named as the folder of the results, or the one that comes with the tool and has the title of
+        the run's. Where meshes are not found there, the page has no bodies.
     """
     described, runs = open_runs(files)
-    columns = read_measured(measured) if measured else None
-    if columns:
+    ahead = []
+    if measured:
+        columns = read_measured(measured)
         check_measured(runs, columns)
+        ahead = [measured_section(runs, columns)]
     missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
     if missing:
         raise BadInput(missing)
     with console.status("drawing the page"):
-        answers = {label: answer(described, results) for label, results in runs.items()}
-        extra = special(described, runs, body_skins(runs, case))
-        if columns:
-            extra = replace(extra, sections=[measured_section(runs, columns), *extra.sections])
         text = notes.read_text() if notes else ""
-        page = write_report(described, runs, output, text, study, answers, extra)
+        page = page_of(described, runs, output, source=case, notes=text, studies=study, ahead=ahead)
     console.print(f"report   {page}", highlight=False, soft_wrap=True)

@@ -12,7 +12,7 @@ from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
 from .app import say_faults
-from .common import Changes, console, parse_change, say, variant_trees
+from .common import Changes, console, page_of, parse_change, say, variant_trees
 
 
 def command(
@@ -25,12 +25,11 @@ def command(
     workers: int | None = None,
     dask: str | None = None,
     time_limit: str | None = None,
-    reports: bool = True,
+    reports: bool = False,
 ):
     """Run a case many times over values of its keys: one row a run in sweep.csv, a picture, and
-    sweep.html, a page with parallel coordinates, response surface and Pareto front whose points
-    lead to their reports; of another sweep in the same folder all are kept, and these are sweep_2
-    and so on.
+    sweep.html, a page with Pareto front, parallel coordinates and response surface; of another
+    sweep in the same folder all are kept, and these are sweep_2 and so on.
 
     Stopped and started again, it goes on where it was, and tries again what has failed. Points that
     fail are rows with their reason, and the exit code is 1 then.
@@ -56,7 +55,9 @@ def command(
     dask
         Address of a Dask scheduler whose workers see the same folders, in place of local processes.
     reports
-        Write a report of every point that is done, which the page of the sweep links to.
+        Write a report of every point that is done, to which the points of the page lead. Each takes
+        seconds and 2 MB or more, so not by default: called again with it, a sweep that is done runs
+        nothing and gets its reports.
     time_limit
         Longest time for one point, for example "20 min"; it fails then. Of local processes only.
     """
@@ -94,7 +95,7 @@ def command(
     picture = draw_sweep(rows, axes, tree.get("summary", {}), table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with console.status("drawing the page"):
-        page = _page(points, rows, axes, [*tree.get("summary", {})], folder, table, reports)
+        page = _page(path, points, rows, axes, [*tree.get("summary", {})], table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
@@ -104,16 +105,14 @@ def command(
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
 
 
-def _page(points, rows, axes, weighed, folder, table, reports):
+def _page(path, points, rows, axes, weighed, table, reports):
     """The page of the sweep, and the reports of its points that are not there yet."""
     from ..case.schema import check_case
-    from ..engine.answer import answer
     from ..engine.headlines import measures
-    from ..engine.sections import special
     from ..results.file import Results
-    from ..results.report import write_report
     from ..results.sweep_page import SweptPoint, write_sweep_page
 
+    folder = table.parent
     swept = []
     for point, row in zip(points, rows):
         file = folder / "runs" / f"{point.name}.h5"
@@ -124,11 +123,7 @@ def _page(points, rows, axes, weighed, folder, table, reports):
                 measured = measures(results)
                 if reports and not page.is_file():
                     case, runs = check_case(results.case, file), {point.name: results}
-                    answers = {point.name: answer(case, results)}
-                    extra = special(case, runs)
-                    write_report(
-                        case, runs, page.parent, answers=answers, special=extra, figures=False
-                    )
+                    page_of(case, runs, page.parent, source=str(path), figures=False)
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         weighed = [*weighed, *measured]
         swept.append(SweptPoint(row | measured, link))

@@ -1,9 +1,11 @@
 """What a run answers, for the first screen and the report: its lines and its verdicts."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..case.schema import reduced
 from ..fmi.quantities import short
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines
@@ -42,7 +44,23 @@ def answer(case, results) -> Answer:
 def _own_summary(case, results):
     """The case's summary entries."""
     summary = results.summary or {}
-    return [Headline(name, f"{summary[name]:.6g}") for name in case.summary if name in summary]
+    return [
+        _in_words(name, text, summary[name], results)
+        for name, text in case.summary.items()
+        if name in summary
+    ]
+
+
+def _in_words(name, text, value, results):
+    """An entry with its unit, which its name need not say then; a bare number where it is not that
+    of an output.
+    """
+    port = reduced(text).port
+    if port not in results.ports:
+        return Headline(name.replace("_", " "), f"{value:.6g}")
+    unit = results.series(port).unit
+    spelt = "_" + re.sub(r"\W+", "_", unit).lower()
+    return Headline(name.removesuffix(spelt).replace("_", " "), short(value, unit, 4))
 
 
 def _computed(results):

@@ -16,7 +16,7 @@ from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
-from .places import Place, thinnest_place, worst_place
+from .places import Place, film_body, thinnest_place, worst_place
 
 FOUR_STROKE = 4 * np.pi
 """Crank angle of a cycle where the case names no other [rad]."""
@@ -54,16 +54,16 @@ def headlines(case, results) -> list[Headline]:
     if not films or not bodies:
         return []
     runs = [Run(case, results, film, bodies[0]) for film in films]
-    first = runs[0]
+    pistons = [Run(case, results, films[0], body) for body in bodies]
     lines = [
         *_of_each(runs, "thinnest film", _thinnest),
         *_of_each(runs, "highest pressure", _highest),
-        ("friction", _friction(first)),
+        ("friction", _friction(runs[0])),
         *_of_each(runs, "asperities", _asperities),
-        ("side force", _side_force(first)),
-        ("slap", _slap(first)),
-        ("across the bore", _across(first)),
-        ("tilt", _tilt(first)),
+        *_of_piston(pistons, "side force", _side_force),
+        *_of_piston(pistons, "slap", _slap),
+        *_of_piston(pistons, "across the bore", _across),
+        *_of_piston(pistons, "tilt", _tilt),
         *_of_each(runs, "oil", _oil),
     ]
     return [Headline(name, said) for name, said in lines if said]
@@ -72,6 +72,12 @@ def headlines(case, results) -> list[Headline]:
 def _of_each(runs, name, line):
     """A line of each film, named after it where there are several."""
     return [(name if len(runs) == 1 else f"{name}, {run.film}", line(run)) for run in runs]
+
+
+def _of_piston(pistons, name, line):
+    """A line of each piston, named after its participant where there are several."""
+    alone = len(pistons) == 1
+    return [(name if alone else f"{name}, {run.bodies}", line(run)) for run in pistons]
 
 
 def friction_power(results) -> np.ndarray | None:
@@ -150,32 +156,45 @@ def friction_pressures(case, results) -> list[Cycle]:
     """Friction mean effective pressure of every whole cycle, counted back from the end; none where
     the run is shorter, or does not say what it takes.
 
-    Eq. (X12):  FMEP = int P dt / V,   V = pi R^2 (max Y - min Y)
+    Eq. (X12):  FMEP = int P dt / V,   V = sum over cylinders of pi R^2 (max Y - min Y)
                 P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
                 height
     """
-    film, bodies = (players(results.case, role)[:1] for role in ("lubrication", "bodies"))
-    if not film or not bodies:
-        return []
-    run = Run(case, results, *film, *bodies)
+    bodies = players(results.case, "bodies")
     power = friction_power(results)
-    height = run.values(f"{run.bodies}.piston_position")
-    given = results.case["participants"][run.film].get("parameters", {})
     crank = crank_angle(results)
-    if power is None or height is None or crank is None or "bore_radius" not in given:
+    cylinders = [_cylinder(results, body) for body in bodies]
+    if power is None or crank is None or not bodies or None in cylinders:
         return []
-    area = np.pi * to_si(given["bore_radius"], "m") ** 2
     begin, *_, end = crank.angle
-    length = cycle_of(results, run.bodies)
+    length = cycle_of(results, bodies[0])
     found = []
     for k in reversed(range(int((end - begin) / length + 1e-6))):
         last = end - k * length
         within = (crank.angle >= last - length - 1e-6) & (crank.angle <= last + 1e-6)
-        volume = area * np.ptp(height[within])
+        volume = sum(np.pi * one.radius**2 * np.ptp(one.height[within]) for one in cylinders if one)
         # Eq. (X12)
         work = float(trapezoid(power[within], results.time[within]))
         found.append(Cycle(float(last), work / volume))
     return found
+
+
+class _Cylinder(NamedTuple):
+    """Radius of a bore [m], and height of the pin over the macro steps [m]."""
+
+    radius: float
+    height: np.ndarray
+
+
+def _cylinder(results, body):
+    """The cylinder of participant `body`; None where the run does not say it."""
+    films = players(results.case, "lubrication")
+    own = [film for film in films if film_body(results, film) == body] or films
+    given = results.case["participants"][own[0]].get("parameters", {}) if own else {}
+    port = f"{body}.piston_position"
+    if port not in results.ports or "bore_radius" not in given:
+        return None
+    return _Cylinder(to_si(given["bore_radius"], "m"), results.series(port).values)
 
 
 def _friction(run):

@@ -60,6 +60,18 @@ def gap_port(results, film) -> str:
     return f"{other.owner}.{other.surface}film_thickness" if other else f"{film}.film_thickness"
 
 
+def film_body(results, film) -> str | None:
+    """Participant on whose body film `film` lies; None where no wire brings it its thickness."""
+    other = interface(results.case.get("wires", ()), film, "lubrication")
+    return other.owner if other else None
+
+
+def film_surface(results, film) -> str:
+    """Surface of that body, with a point behind it; "" of a body with one alone."""
+    other = interface(results.case.get("wires", ()), film, "lubrication")
+    return other.surface if other else ""
+
+
 def thinnest_place(case, results, film) -> Place | None:
     """Where the film of participant `film` is thinnest, of the instants of the recorded fields.
 

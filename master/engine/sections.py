@@ -34,7 +34,7 @@ from ..results.instants import crank_angle
 from ..results.report import Special
 from ..results.solids import Solid
 from .headlines import friction_pressures
-from .places import gap_port
+from .places import film_body, film_surface, gap_port
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """From firing top dead centre on, 180 deg each."""
@@ -60,7 +60,9 @@ class Line(NamedTuple):
 
 
 def special(
-    case: Case, runs: Runs, skins: Mapping[str, Sequence[Any]] = MappingProxyType({})
+    case: Case,
+    runs: Runs,
+    skins: Mapping[str, Mapping[str, Sequence[Any]]] = MappingProxyType({}),
 ) -> Special:
     """Sections, strokes, cursor strip and bodies of a piston's runs; nothing special of others.
 
@@ -68,27 +70,53 @@ def special(
     ----------
     case : Case
     runs : dict of str to Results
-    skins : dict of str to sequence of fmu_mfbd.offline.Skin, optional
-        Label -> surfaces of the run's piston and block.
+    skins : dict of str to dict of str to sequence of fmu_mfbd.offline.Skin, optional
+        Label -> participant in the role `bodies` -> surfaces of its piston and block.
     """
     bodies = players(next(iter(runs.values())).case, "bodies")
     films = players(next(iter(runs.values())).case, "lubrication")
     if not bodies or not films or any(crank_angle(results) is None for results in runs.values()):
         return Special()
-    body = bodies[0]
-    skirt = next((skin.skirt for own in skins.values() for skin in own if skin.skirt), None)
+    first = next(iter(runs.values()))
+    body_of = {film: film_body(first, film) or bodies[0] for film in films}
     sections = [
-        _motion(runs, body, skirt),
-        _forces(runs, body, films),
-        *(section for film in films for section in _of_film(case, runs, body, film, len(films))),
+        *(one for body in bodies for one in _of_body(runs, bodies, body, skins, body_of)),
+        *(one for film in films for one in _of_film(case, runs, body_of[film], film, len(films))),
         Section("Friction over the cycles", _cycles(case, runs)),
     ]
     return Special(
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
-        strip={f"{body}.cylinder_pressure": "MPa", f"{body}.side_force": "kN"},
-        solids={label: _solids(own, runs[label], body) for label, own in skins.items()},
+        strip=_strip(bodies),
+        solids={
+            label: [
+                solid
+                for body, own in found.items()
+                for solid in _solids(own, runs[label], body, bodies)
+            ]
+            for label, found in skins.items()
+        },
     )
+
+
+def _strip(bodies):
+    """Ports beneath the cursor: of many cylinders the side forces alone, to keep the bar low."""
+    force = {f"{body}.side_force": "kN" for body in reversed(bodies)}
+    if len(bodies) > 2:
+        return force
+    return {f"{body}.cylinder_pressure": "MPa" for body in bodies} | force
+
+
+def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
+    """Motion and forces of a piston, named after its participant where there are several."""
+    own = [one for found in skins.values() for one in found.get(body, ())]
+    skirt = next((skin.skirt for skin in own if skin.skirt), None)
+    films = [film for film, owner in body_of.items() if owner == body]
+    sections = [_motion(runs, body, skirt), _forces(runs, body, films)]
+    if len(bodies) == 1:
+        return sections
+    said = "" if body == bodies[0] else f"Crank angle and strokes are those of {bodies[0]}."
+    return [replace(one, title=f"{one.title}: {body}", said=said) for one in sections]
 
 
 def _of_film(case, runs, body, film, films) -> list[Section]:
@@ -107,15 +135,18 @@ def _of_film(case, runs, body, film, films) -> list[Section]:
     return [replace(section, title=f"{section.title}: {film}") for section in sections]
 
 
-def _solids(skins, results, body) -> list[Solid]:
+def _solids(skins, results, body, bodies) -> list[Solid]:
     """Piston and block as they are at the recorded instants; without modal coordinates in the file
     they stay undeformed.
     """
+    owner = body if len(bodies) > 1 else ""
+    deflect = any(skin.modes.shape[2] for skin in skins)
     port = f"{body}.modal_coordinate"
     count = len(results.instants)
     held = results.dataset(port)[:] if port in results.recorded else np.zeros((count, 0))
     modes = [skin.modes.shape[2] for skin in skins]
-    if held.shape[1] != sum(modes):
+    known = held.shape[1] == sum(modes)
+    if not known:
         modes, held = [0] * len(skins), np.zeros((count, 0))
     parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
     ports = ("lateral_displacement", "piston_position", "rocking_angle")
@@ -135,9 +166,37 @@ def _solids(skins, results, body) -> list[Solid]:
             motion if skin.skirt else None,
             skin.skirt,
             skin.von_mises(part) if part.shape[1] else None,
+            fields_around(results, body, skin.skirt) if skin.skirt else {},
+            owner,
+            known or not deflect,
         )
         for skin, part in zip(skins, parts)
     ]
+
+
+def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
+    """Recorded fields that lie around a piston's skirt -> the heights between which they do [m]:
+    the whole skirt, or the rows of a film surface that the case's build table names; those of a
+    pin's films lie elsewhere.
+    """
+    build = results.case["participants"][body].get("build", {})
+    low, high = skirt
+    heights = {"": (low, high), "skirt.": (low, high)}
+    for surface in build.get("film_surfaces", ()):
+        _, rows = build["grid"]
+        first, last = surface["rows"]
+        step = (high - low) / rows
+        heights[f"{surface['name']}."] = (low + (first - 1) * step, low + last * step)
+    found = {}
+    for film in players(results.case, "lubrication"):
+        if film_body(results, film) not in (body, None):
+            continue
+        ends = heights.get(film_surface(results, film))
+        gap = gap_port(results, film).removesuffix("film_thickness")
+        for port in results.recorded:
+            if ends and port.startswith((f"{film}.", gap)):
+                found[port] = ends
+    return found
 
 
 def strokes(runs: Runs) -> list[Phase]:
@@ -198,8 +257,8 @@ def _motion(runs, body, skirt):
         "Kinetic energy across the bore: a slap is where it falls",
         "[mJ]",
         Line("kinetic", f"{body}.kinetic_energy", 1e3),
-        Line("elastic", f"{body}.elastic_energy", 1e3),
     )
+    drawn += _chart(runs, "Elastic energy", "[mJ]", Line("elastic", f"{body}.elastic_energy", 1e3))
     drawn += _slaps(runs, body)
     return Section("Motion of the piston", drawn)
 
@@ -392,7 +451,14 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
         return []
     title = "Where the film is thinnest: "
     return [
-        Chart(title + axes.first.label, CRANK, f"[{axes.first.unit}]", around, cursor=True),
+        Chart(
+            title + axes.first.label,
+            CRANK,
+            f"[{axes.first.unit}]",
+            around,
+            cursor=True,
+            around=axes.first.centred is not None,
+        ),
         Chart(title + axes.second.label, CRANK, f"[{axes.second.unit or '-'}]", along, cursor=True),
     ]
 
@@ -402,15 +468,15 @@ def _oil(runs, film):
         *_chart(
             runs,
             "Oil into the film",
-            "[mm3/s]",
-            Line("lower edge", f"{film}.flow_lower_edge", 1e9),
-            Line("upper edge", f"{film}.flow_upper_edge", 1e9),
-            Line("cut-outs", f"{film}.flow_openings", 1e9),
+            "[cm³/s]",
+            Line("lower edge", f"{film}.flow_lower_edge", 1e6),
+            Line("upper edge", f"{film}.flow_upper_edge", 1e6),
+            Line("cut-outs", f"{film}.flow_openings", 1e6),
         ),
         *_chart(
             runs,
             "Oil",
-            "[mm3]",
+            "[mm³]",
             Line("in the film", f"{film}.oil_in_film", 1e9),
             Line("on the bore", f"{film}.oil_on_bore", 1e9),
             Line("supplied", f"{film}.oil_supplied", 1e9),

@@ -68,13 +68,19 @@ def verdicts(case, results) -> list[Verdict]:
         own = [*_of_film(case, results, name), *_of_grid(case, results, name)]
         of = f" of {name}" if len(films) > 1 else ""
         found += [one._replace(what=f"{one.what}{of}") for one in own]
-    for name in players(results.case, "bodies"):
-        found += _of_side_force(results, name)
+    found += _of_each(results, _of_side_force)
     if "periodic" in summary:
         return [*found, _of_repetition(summary)]
-    for name in players(results.case, "bodies"):
-        found += _of_cycle(results, name)
-    return found
+    return [*found, *_of_each(results, _of_cycle)]
+
+
+def _of_each(results, judge):
+    """Verdicts on every piston, named after its participant where there are several."""
+    names = players(results.case, "bodies")
+    for name in names:
+        of = f" of {name}" if len(names) > 1 else ""
+        for one in judge(results, name):
+            yield one._replace(what=f"{one.what}{of}")
 
 
 def _colour(value, amber, red):
@@ -205,7 +211,8 @@ def _of_grid(case, results, name):
         thin = narrowest_opening(closed)
         if thin and thin < OPENING:
             colours.append("amber")
-            remarks.append(f"an opening in the skirt is {thin} cells wide, wanted {OPENING}")
+            cells = "cell" if thin == 1 else "cells"
+            remarks.append(f"an opening in the film is {thin} {cells} wide, wanted {OPENING}")
     yield Verdict(max(colours, key=RANK.index), "grid", "; ".join(remarks))
 
 

@@ -12,7 +12,7 @@ from ..case.schema import Axes
 from .coordinates import crank_angle_port
 from .judgement import loop_curve, loop_work
 from .packing import Columns, packed_frames
-from .pictures import labelled, logarithmic, name_of, scaled, windows_of
+from .pictures import handy_unit, labelled, logarithmic, name_of, scaled, windows_of
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
@@ -57,7 +57,11 @@ class Corridor:
 
 @dataclass(frozen=True)
 class Chart:
-    """Curves over one abscissa; `cursor`: it is that of the page's cursor."""
+    """Curves over one abscissa.
+
+    cursor : it is that of the page's cursor; equal : a length is as long on both axes; around : the
+    ordinate is an angle of a whole turn.
+    """
 
     title: str
     x: str
@@ -67,6 +71,8 @@ class Chart:
     logarithmic: bool = False
     bands: Sequence[Band] = ()
     corridor: Corridor | None = None
+    equal: bool = False
+    around: bool = False
 
 
 class Titles(NamedTuple):
@@ -169,14 +175,21 @@ def _panel(case, picture, ports, runs):
         for limits in windows.values()
     }
     words = " + ".join(name_of(port) for port in ports)
+    over = "" if _is_course(case, picture.x) else f" over {name_of(picture.x)}"
     return Chart(
-        title=words if len(ports) == 1 else picture.title,
+        title=words + over if len(ports) == 1 else picture.title,
         x=labelled(name_of(picture.x), x_unit),
         y=labelled("" if len(ports) > 1 else words, y_unit),
         curves=curves,
         cursor=picture.x == (crank_angle_port(case) or "time"),
+        equal=not _is_course(case, picture.x) and x_unit == y_unit,
         bands=[Band(low, high, f"expected for {kinds}") for (low, high), kinds in expected.items()],
     )
+
+
+def _is_course(case, port):
+    """Whether an abscissa is the time or the crank angle."""
+    return port in ("time", crank_angle_port(case))
 
 
 def shown_unit(case, port, units):
@@ -188,12 +201,16 @@ def _loop(case, name, runs):
     loop = case.report.loops[name]
     curves = []
     x_unit = y_unit = ""
+    words = name.replace("_", " ")
+    handy = None
     for k, (label, results) in enumerate(runs.items()):
-        x, x_unit, y, y_unit = loop_curve(case, results, loop)
-        work = f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}"
+        x, si, y, y_unit = loop_curve(case, results, loop)
+        handy = handy or handy_unit(si, float(np.abs(x).max()))
+        x, x_unit = scaled(x, si, handy)
+        work = f"{label}: {words} = {loop_work(case, results, loop):.4g} {loop.unit}"
         curves.append(Curve(work, k, x, y))
     return Chart(
-        title=f"{name}, last {loop.period}",
+        title=f"{words}, last {loop.period}",
         x=labelled(name_of(loop.x), x_unit),
         y=labelled(" + ".join(name_of(port) for port in loop.y), y_unit),
         curves=curves,
@@ -244,6 +261,8 @@ def _chart_data(chart: Chart, columns: Columns):
         "x": chart.x,
         "y": chart.y,
         "cursor": chart.cursor,
+        "equal": chart.equal,
+        "around": chart.around,
         "logarithmic": chart.logarithmic,
         "bands": [vars(band) for band in chart.bands],
         "corridor": _corridor_data(chart.corridor, columns),

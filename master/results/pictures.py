@@ -3,6 +3,7 @@ here, at the edge.
 """
 
 import textwrap
+from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..case.schema import reduced
 from ..fmi.errors import BadInput
-from ..fmi.quantities import pint_unit, registry, to_si
+from ..fmi.quantities import one_micro, pint_unit, registry, to_si
 from .instants import instant, told
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
@@ -25,7 +26,9 @@ PALETTE_DARK = (
 WINDOW = "#3a7d44"
 LETTERS = 9
 """Of a title to an inch: a longer one goes on in a second line."""
-MICRO = ("um", "urad", "us", "uN")
+WITH_PREFIX = ("m", "Pa", "N", "W", "J", "s", "m/s")
+"""SI units that are shown with a prefix where the case does not say in what."""
+MICRO = ("um", "urad", "us", "uN", "uW", "uJ", "um/s")
 """Units written without a micro sign, as a case file may."""
 
 
@@ -114,9 +117,31 @@ def labelled(text: str, unit: str) -> str:
     return f"{text} [{unit}]" if unit else text
 
 
+def handy_unit(unit: str, largest: float) -> str | None:
+    """Unit of a size that suits a value in the SI `unit`, None where that is as good."""
+    if unit not in WITH_PREFIX or not np.isfinite(largest) or largest == 0.0:
+        return None
+    compact = registry().Quantity(float(abs(largest)), unit).to_compact()
+    return one_micro(f"{compact.units:~}").replace("\N{MICRO SIGN}", "u")
+
+
 def name_of(port: str) -> str:
-    """The variable of "participant.variable" in words; of "time" just this."""
-    return port.partition(".")[2].replace("_", " ") or port
+    """The variable of "participant.variable" in words, behind it the surface that it is of; of
+    "time" just this.
+    """
+    *where, name = port.partition(".")[2].split(".")
+    surface = f" ({', '.join(where)})" if where else ""
+    return (name + surface).replace("_", " ") or port
+
+
+def names_of(ports: Sequence[str]) -> dict[str, str]:
+    """The same of several, with the participant's name where two would be called alike."""
+    words = [name_of(port) for port in ports]
+    owner = {port: port.partition(".")[0].replace("_", " ") for port in ports}
+    return {
+        port: f"{name}, {owner[port]}" if words.count(name) > 1 else name
+        for port, name in zip(ports, words)
+    }
 
 
 def draw_lines(case, picture, runs):

@@ -21,10 +21,11 @@ from plotly.offline import get_plotlyjs
 from ..case.schema import reduced
 from ..fmi.quantities import short
 from .charts import Phase, Section, as_data, field_data, health_section, picture_section
+from .coordinates import crank_angle_port
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, PALETTE_DARK, name_of, scaled
+from .pictures import PALETTE, PALETTE_DARK, handy_unit, name_of, names_of, scaled
 from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
@@ -316,7 +317,15 @@ def page_data(case, runs, special) -> dict[str, Any]:
     """
     cursor = cursor_of(runs)
     columns = Columns()
-    strip = [_strip(case, port, unit, runs, cursor) for port, unit in special.strip.items()]
+    lanes = special.strip or {reduced(text).port: "" for text in case.monitor.values()}
+    named = names_of(list(lanes))
+    strip = [
+        _strip(case, port, named[port], unit, runs, cursor)
+        for port, unit in lanes.items()
+        if port != crank_angle_port(case)
+    ]
+    fields = names_of(drawn_fields(case, runs))
+    units = field_units(case, runs, list(fields))
     sections = [*special.sections, picture_section(case, runs), health_section(runs)]
     return {
         "labels": list(runs),
@@ -330,15 +339,21 @@ def page_data(case, runs, special) -> dict[str, Any]:
             "positions": columns.add(cursor.positions),
             "frames": [frames.tolist() for frames in cursor.frames],
             "recorded": [columns.add(own) for own in cursor.recorded],
-            "start": _telling(strip, cursor),
+            "start": _telling(strip if special.strip else [], cursor),
         },
         "words": [
             monitor_words(case, results, rows) for results, rows in zip(runs.values(), cursor.rows)
         ],
         "phases": [vars(phase) for phase in special.phases],
         "strip": [lane | {"runs": [columns.add(own) for own in lane["runs"]]} for lane in strip],
-        "fields": [field_frames(case, port, runs) for port in drawn_fields(case, runs)],
-        "solids": solids_data([special.solids.get(label, []) for label in runs], columns),
+        "fields": [
+            field_frames(case, port, units[port], runs)
+            | {"name": name, "variable": port.rpartition(".")[2].replace("_", " ")}
+            for port, name in fields.items()
+        ],
+        "solids": solids_data(
+            [special.solids.get(label, []) for label in runs], columns, list(fields)
+        ),
         "sections": [as_data(section, columns) for section in sections],
         "columns": columns.text(),
     }
@@ -370,12 +385,14 @@ def _telling(strip, cursor) -> int:
     return int(np.abs(lanes[0]).argmax()) if lanes else len(cursor.positions) // 2
 
 
-def _strip(case, port, unit, runs, cursor):
+def _strip(case, port, name, unit, runs, cursor):
     """A port of every run at the cursor's positions, [] where a run has it not; in the unit of the
-    case's pictures, or else `unit`.
+    case's pictures, or else `unit`, or one of handy size.
     """
     shown = [results for results in runs.values() if port in results.ports]
-    wanted = shown_units(case).get(port, unit)
+    largest = max((np.abs(own.series(port).values).max() for own in shown), default=0.0)
+    handy = handy_unit(shown[0].series(port).unit, largest) if shown else None
+    wanted = shown_units(case).get(port) or unit or handy
     values = [
         scaled(results.series(port).values[rows], results.series(port).unit, wanted)[0]
         if port in results.ports
@@ -383,7 +400,7 @@ def _strip(case, port, unit, runs, cursor):
         for results, rows in zip(runs.values(), cursor.rows)
     ]
     unit = scaled(0.0, shown[0].series(port).unit, wanted)[1] if shown else ""
-    return {"name": name_of(port), "unit": unit, "runs": values}
+    return {"name": name, "unit": unit, "runs": values}
 
 
 def shown_units(case):
@@ -403,7 +420,24 @@ def drawn_fields(case, runs):
     ]
 
 
-def field_frames(case, port, runs):
+def field_units(case, runs, ports) -> dict[str, str | None]:
+    """Units fields are shown in: those the case says, else one of handy size, the same for all that
+    have a variable's name.
+    """
+    largest, said = {}, {}
+    for port in ports:
+        name = port.rpartition(".")[2]
+        for results in runs.values():
+            if port in results.recorded:
+                dataset = results.dataset(port)
+                said[port] = said.get(port) or field_unit(case, results, port)
+                own = float(np.nanmax(np.abs(dataset[:]), initial=0.0))
+                unit, most = largest.get(name, (dataset.attrs["unit"], 0.0))
+                largest[name] = unit, max(most, own)
+    return {port: said[port] or handy_unit(*largest[port.rpartition(".")[2]]) for port in ports}
+
+
+def field_frames(case, port, wanted, runs):
     """Frames of a field of every run at all its recorded instants, over one common range."""
     stacks, there = [], []
     unit = ""
@@ -413,7 +447,6 @@ def field_frames(case, port, runs):
             there.append(None)
             continue
         dataset = results.dataset(port)
-        wanted = field_unit(case, results, port)
         values, unit = scaled(dataset[:], dataset.attrs["unit"], wanted)
         stacks.append(values)
         there.append(results.there(port))

@@ -14,11 +14,14 @@ from .solids import Solid
 
 @dataclass(frozen=True)
 class Film:
-    """Fields on the cylinder of a radius [m]."""
+    """Fields on the cylinder of a radius [m], between two heights of the piston [m]; without them
+    as long as the skirt, or 1 m.
+    """
 
     name: str
     radius: float
     blocks: list[Block]
+    heights: tuple[float, float] | None = None
 
 
 def write_series(
@@ -54,7 +57,7 @@ def write_series(
     for k in chosen:
         parts: dict[str, Any] = {solid.name: _body(solid, k) for solid in solids}
         for film in films:
-            ends = (0.0, 1.0) if skirt is None or skirt.film is None else skirt.film
+            ends = film.heights or (skirt and skirt.film) or (0.0, 1.0)
             height = 0.0 if skirt is None or skirt.motion is None else skirt.motion[k, 1]
             parts[film.name] = _film(film, (ends[0] + height, ends[1] + height), k)
         for number, (name, mesh) in enumerate(parts.items()):

@@ -2,7 +2,8 @@
 instant.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,14 @@ class Solid:
         Heights of the points between which fields lie around the body [m].
     stress : ndarray, shape (instants, n), or None
         Equivalent stress at the points [Pa].
+    fields : dict of str to (float, float)
+        Ports of fields that lie around the body, and between which of its heights each does [m];
+        a body with `film` and none named has all of them there.
+    owner : str
+        Participant whose body it is, "" where there is one alone.
+    held : bool
+        Whether what the body does is known: of one without coordinates False says that it deflects,
+        but that its coordinates were not recorded.
     """
 
     name: str
@@ -43,6 +52,13 @@ class Solid:
     motion: np.ndarray | None = None
     film: tuple[float, float] | None = None
     stress: np.ndarray | None = None
+    fields: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    owner: str = ""
+    held: bool = True
+
+    def between(self, port: str) -> tuple[float, float] | None:
+        """Heights between which a field lies around the body [m], None where it does not."""
+        return self.fields.get(port) if self.fields else self.film
 
     def largest_displacement(self) -> float:
         """Of all points at all instants, |Phi q| [m]; 0 without modes."""
@@ -52,11 +68,15 @@ class Solid:
         return found
 
 
-def solids_data(runs: list[list[Solid]], columns: Columns) -> dict[str, Any]:
-    """Solids of every run for the page's script; meshes and modes of equal bodies are kept once."""
+def solids_data(
+    runs: list[list[Solid]], columns: Columns, fields: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Solids of every run for the page's script, which numbers the `fields` (ports) it draws;
+    meshes and modes of equal bodies are kept once.
+    """
     meshes: dict[tuple[str, str, str], int] = {}
     return {
-        "runs": [[_solid(solid, meshes, columns) for solid in solids] for solids in runs],
+        "runs": [[_solid(solid, meshes, columns, fields) for solid in solids] for solids in runs],
         "meshes": [
             {"points": points, "triangles": triangles, "modes": modes}
             for points, triangles, modes in meshes
@@ -64,7 +84,7 @@ def solids_data(runs: list[list[Solid]], columns: Columns) -> dict[str, Any]:
     }
 
 
-def _solid(solid, meshes, columns):
+def _solid(solid, meshes, columns, fields):
     count = solid.modes.shape[2]
     texts = (
         packed_singles(solid.points),
@@ -77,7 +97,9 @@ def _solid(solid, meshes, columns):
         "count": count,
         "coordinates": columns.add(solid.coordinates),
         "motion": None if solid.motion is None else columns.add(solid.motion),
-        "film": solid.film,
+        "over": [solid.between(port) for port in fields],
+        "owner": solid.owner,
+        "held": solid.held,
         "largest": solid.largest_displacement(),
         "stress": None if solid.stress is None else _stress_data(solid.stress),
     }

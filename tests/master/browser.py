@@ -143,6 +143,22 @@ class Browser:
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
 
+    def key(self, name: str):
+        """Press a key: Tab, an arrow by its name, or a letter."""
+        codes = {
+            "Tab": 9,
+            "Enter": 13,
+            "ArrowLeft": 37,
+            "ArrowUp": 38,
+            "ArrowRight": 39,
+            "ArrowDown": 40,
+        }
+        given = {"key": name, "windowsVirtualKeyCode": codes.get(name, ord(name[0]))}
+        letters = "\r" if name == "Enter" else name if len(name) == 1 else ""
+        text = {"text": letters} if letters else {"code": name}
+        self.ask("Input.dispatchKeyEvent", type="keyDown", **given, **text)
+        self.ask("Input.dispatchKeyEvent", type="keyUp", **given)
+
     def metrics(self) -> dict[str, float]:
         """Performance.getMetrics: processor time of the page's script, layout and tasks [s]."""
         told = self.ask("Performance.getMetrics")["metrics"]
@@ -154,7 +170,9 @@ class Browser:
         """
         kinds = {
             "Runtime.consoleAPICalled": lambda one: [str(arg.get("value")) for arg in one["args"]],
-            "Runtime.exceptionThrown": lambda one: one["exceptionDetails"]["text"],
+            "Runtime.exceptionThrown": lambda one: one["exceptionDetails"].get(
+                "exception", one["exceptionDetails"]
+            ),
             "Log.entryAdded": lambda one: one["entry"]["text"],
         }
         words = [

@@ -121,3 +121,14 @@ def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     assert np.hypot(film.points[:, 0], film.points[:, 2]) == pytest.approx(0.7)
     heights = film.points[:, 1]
     assert (heights.min(), heights.max()) == pytest.approx((along - 0.5, along + 1.5))
+
+
+def test_a_film_of_a_part_of_the_skirt_lies_there(tmp_path):
+    bodies = solids()
+    values = np.ones((4, 8, 2))
+    block = Block("low.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), values)
+    films = [Film("low", 0.7, [block], (0.25, 0.5))]
+    path = write_series(bodies, films, INSTANTS, np.array([2]), tmp_path / "run.pvd")
+    *_, last = [one.attrib["file"] for one in ElementTree.parse(path).iter("DataSet")]
+    heights = meshio.read(tmp_path / last).points[:, 1] - bodies[0].motion[2, 1]
+    assert (heights.min(), heights.max()) == pytest.approx((0.25, 0.5))

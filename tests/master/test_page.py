@@ -299,6 +299,7 @@ const asked = performance.getEntriesByType("resource").map(one => one.name);
 return { seen, read, painted, colourings, table, tip: told,
   asked: asked.filter(name => !/^(data|blob):/.test(name)),
   drawn: document.querySelectorAll(".chart .main-svg").length,
+  constant: [...document.querySelectorAll("p.constant")].map(one => one.textContent),
   waiting: waiting.length, titles: [...document.querySelectorAll("h2")].map(one => one.textContent),
   csv: tableOf(data.sections[0].drawn[0]),
   extreme: [...document.querySelectorAll("td[data-value]")].map(one => +one.dataset.value) };
@@ -536,6 +537,7 @@ def test_first_picture_and_frames_a_second(browser, tmp_path):
     the first picture less than 2 s.
     """
     page = large_page(tmp_path)
+    assert page.stat().st_size < 15e6
     with Browser(tmp_path / "profile") as window:
         window.ask("Page.navigate", url=page.as_uri())
         window.run(
@@ -552,7 +554,9 @@ def test_first_picture_and_frames_a_second(browser, tmp_path):
 
 def test_every_chart_is_drawn(looked):
     found, _ = looked
-    assert found["drawn"] >= found["waiting"] > 10
+    assert found["drawn"] >= found["waiting"] > 6
+    # what never changes is a sentence, no flat line
+    assert "iterations: 0.5 at every step of all runs." in found["constant"]
     assert {"Motion of the piston", "Along the thrust lines", "Envelopes and wear"} <= {
         *found["titles"]
     }
@@ -593,7 +597,7 @@ def test_titles_of_narrow_charts_stand_clear_of_the_buttons(browser, page, tmp_p
         apart = window.run(script)
         assert window.said() == []
     # a line of letters has some room of its own above them
-    assert min(apart) > -3 and len(apart) > 10
+    assert min(apart) > -3 and len(apart) > 6
 
 
 def test_displacements_are_modes_times_coordinates(browser, page, tmp_path):

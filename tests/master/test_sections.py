@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
+from piston_cosim.master.engine.headlines import friction_pressure, headlines
 from piston_cosim.master.engine.sections import (
     STROKES,
     WEAR_COEFFICIENT,
@@ -14,9 +15,11 @@ from piston_cosim.master.engine.sections import (
     strokes,
     wear_depth,
 )
+from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.charts import limits_of
 from piston_cosim.master.results.file import Series
 from piston_cosim.master.results.packing import Columns
+from piston_cosim.master.results.pictures import handy_unit, names_of
 
 BODIES = {"bodies": {"role": "bodies"}, "ehd": {"role": "lubrication"}}
 
@@ -74,7 +77,7 @@ def test_edges_of_the_skirt_move_with_the_tilt():
         )
     }
     case = Case.model_construct()
-    skins = {"r": [skin("piston", (-0.02, 0.01))]}
+    skins = {"r": {"bodies": [skin("piston", (-0.02, 0.01))]}}
     chart = special(case, runs, skins).sections[0].drawn[0]
     lower, upper = chart.curves
     assert lower.y == pytest.approx([45.0, 5.0]) and upper.y == pytest.approx([-15.0, 5.0])
@@ -147,3 +150,91 @@ def test_equal_columns_are_kept_once():
         [2, 1],
         [0, 2],
     ]
+
+
+def engine(surfaces=(), names=("front", "rear")):
+    """Results of two cylinders, a film on each surface of each, at 0 and 90 deg."""
+    parts, wires, series, recorded = {}, [], {}, []
+    for k, name in enumerate(names):
+        build = {"grid": [8, 10], "film_surfaces": list(surfaces)}
+        parts[name] = {"role": "bodies", "build": build}
+        series |= {
+            f"{name}.crank_angle": Series(np.radians([0.0, 90.0]), "rad", ""),
+            f"{name}.side_force": Series(np.array([0.0, 100.0 * (k + 1)]), "N", ""),
+            f"{name}.side_force_demand": Series(np.array([0.0, 100.0]), "N", ""),
+            f"{name}.piston_position": Series(np.array([0.2, 0.1]), "m", ""),
+            f"{name}.lateral_displacement": Series(np.array([0.0, 1e-6]), "m", ""),
+            f"{name}.rocking_angle": Series(np.zeros(2), "rad", ""),
+        }
+        for surface in [one["name"] for one in surfaces] or [""]:
+            film, dot = f"{name}_{surface or 'film'}", f"{surface}." if surface else ""
+            parts[film] = {"role": "lubrication", "parameters": {"bore_radius": "50 mm"}}
+            series[f"{film}.friction_power"] = Series(np.full(2, 10.0), "W", "")
+            gap = f"{name}.{dot}film_thickness"
+            wires.append({"from": gap, "to": f"{film}.film_thickness"})
+            recorded += [gap, f"{film}.pressure"]
+    return SimpleNamespace(
+        case={"participants": parts, "wires": wires},
+        summary={},
+        time=np.array([0.0, 1e-3]),
+        instants=np.array([0.0, 1e-3]),
+        ports=list(series),
+        recorded=recorded,
+        series=series.__getitem__,
+    )
+
+
+def test_each_cylinder_is_named():
+    results = engine()
+    results.recorded = []
+    case = Case.model_construct(summary={})
+    shown = special(case, {"r": results})
+    titles = [one.title for one in shown.sections]
+    assert {"Motion of the piston: front", "Forces: rear"} <= {*titles}
+    assert shown.strip["rear.side_force"] == "kN"
+    lines = {line.name: line.said for line in headlines(case, results)}
+    assert lines["side force, front"].startswith("100 N thrust")
+    assert lines["side force, rear"].startswith("200 N thrust")
+    said = {one.what: one.colour for one in verdicts(case, results)}
+    assert said["side force of front"] == "green" and said["side force of rear"] == "red"
+
+
+def test_fmep_of_two_cylinders_is_over_the_displacement_of_both(monkeypatch):
+    """20 W for 1 ms over 2 pi 0.05^2 0.1 m3, of a cycle that is 90 deg long for the test."""
+    results = engine()
+    monkeypatch.setattr("piston_cosim.master.engine.headlines.FOUR_STROKE", np.pi / 2)
+    found = friction_pressure(Case.model_construct(), results)
+    assert found == pytest.approx(20e-3 / (2 * np.pi * 0.05**2 * 0.1), rel=1e-12)
+
+
+def test_fields_lie_on_the_rows_of_their_surface():
+    """Ten rows over 40 mm: rows 2 to 5 go from 4 to 20 mm above the lower edge."""
+    surfaces = [{"name": "lower", "rows": [2, 5]}, {"name": "upper", "rows": [7, 10]}]
+    results = engine(surfaces)
+    around = sections.fields_around(results, "front", (-0.01, 0.03))
+    assert {*around} == {
+        *("front.lower.film_thickness", "front_lower.pressure"),
+        *("front.upper.film_thickness", "front_upper.pressure"),
+    }
+    assert around["front_lower.pressure"] == pytest.approx((-0.006, 0.01))
+    assert around["front.upper.film_thickness"] == pytest.approx((0.014, 0.03))
+    # of a pin's bearing nothing lies there
+    results.case["wires"][0]["from"] = "front.boss_left.film_thickness"
+    assert "front_lower.pressure" not in sections.fields_around(results, "front", (0.0, 1.0))
+
+
+def test_names_tell_surfaces_and_participants_apart():
+    ports = ["a.lower.film_thickness", "b_film.pressure", "c.pressure"]
+    assert list(names_of(ports).values()) == [
+        "film thickness (lower)",
+        "pressure, b film",
+        "pressure, c",
+    ]
+
+
+@pytest.mark.parametrize(
+    "unit, largest, shown",
+    [("Pa", 5.6e5, "kPa"), ("m", -1.9e-4, "um"), ("m", 0.0, None), ("1", 3e-4, None)],
+)
+def test_units_of_handy_size(unit, largest, shown):
+    assert handy_unit(unit, largest) == shown

@@ -167,7 +167,7 @@ def hill(width_around, width_along, cells=40, closed=0, at=9):
         (hill(6, 6, at=37), "green", "6 cells around"),  # across the seam of the ring
         (hill(4, 4, cells=41), "amber", "41 cells around: of an odd number none"),
         (hill(4, 4, closed=3), "green", "4 cells around and 4 along"),
-        (hill(4, 4, closed=2), "amber", "an opening in the skirt is 2 cells wide"),
+        (hill(4, 4, closed=2), "amber", "an opening in the film is 2 cells wide"),
     ],
 )
 def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence):

@@ -34,6 +34,7 @@ async function framesOf(run) {
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 const colourOf = run => { if (run < 0) return style("--ink"); const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
 let printing = false;   // on paper colours are those of the day
+const onPaper = 350;    // width of a chart there, two beside one another
 
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
@@ -168,7 +169,8 @@ class FieldMap {
   }
   paint(scale) {
     const { pen, width, height } = sharp(this.canvas, 218), [n, m] = this.run.shape, [first, second] = this.run.ends, axes = this.field.axes;
-    const box = this.box = { left: 44, top: 6, width: width - 54, height: height - 62 };
+    const titled = axis => axis.label + (axis.unit ? ` [${axis.unit}]` : ""), upright = inLines(titled(axes[1]), 34);
+    const left = 44 + 12 * (upright.length - 1), box = this.box = { left, top: 6, width: width - left - 10, height: height - 62 };
     if (!this.small) Object.assign(this.small = document.createElement("canvas"), { width: n, height: m });
     const image = new ImageData(n, m), dots = new Uint32Array(image.data.buffer);
     for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
@@ -193,7 +195,6 @@ class FieldMap {
     }
     for (const [word, value] of Object.entries(axes[0].marks))
       pen.fillText(word, box.left + (value - first[0]) / (first[1] - first[0]) * box.width, box.top + box.height + 28);
-    const titled = axis => axis.label + (axis.unit ? ` [${axis.unit}]` : "");
     pen.fillText(titled(axes[0]), box.left + box.width / 2, box.top + box.height + 42);
     pen.textAlign = "right";
     for (const value of ticks(second[0], second[1], false, 4)) {
@@ -202,8 +203,8 @@ class FieldMap {
       pen.fillText(digits(value), box.left - 6, y + 4);
     }
     pen.save();
-    pen.translate(11, box.top + box.height / 2); pen.rotate(-Math.PI / 2); pen.textAlign = "center";
-    pen.fillText(titled(axes[1]), 0, 0);
+    pen.translate(11, box.top + box.height / 2 + (upright.length > 1 ? 20 : 0)); pen.rotate(-Math.PI / 2); pen.textAlign = "center";
+    upright.forEach((text, k) => pen.fillText(text, 0, 12 * k));
     pen.restore();
     const { low, high } = this.range();
     if (!(high >= low)) { this.caption.textContent = `${this.label}: no instant that both runs have recorded`; return; }
@@ -216,6 +217,7 @@ class FieldMap {
     const [n, m] = this.run.shape, box = this.box, at = (i, j) => this.value(i, j);
     pen.save();
     pen.beginPath(); pen.rect(box.left, box.top, box.width, box.height); pen.clip();
+    const said = [];   // where labels stand: another of a steep place would cover them
     for (const level of ticks(scale.low, scale.high, scale.logarithmic)) {
       if (shareOf(level, scale) < .001 || shareOf(level, scale) > .999) continue;
       const lines = contour(at, n, m, this.field.axes[0].closed, level);
@@ -225,9 +227,12 @@ class FieldMap {
       pen.beginPath();
       for (const [p, q] of lines) { pen.moveTo(X(p), Y(p)); pen.lineTo(X(q), Y(q)); }
       pen.stroke();
-      const [spot] = lines[Math.floor(lines.length / 3)];
+      const within = p => [Math.min(box.left + box.width - 14, Math.max(box.left + 14, X(p))), Math.min(box.top + box.height - 3, Math.max(box.top + 10, Y(p) + 3))];
+      const spot = [1, 2, 0].map(k => within(lines[Math.floor((k + .01) * lines.length / 3)][0])).find(([x, y]) => said.every(([a, b]) => Math.abs(a - x) > 34 || Math.abs(b - y) > 11));
+      if (!spot) continue;
+      said.push(spot);
       pen.fillStyle = bright ? "#000" : "#fff"; pen.textAlign = "center"; pen.font = "10px system-ui, sans-serif";
-      pen.fillText(digits(level), Math.min(box.left + box.width - 14, Math.max(box.left + 14, X(spot))), Math.min(box.top + box.height - 3, Math.max(box.top + 10, Y(spot) + 3)));
+      pen.fillText(digits(level), ...spot);
     }
     pen.restore();
     pen.font = "11px system-ui, sans-serif";
@@ -288,16 +293,22 @@ class DifferenceMap extends FieldMap {
   }
 }
 
+// whether two runs have recorded the same instant at all
+const meet = (map, first) => [...positions.keys()].some(k => DifferenceMap.prototype.common.call({ frames: map.frames, later: map, first }, k));
+
 // differences of every later run from the first that has the field, with a legend of their own; what repaints them
 function showDifferences(parent, field, maps, contours, now) {
   const [first, ...later] = maps, alike = later.filter(map => String(map.run.shape) === String(first.run.shape));
   for (const map of later) if (!alike.includes(map)) element("p", parent, `No difference of ${map.label} and ${first.label}: their grids have ${map.run.shape.join(" x ")} and ${first.run.shape.join(" x ")} cells.`, "small");
   if (!alike.length) return () => {};
+  const bounds = maps[0].frames ? alike.filter(map => meet(map, first)) : alike;
+  for (const map of alike) if (!bounds.includes(map)) element("p", parent, `No difference of ${map.label} and ${first.label}: they have recorded no instant in common.`, "small");
+  if (!bounds.length) return () => {};
   const row = element("div", parent, "", "scale"), label = element("label", row), box = element("input", label), legend = element("canvas", row);
   box.type = "checkbox"; box.checked = true; label.append(` differences from ${first.label}`);
   legend.style.cssText = "flex: 1 1 280px; max-width: 420px; min-width: 200px";
   legend.dataset.differences = field.name;
-  const area = element("div", parent, "", "maps"), shown = alike.map(map => new DifferenceMap(area, field, map.run, `${map.label} minus ${first.label}`, { contours }, map, first));
+  const area = element("div", parent, "", "maps"), shown = bounds.map(map => new DifferenceMap(area, field, map.run, `${map.label} minus ${first.label}`, { contours }, map, first));
   const repaint = () => {
     area.hidden = legend.hidden = !box.checked;
     if (!box.checked) return;
@@ -401,7 +412,8 @@ function drawPhases(pen, width, height, X) {
     if (b <= a) return;
     if (k % 2) { pen.fillStyle = style("--shade"); pen.fillRect(a, 0, b - a, height); }
     pen.fillStyle = style("--ink"); pen.textAlign = "center";
-    if (pen.measureText(phase.name).width < b - a) pen.fillText(phase.name, (a + b) / 2, 11);
+    const said = [phase.name, phase.name.slice(0, 4) + ".", phase.name.slice(0, 2) + "."].find(text => pen.measureText(text).width + 3 < b - a);
+    if (said) pen.fillText(said, (a + b) / 2, 11);
   });
 }
 
@@ -412,26 +424,37 @@ const nearest = value => { let best = 0; positions.forEach((p, k) => { if (Math.
 
 function axisOfCursor(title) {
   const axis = { title: { text: title, standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") };
-  if (data.cursor.unit === "deg") Object.assign(axis, { tick0: 0, dtick: positions[positions.length - 1] - positions[0] > 1200 ? 180 : 90 });
+  const first = positions[0], last = positions[positions.length - 1], span = last - first;
+  if (data.cursor.unit === "deg") Object.assign(axis, { tick0: 0, separatethousands: false, dtick: span > 1200 ? 180 : span > 300 ? 90 : span > 120 ? 30 : 10 });
+  if (span > 0) axis.range = [first - .01 * span, last + .01 * span];
   return axis;
 }
 
 // text in lines of so many letters
 const inLines = (text, letters) => text.split(" ").reduce((lines, word) => { const last = lines[lines.length - 1]; return last && last.length + word.length < letters ? [...lines.slice(0, -1), last + " " + word] : [...lines, word]; }, []);
 
+// decades that the values above zero of a chart reach over
+function decades(drawn) {
+  let low = Infinity, high = 0;
+  for (const curve of drawn.curves) for (const value of column(curve.y)) if (value > 0) { low = Math.min(low, value); high = Math.max(high, value); }
+  return high > 0 ? Math.log10(high / low) : 0;
+}
+
 // of a chart so many pixels wide: narrow ones have their title below the buttons, in lines
 function layoutOf(drawn, width) {
-  const narrow = width < 520, title = inLines(drawn.title || drawn.name || "", narrow ? Math.floor(width / 7.5) : 200), top = narrow ? 58 + 17 * title.length : 52;
-  const axis = title => ({ title: { text: title, standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") });
+  const narrow = width < 520, title = inLines(drawn.title || drawn.name || "", Math.floor((narrow ? width : width - 250) / 7.5)), top = narrow ? (printing ? 26 : 58) + 17 * title.length : 52 + 17 * (title.length - 1);
+  const axis = title => ({ title: { text: inLines(String(title), 30).join("<br>"), standoff: 6 }, automargin: true, exponentformat: "power", separatethousands: true, gridcolor: style("--line"), zerolinecolor: style("--line"), linecolor: style("--line") });
   const layout = {
-    title: { text: title.join("<br>"), font: { size: 14 }, x: 0.02, xanchor: "left", ...(narrow ? { y: 1 - 42 / 330, yref: "container", yanchor: "top" } : {}) }, height: 330, margin: { l: 60, r: 16, t: top, b: 46 },
+    title: { text: title.join("<br>"), font: { size: 14 }, x: 0.02, xanchor: "left", ...(narrow || title.length > 1 ? { y: 1 - (printing ? 12 : narrow ? 42 : 14) / 330, yref: "container", yanchor: "top" } : {}) }, height: 330, ...(printing ? { width } : {}), margin: { l: 60, r: 16, t: top, b: 46 },
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: style("--ink"), size: 11 }, hovermode: drawn.kind === "chart" && drawn.cursor ? "x unified" : "closest",
     hoverlabel: { bgcolor: style("--soft"), font: { color: style("--ink") } }, showlegend: drawn.kind === "chart" && drawn.curves.length > 1,
-    modebar: { bgcolor: "rgba(0,0,0,0)", color: style("--line"), activecolor: style("--accent") }, legend: { orientation: "h", y: -0.24, yanchor: "top" }, xaxis: axis(drawn.x), yaxis: axis(drawn.y), shapes: [], annotations: [],
+    modebar: { bgcolor: "rgba(0,0,0,0)", color: style("--line"), activecolor: style("--accent") }, legend: { orientation: "h", y: -0.24, yanchor: "top", itemsizing: drawn.kind === "chart" && drawn.curves.some(curve => curve.points) ? "constant" : "trace" }, xaxis: axis(drawn.x), yaxis: axis(drawn.y), shapes: [], annotations: [],
   };
   if (drawn.kind === "carpet") { layout.xaxis = axisOfCursor(drawn.titles.x); layout.yaxis = axis(drawn.titles.y); }
   if (drawn.kind === "chart" && drawn.cursor) layout.xaxis = axisOfCursor(drawn.x);
-  if (drawn.logarithmic && drawn.kind === "chart") Object.assign(layout.yaxis, { type: "log", dtick: 1 });
+  if (drawn.logarithmic && drawn.kind === "chart") Object.assign(layout.yaxis, { type: "log", dtick: decades(drawn) > 2 ? 1 : "D2" });
+  if (drawn.equal) Object.assign(layout.yaxis, { scaleanchor: "x", constrain: "domain" });
+  if (drawn.around) Object.assign(layout.yaxis, { range: [-9, 369], tick0: 0, dtick: 90 });
   for (const band of drawn.bands || []) {
     layout.shapes.push({ type: band.low === band.high ? "line" : "rect", xref: "paper", x0: 0, x1: 1, y0: band.low, y1: band.high, layer: "below",
       fillcolor: "rgba(58,125,68,.14)", line: { width: band.low === band.high ? 1 : 0, color: style("--ink"), dash: "dot" } });
@@ -491,8 +514,35 @@ function save(name, text) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-const arrow = { width: 24, height: 24, path: "M12 3v10l4-4 1.4 1.4L12 16l-5.400-5.600L8 9l4 4V3zM4 19h16v2H4z" };
-function chart(parent, drawn) {
+// the value that every curve of a chart has everywhere; undefined where they vary
+function constant(drawn) {
+  if (drawn.kind !== "chart" || drawn.corridor || !drawn.curves.every(curve => curve.y[1])) return undefined;
+  const value = column(drawn.curves[0].y)[0];
+  return drawn.curves.every(curve => column(curve.y).every(own => own === value)) ? value : undefined;
+}
+
+// of a chart's buttons one is reached by Tab, the others from it by arrow keys
+function toolbar(bar) {
+  const buttons = [...bar.querySelectorAll("button")], reach = k => buttons.forEach((button, n) => { button.tabIndex = n === k ? 0 : -1; });
+  reach(0);
+  bar.onkeydown = event => {
+    const move = { ArrowLeft: -1, ArrowRight: 1 }[event.key], from = buttons.indexOf(document.activeElement);
+    if (!move || from < 0) return;
+    event.preventDefault(); event.stopPropagation();
+    const to = (from + move + buttons.length) % buttons.length;
+    reach(to); buttons[to].focus();
+  };
+}
+
+// letters as a button's picture
+const letters = text => ({ svg: `<svg viewBox="0 0 30 24"><text x="15" y="18" text-anchor="middle" font-family="system-ui, sans-serif" font-size="12" font-weight="600">${text}</text></svg>` });
+function chart(parent, drawn, aside) {
+  const same = constant(drawn);
+  if (same !== undefined) {
+    const unit = (drawn.y.match(/\[([^\]]+)\]$/) || [])[1] || "";
+    element("p", aside, `${drawn.title}: ${withUnit(same, unit === "-" ? "" : unit)} at every step of all runs.`, "constant");
+    return;
+  }
   const node = element("div", parent, "", "chart"), now = element("div", node, "", "now"), name = (drawn.title || "chart").replace(/[^\w-]+/g, "_");
   let made = false;
   const cursor = () => {
@@ -505,14 +555,27 @@ function chart(parent, drawn) {
     if (!made) node.dataset.drawn = "yes";
     const first = !made;
     made = true;
-    Plotly.react(node, tracesOf(drawn), layoutOf(drawn, node.clientWidth), {
-      responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { filename: name, scale: 2 },
+    Plotly.react(node, tracesOf(drawn), layoutOf(drawn, printing ? onPaper : node.clientWidth), {
+      responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "", modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "sendChartToCloud", "sendDataToCloud"], toImageButtonOptions: { filename: name, scale: 2 },
       modeBarButtonsToAdd: [
-        { name: "svg", title: "Download as SVG", icon: arrow, click: gd => Plotly.downloadImage(gd, { format: "svg", filename: name }) },
-        { name: "csv", title: "Download as CSV", icon: arrow, click: () => save(name + ".csv", tableOf(drawn)) },
+        { name: "svg", title: "Download as SVG", icon: letters("svg"), click: gd => Plotly.downloadImage(gd, { format: "svg", filename: name }) },
+        { name: "csv", title: "Download as CSV", icon: letters("csv"), click: () => save(name + ".csv", tableOf(drawn)) },
       ],
     });
+    const bar = node.querySelector(".modebar");
+    if (bar) toolbar(bar);
     if (first) {
+      node.tabIndex = 0;
+      node.setAttribute("role", "group");
+      node.setAttribute("aria-label", `${drawn.title || "chart"}: arrow keys go from one recorded instant to the next`);
+      node.onkeydown = event => {
+        const move = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+        if (!move || event.target !== node || !(drawn.cursor || drawn.kind === "carpet")) return;
+        event.preventDefault();
+        go(+slider.value + move);
+        if (drawn.cursor) Plotly.Fx.hover(node, { xval: positions[+slider.value] });
+      };
+      node.onblur = () => Plotly.Fx.unhover(node);
       node.appendChild(now);
       node.on("plotly_relayout", cursor); node.on("plotly_afterplot", cursor);
       if (drawn.cursor || drawn.kind === "carpet") node.on("plotly_click", event => go(nearest(event.points[0].x)));
@@ -537,10 +600,10 @@ async function showSection(section) {
   const parent = byId("sections");
   element("h2", parent, section.title);
   if (section.said) element("p", parent, section.said);
-  const charts = element("div", parent, "", "charts");
+  const charts = element("div", parent, "", "charts"), aside = element("div", parent);
   for (const drawn of section.drawn) {
     if (drawn.kind === "map") await showField(element("div", parent), drawn, false);
-    else chart(charts, drawn);
+    else chart(charts, drawn, aside);
   }
 }
 
@@ -571,6 +634,7 @@ function turn(time) {
 const seen = () => new Promise(done => { requestAnimationFrame(() => setTimeout(done)); setTimeout(done, 100); });
 
 async function begin() {
+  document.body.classList.toggle("single", data.labels.length === 1);
   numbers = new Float64Array(await inflate(data.columns));
   positions = column(data.cursor.positions);
   slider.max = positions.length - 1;

@@ -1,23 +1,24 @@
 // bodies on their meshes: WebGL, one canvas a run; turned by dragging or the arrow keys
 const VERTEX = `#version 300 es
-in vec3 place; in float share;
+in vec3 place; in float share;           // below zero: no value there
 uniform mat3 view; uniform vec4 frame;   // centre of the view in x, y, z and what is one half of its height
 uniform float aspect;
-out vec3 eye; out float colour;
+out vec3 eye; out float colour; out float known;
 void main() {
   eye = view * (place - frame.xyz);
-  colour = share;
+  colour = max(share, 0.0);
+  known = share < 0.0 ? 0.0 : 1.0;
   gl_Position = vec4(eye.x / frame.w / aspect, eye.y / frame.w, -eye.z / frame.w / 8.0, 1.0);
 }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 eye; in float colour;
+in vec3 eye; in float colour; in float known;   // a triangle has colours where all its corners have
 uniform sampler2D table; uniform vec3 plain;
 out vec4 seen;
 void main() {
   vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
   float light = 0.45 + 0.55 * abs(dot(normal, normalize(vec3(0.3, 0.5, 0.9))));
-  vec3 own = colour < 0.0 ? plain : texture(table, vec2((colour * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  vec3 own = known < 0.999 ? plain : texture(table, vec2((colour * 255.0 + 0.5) / 256.0, 0.5)).rgb;
   seen = vec4(own * light, 1.0);
 }`;
 
@@ -80,8 +81,8 @@ function placed(solid, mesh, displacement, frame, times) {
 }
 
 // for every point its cell of fields around the body, -1 where it is not on that face
-function cellsOf(solid, mesh, run) {
-  const [n, m] = run.shape, [first] = run.ends, [low, high] = solid.film, found = new Int32Array(mesh.points.length / 3).fill(-1);
+function cellsOf(mesh, run, [low, high]) {
+  const [n, m] = run.shape, [first] = run.ends, found = new Int32Array(mesh.points.length / 3).fill(-1);
   let radius = 0;
   for (let p = 0; p < mesh.points.length; p += 3) radius = Math.max(radius, Math.hypot(mesh.points[p], mesh.points[p + 2]));
   for (let p = 0; p < mesh.points.length; p += 3) {
@@ -149,7 +150,8 @@ class Scene {
     this.canvas.onpointerdown = event => { this.canvas.setPointerCapture(event.pointerId); };
     this.canvas.onpointermove = event => { if (event.buttons) controls.turn(event.movementX * .01, event.movementY * .01); };
     this.canvas.onkeydown = event => {
-      const move = { ArrowLeft: [-.1, 0], ArrowRight: [.1, 0], ArrowUp: [0, -.1], ArrowDown: [0, .1] }[event.key];
+      const move = { ArrowLeft: [-.1, 0], ArrowRight: [.1, 0], ArrowUp: [0, -.1], ArrowDown: [0, .1] }[event.key], factor = { "+": 1 / 1.1, "=": 1 / 1.1, "-": 1.1 }[event.key];
+      if (factor) { event.preventDefault(); controls.zoom(factor); }
       if (move) { event.preventDefault(); controls.turn(...move); }
     };
     this.canvas.onwheel = event => { if (event.ctrlKey) { event.preventDefault(); controls.zoom(event.deltaY > 0 ? 1.1 : 1 / 1.1); } };
@@ -195,7 +197,7 @@ class Scene {
       const shares = new Float32Array(sizes.length).fill(-1);
       if (values) values.forEach((value, p) => { if (!Number.isNaN(value)) shares[p] = Math.min(1, Math.max(0, shareOf(value, scale))); });
       const largest = sizes.reduce((a, b) => Math.max(a, b), 0);
-      said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "µm")}` : "rigid, or its deflection was not recorded"}`);
+      said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "µm")}` : solid.held ? "rigid" : "without deflection, as modal coordinates were not recorded"}`);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.place);
       gl.bufferData(gl.ARRAY_BUFFER, withCut(placed(solid, mesh, displacement, frame, view.times), part.between, 3), gl.DYNAMIC_DRAW);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.share);
@@ -212,7 +214,8 @@ class Scene {
     const height1 = height0 - middle, matrix = view.matrix;
     for (const [mark, x] of [[this.thrust, 1.35 * view.reach], [this.anti, -1.35 * view.reach]]) {
       const right = (matrix[0] * x + matrix[3] * height1) / view.half, up = (matrix[1] * x + matrix[4] * height1) / view.half;
-      mark.style.transform = `translate(-50%, -50%) translate(${(.5 * this.wide + .5 * right * this.tall).toFixed(1)}px, ${(.5 - .5 * up) * this.tall}px)`;
+      const across = Math.min(this.wide - 38, Math.max(38, .5 * this.wide + .5 * right * this.tall));
+      mark.style.transform = `translate(-50%, -50%) translate(${across.toFixed(1)}px, ${(.5 - .5 * up) * this.tall}px)`;
     }
     const text = `${this.label}: ${said.join("; ")}; deflection, sideways motion and tilt drawn ${digits(view.times)} times`;
     if (this.caption.textContent !== text) { this.caption.textContent = text; this.canvas.setAttribute("aria-label", text); }
@@ -232,15 +235,22 @@ function colourings(scenes) {
     const high = 1e6 * Math.max(...solids.map(one => one.name === name ? one.largest : 0));
     over(`displacement of the ${name}`, "µm", [{ low: 0, high }], false, (scene, k, frame, sizes) => scene.solids[k].name === name && scene.solids[k].count ? sizes : null, []);
   }
-  for (const field of data.fields) {
-    const runs = field.runs.filter(run => run);
-    if (field.low === field.high || !scenes.some(scene => field.runs[scene.run] && scene.solids.some(one => one.film))) continue;
-    over(field.name, field.unit, [field], field.logarithmic, (scene, k, frame, sizes) => {
-      const run = field.runs[scene.run], solid = scene.solids[k];
-      if (!run || !solid.film) return null;
-      const cells = (solid.cells ||= {})[run.shape] ||= cellsOf(solid, scene.meshes[k], run);
-      return sizes.map((_, p) => cells[p] < 0 ? NaN : run.at(frame, cells[p]));
-    }, runs);
+  // what is alike of several films is one colouring: each body, and each surface of it, has its own
+  const drawn = [...data.fields.keys()].filter(f => scenes.some(scene => data.fields[f].runs[scene.run] && scene.solids.some(one => one.over[f])));
+  const kind = f => `${data.fields[f].variable} [${data.fields[f].unit}]`;
+  for (const key of new Set(drawn.map(kind))) {
+    const alike = drawn.filter(f => kind(f) === key), fields = alike.map(f => data.fields[f]), [field] = fields;
+    if (Math.min(...fields.map(one => one.low)) === Math.max(...fields.map(one => one.high))) continue;
+    over(fields.length === 1 ? field.name : field.variable, field.unit, fields, fields.some(one => one.logarithmic), (scene, k, frame, sizes) => {
+      const solid = scene.solids[k], own = alike.filter(f => solid.over[f] && data.fields[f].runs[scene.run]);
+      if (!own.length) return null;
+      const values = sizes.map(() => NaN);
+      for (const f of own) {
+        const run = data.fields[f].runs[scene.run], cells = (solid.cells ||= {})[f] ||= cellsOf(scene.meshes[k], run, solid.over[f]);
+        for (let p = 0; p < cells.length; p++) if (cells[p] >= 0) values[p] = run.at(frame, cells[p]);
+      }
+      return values;
+    }, fields.flatMap(one => one.runs.filter(run => run)));
   }
   if (!found.length) over("nothing", "", [{ low: 0, high: 1 }], false, () => null, []);
   return found;
@@ -267,10 +277,13 @@ async function showSolids() {
   const tick = (text, checked) => { const label = element("label", row), box = element("input", label); box.type = "checkbox"; box.checked = checked; label.append(" " + text); box.onchange = () => paint(); return box; };
   const block = tick("block, cut open", true), follow = tick("follow the piston", true);
   const view = { round: -.45, up: .3, half: 1, middle: [0, 0, 0] };
-  const controls = { block, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
+  const controls = { block, view, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
   const area = element("div", parent, "", "maps");
-  data.solids.runs.forEach((solids, run) => { if (solids.length) scenes.push(new Scene(area, data.labels[run], run, solids, meshes, controls)); });
-  element("p", parent, "Drag or press the arrow keys to turn, Ctrl and wheel to zoom. The piston's place along the bore is not exaggerated. Shading darkens colours, the legend is for full light.", "small");
+  data.solids.runs.forEach((solids, run) => {
+    for (const owner of new Set(solids.map(solid => solid.owner)))
+      scenes.push(new Scene(area, data.labels[run] + (owner ? `, ${owner}` : ""), run, solids.filter(solid => solid.owner === owner), meshes, controls));
+  });
+  element("p", parent, "Drag or press the arrow keys to turn, Ctrl and wheel, + or - to zoom. The piston's place along the bore is not exaggerated. Shading darkens colours, the legend is for full light.", "small");
   const paints = colourings(scenes);
   paints.forEach((one, k) => { element("option", colours, one.name).value = String(k); });
   const points = scenes.flatMap(scene => scene.meshes.map((mesh, k) => ({ mesh, solid: scene.solids[k] }))), rest = points.find(one => !one.solid.motion);
