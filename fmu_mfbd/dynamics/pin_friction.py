@@ -7,9 +7,10 @@ pin in its bosses could be read in the open literature. The open paper behind th
 gives asperities that rub in oil 0.1; that bounds it from above. A full film bounds it from below,
 and next to nothing: Petroff's 2 pi^2 mu N R/(P c) is 1e-4 at 18 kN on the pin of the fired case, in
 10 um; the three films of `models/floating_pin`, with oil at hand all around, make the heat of 6e-4
-on the pin of `data_sheet`, half of it by asperities. The default, 0.01, has asperities carry a tenth of the load: our own choice, the largest of
-0.01, 0.02 and 0.05 with which the fired case, flooded, tilts by no more than the 0.1 deg published
-of motorcycle pistons (0.093, 0.166, 0.268 deg).
+on the pin of `data_sheet`, half of it by asperities. The default, 0.01, has asperities carry a
+tenth of the load: our own choice, the largest of 0.01, 0.02 and 0.05 with which the fired case,
+flooded, tilts by no more than the 0.1 deg published of motorcycle pistons (0.093, 0.166, 0.268
+deg).
 
 Where it turns round. The skirt's clearance lets the piston tilt by a tenth of a degree or two while
 the rod swings by 13 to 19: the pin slips with the rod, whose angular velocity has the amplitude
