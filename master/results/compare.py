@@ -9,10 +9,12 @@ from typing import NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..case.contract import players
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import near
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
+from .instants import CRANK_ANGLE
 from .judgement import last_period
 from .pictures import PALETTE, name_of
 
@@ -221,10 +223,17 @@ def measured_section(runs, measured) -> Section:
             f"{name_of(x_port)} [{x_unit}]",
             f"[{column.unit}]",
             curves,
+            cursor=x_unit == "deg" and all(_turns(results, x_port) for results in runs.values()),
             corridor=band,
         )
         drawn.append(chart)
     return Section("Against measured values", drawn)
+
+
+def _turns(results, port):
+    """Whether an output is the crank angle that the page's cursor goes over."""
+    bodies = players(results.case, "bodies")
+    return bool(bodies) and port == f"{bodies[0]}.{CRANK_ANGLE}"
 
 
 def against_measured(runs, measured):

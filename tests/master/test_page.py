@@ -450,9 +450,11 @@ def test_a_measured_band_is_drawn_and_the_share_in_it_said(browser, page, tmp_pa
       waiting.forEach(([, draw]) => draw());
       const node = document.querySelector(".chart");
       return { names: node.data.map(one => one.name), fill: node.data[1].fill,
-        low: [...node.data[0].y], high: [...node.data[1].y], title: data.sections[0].title };"""
+        low: [...node.data[0].y], high: [...node.data[1].y], title: data.sections[0].title,
+        cursor: chart.cursor };"""
     found, console = probed(browser, path, script, tmp_path)
     assert console == [] and found["title"] == "Against measured values"
+    assert found["cursor"]  # over the crank angle: with the strokes and the page's cursor
     inside = np.interp(at, np.linspace(0, 720, 73), np.sin(np.linspace(0, 4 * np.pi, 73)))
     share = np.mean((inside >= low) & (inside <= high))
     assert share == pytest.approx(36 / 71)  # at <= 360 deg
