@@ -31,8 +31,10 @@ from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .tree import import_part, reached, slave_class
 from .variables import Variable
 
-MARK = b"PCNATIV1"
+MARK = b"PCNATIV2"
 """What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
+
+WORD = 8  # bytes that are summed up at once
 
 CAUSALITIES = ("parameter", "input", "constant", "output")
 TYPES = ("Real", "Integer", "String", "Enumeration")
@@ -202,12 +204,12 @@ def _libraries(package, platforms, version, progress):
     """Name of a platform -> its library."""
     return {
         name: link(name, version, code)
-        for name, code in _object_files(package, platforms, progress).items()
+        for name, code in object_files(package, platforms, progress).items()
     }
 
 
-def _object_files(package, platforms, progress):
-    """Name of a platform -> object file of the entries, from the cache where it was made before."""
+def object_files(package, platforms, progress=lambda text: None):
+    """Name of a platform to object file of the entries, from the cache where it was made before."""
     folder = cache_folder("native")
     code = _digest_of_code(package)
     kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
@@ -291,9 +293,8 @@ def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
     rows = [_row(slave, v, part.covered) for v in table]
     integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
     numbers = [x for v in table for x in _ranges(v, part.covered)]
-    return b"".join(
+    content = b"".join(
         [
-            MARK,
             struct.pack(f"<{len(integers)}q", *map(int, integers)),
             np.array(numbers, dtype="<f8").tobytes(),
             slave.real.astype("<f8").tobytes(),
@@ -302,6 +303,16 @@ def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
             *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
         ]
     )
+    content += bytes(-len(content) % WORD)
+    return MARK + _sums(content) + content
+
+
+def _sums(content):
+    """Of all words, and of their sums so far, as `sums_of` in front/native.c."""
+    words = np.frombuffer(content, dtype="<u8")
+    weights = np.arange(len(words), 0, -1, dtype=np.uint64)
+    sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
+    return np.array(sums, dtype="<u8").tobytes()
 
 
 def _row(slave, v: Variable, covered):

@@ -388,13 +388,13 @@ def test_a_host_with_an_empty_environment_and_a_read_only_folder(
 
 
 def place_size():
-    """Bytes of a state: head, variables, integers, 18 fields, faces and 5 numbers."""
+    """Bytes of a state: head with two sums, variables, integers, 18 fields, faces and 5 numbers."""
     n_c, n_a = GRID
     table = variables(GRID)
     reals = sum(v.size for v in table if v.type == "Real")
     integers = sum(v.size for v in table if v.type in ("Integer", "Enumeration"))
     states = 18 * n_c * n_a + 2 * n_c * (n_a + 1) + 5
-    return 8 + 4 * 8 + 8 * (reals + integers + states)
+    return 8 + 6 * 8 + 8 * (reals + integers + states)
 
 
 # ---- other machines
