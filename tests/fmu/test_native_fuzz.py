@@ -48,7 +48,7 @@ def fuzzed(native_fmu, make_native, unpack, tmp_path_factory):
 
 
 def check(counted, calls):
-    """All came back: some hundred went well, some hundred were refused; no damage was overlooked."""
+    """All came back: hundreds went well, hundreds were refused; no damage was overlooked."""
     well, refused, words, damaged, tried = counted
     assert well > calls / 10 and refused > calls / 10 and words > calls / 20
     assert damaged == tried
