@@ -113,15 +113,15 @@ def build_native_fmu(
         With every fault of the options, what the library does not cover among them, and every
         platform for which there is no C compiler.
     """
-    part, resolved = check_native(package, options, folder, progress, platforms)
-    slave = _slave(package, resolved)
+    part, resolved, files = check_native(package, options, folder, progress, platforms)
+    slave, given = _slave(package, part, resolved, files)
     slave.experiment = experiment or slave.experiment
     libraries = {
         f"binaries/{PLATFORMS[name].folders[version]}/{slave.name}{PLATFORMS[name].ending}": data
         for name, data in _libraries(package, platforms, version, progress).items()
     }
     members = texts_of(slave, version, any_host=True, platforms=platforms) | libraries
-    members["resources/slave.bin"] = slave_file(slave, part)
+    members["resources/slave.bin"] = slave_file(slave, part, given)
     digest = sha256()
     for name in sorted(members):
         digest.update(name.encode() + b"\0" + sha256(members[name]).digest())
@@ -138,8 +138,9 @@ def check_native(
     folder: Path,
     progress: Callable[[str], object],
     platforms: Sequence[str],
-) -> tuple[NativePart, dict[str, Any]]:
-    """What a package says of itself, and its checked build options.
+) -> tuple[NativePart, dict[str, Any], list[Path]]:
+    """What a package says of itself, its checked build options and the files they name. What is
+    known to be uncovered before is refused before anything is computed for them.
 
     Raises
     ------
@@ -149,11 +150,12 @@ def check_native(
     if unknown := [name for name in platforms if name not in PLATFORMS]:
         raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
     part = part_of(package)
-    resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
-    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
-    if faults:
+    if faults := [*part.uncovered_ahead(options), *_missing_compilers(platforms), *too_old()]:
         raise BadInput(faults)
-    return part, resolved
+    resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
+    if faults := list(part.uncovered(resolved)):
+        raise BadInput(faults)
+    return part, resolved, files
 
 
 def part_of(package: str) -> NativePart:
@@ -187,14 +189,18 @@ def too_old() -> list[str]:
     ]
 
 
-def _slave(package, options):
-    """An instance of the slave in Python, which knows its table and where variables lie."""
+def _slave(package, part, options, files):
+    """An instance of the slave in Python, which knows its table and where variables lie; and what
+    its memory begins with.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
+        for file in files:
+            shutil.copy(file, scratch)
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
-    if slave.string or slave.courses:
-        raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
-    return slave
+        if slave.string or slave.courses:
+            raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
+        return slave, part.given(slave)
 
 
 # ---- the library
@@ -267,11 +273,11 @@ def link(platform: str, version: str, code: bytes) -> bytes:
 # ---- the file that says what the slave is like
 
 
-def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
+def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
     """Content of resources/slave.bin: where variables lie, their ranges, what is covered of them,
     start values, what the slave's memory begins with, sentences. front/native.c reads it.
     """
-    given = np.asarray(part.given(slave), dtype="<f8")
+    given = np.asarray(given, dtype="<f8")
     blocks = [
         (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
         for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))

@@ -7,6 +7,7 @@ the target. What numba hands out for calls from Python is left away. No fast mat
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -43,10 +44,31 @@ REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an ent
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
-    "functions": {"ceil", "exp", "log10", "pow", "sqrt"},
+    "products": {"native_dot", "native_times"},
+    "functions": {"ceil", "exp", "floor", "hypot", "log10", "pow", "sqrt", "tanh"},
 }
 """All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
 libm. Whatever else numba would call is Python's."""
+
+PRODUCTS = {
+    "declare i32 @numba_xxdot(i8, i8, i64, ptr, ptr, ptr)": """
+define internal i32 @numba_xxdot(i8 %kind, i8 %conjugate, i64 %n, ptr %a, ptr %b, ptr %out) {
+  call void @native_dot(i64 %n, ptr %a, ptr %b, ptr %out)
+  ret i32 0
+}
+declare void @native_dot(i64, ptr, ptr, ptr)
+""",
+    "declare i32 @numba_xxgemv(i8, i8, i64, i64, ptr, ptr, i64, ptr, ptr, ptr)": """
+define internal i32 @numba_xxgemv(i8 %kind, i8 %turned, i64 %m, i64 %n, ptr %alpha, ptr %a,
+                                  i64 %lead, ptr %x, ptr %beta, ptr %y) {
+  call void @native_times(i8 %turned, i64 %m, i64 %n, ptr %a, i64 %lead, ptr %x, ptr %y)
+  ret i32 0
+}
+declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
+""",
+}
+"""Products of vectors and of a matrix with one, which numba leaves to BLAS and, where that fails,
+to Python: those of front/runtime.c never fail, and LLVM sees that here."""
 
 
 def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
@@ -126,6 +148,10 @@ def module_text(part: Any) -> str:
         else:
             whole.link_in(module)
     assert whole is not None
+    text = str(whole)
+    for declared, defined in PRODUCTS.items():
+        text = re.sub(rf"^{re.escape(declared)}.*$", defined, text, flags=re.MULTILINE)
+    whole = binding.parse_assembly(text)
     for symbol in (*whole.functions, *whole.global_variables):
         if not symbol.is_declaration:
             symbol.linkage = "external" if symbol.name in names else "internal"

@@ -148,7 +148,7 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     monkeypatch.setattr(
         "piston_cosim.fmu_mfbd.dynamics.model.end_of_step", instant.end_of_step.py_func
     )
-    monkeypatch.setattr(instant, "film_forces_of", instant.film_forces_of.py_func)
+    monkeypatch.setattr(instant, "forces_by_film", instant.forces_by_film.py_func)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] <= 1e-13
     monkeypatch.setattr(instant, "generalised", wrong)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
