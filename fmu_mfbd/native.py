@@ -53,6 +53,11 @@ from .native_block import (
     ENERGY_GAIN,
     ENERGY_SIZE,
     EVALUATIONS,
+    FAULT,
+    FAULT_A,
+    FAULT_B,
+    FAULT_C,
+    FAULT_I,
     FAULTS_AT,
     FILM_THICKNESS,
     FORCE,
@@ -71,12 +76,13 @@ from .native_block import (
     KINETIC,
     LAND,
     LAST_ACCELERATION,
-    LAST_COUNT,
+    LAST_COEFFICIENTS,
+    LAST_CRANK,
+    LAST_LOAD,
     LAST_NUMBERS,
     LAST_POSITION,
     LAST_VELOCITY,
     LEFT,
-    LINEAR_COUNT,
     LINEAR_NUMBERS,
     MEASURED,
     MODAL_COORDINATE,
@@ -86,10 +92,9 @@ from .native_block import (
     NOWHERE,
     NUMBERS,
     OF_A_FAULT,
-    OF_CRANK,
     OF_FIELD,
     OF_INPUTS,
-    OF_LOAD,
+    OF_LAST,
     OF_OUTPUTS,
     OF_PRODUCTS,
     OF_SEEDS,
@@ -131,9 +136,17 @@ from .native_block import (
     WALL_AT_NOW,
     WIDENING,
     WORK_ERROR,
+    coefficients_from,
     count,
+    crank_from,
+    linear_from,
+    load_from,
     part,
     place,
+    put_coefficients,
+    put_crank,
+    put_linear,
+    put_load,
     settings_of,
     system_of,
 )
@@ -279,7 +292,7 @@ def _of_field(name, field: ModalField):
     table = np.zeros(field.table.size + field.table.size % 2, dtype=np.float32)
     table[: field.table.size] = field.table.ravel()
     parts = (
-        [lines // 4, length, field.modes, field.classes, field.part],
+        [lines, length, field.modes, field.classes, field.part],
         table.view(float),
         np.ascontiguousarray(field.mode, dtype=np.int64).view(float),
         np.ascontiguousarray(field.kind, dtype=np.int64).view(float),
@@ -325,12 +338,15 @@ def _lengths(given, options):
         "none": 0,
         "numbers": len(OF_STATE),
         **dict.fromkeys(STATE[1:], n),
-        "last_numbers": LAST_COUNT,
+        "last_numbers": len(OF_LAST),
+        "last_coefficients": len(Coefficients._fields),
+        "last_load": len(Load._fields),
+        "last_crank": len(CrankMotion._fields),
         "last_position": of_motion,
         "last_velocity": of_motion,
         "last_acceleration": of_motion,
         "modal_load": k,
-        "linear_numbers": LINEAR_COUNT,
+        "linear_numbers": len(Linear._fields),
         "top": RIGID * of_motion,
         "left": RIGID * k,
         "diagonal": k,
@@ -349,11 +365,11 @@ def refuse(memory, number, a, b, c, d):
     at = int(faults[0])
     if at < MOST_FAULTS:
         one = faults[1 + OF_A_FAULT * at :]
-        one[0] = number
-        one[1] = d
-        one[3] = a
-        one[4] = b
-        one[5] = c
+        one[FAULT] = number
+        one[FAULT_I] = d
+        one[FAULT_A] = a
+        one[FAULT_B] = b
+        one[FAULT_C] = c
         faults[0] = at + 1.0
 
 
@@ -519,38 +535,31 @@ def publish(real, integer, memory, now, scalars):
 def remember(memory, c, now, crank):
     """What a derivative at the end of this step starts from."""
     last = part(memory, LAST_NUMBERS)
-    numbers = (
-        c.step,
-        c.alpha_m,
-        c.alpha_f,
-        c.beta,
-        c.gamma,
-        c.to_auxiliary,
-        c.to_velocity,
-        c.to_position,
-        now.load.lateral,
-        now.load.axial,
-        now.load.moment,
-        now.load.guided,
-        crank.angle,
-        crank.speed,
-        crank.acceleration,
-        now.guided,
-        0.0,  # not linear yet
-    )
-    for k in range(len(numbers)):
-        last[k] = numbers[k]
+    last[GUIDED] = now.guided
+    last[IS_LINEAR] = 0.0
+    put_coefficients(part(memory, LAST_COEFFICIENTS), c)
+    put_load(part(memory, LAST_LOAD), now.load)
+    put_crank(part(memory, LAST_CRANK), crank)
     keep(part(memory, LAST_POSITION), now.position)
     keep(part(memory, LAST_VELOCITY), now.velocity)
     keep(part(memory, LAST_ACCELERATION), now.acceleration)
     keep(part(memory, MODAL_LOAD), now.load.modal)
 
 
+class End(NamedTuple):
+    """Of a step: the crank there, the time [s], and whether it is the start."""
+
+    crank: CrankMotion
+    time: float
+    begins: bool
+
+
 @compiled
-def solve(real, integer, memory, c, before, auxiliary, crank, time, begins):
-    """The end of a step as `model.PistonInBore._solve`, state and outputs; `begins`: at the start,
-    where nothing was before. A fault is noted where it is not found, and the state stays.
+def solve(real, integer, memory, c, before, auxiliary, at):
+    """The `End` of a step as `model.PistonInBore._solve`, state and outputs. A fault is noted where
+    it is not found, and the state stays.
     """
+    crank = at.crank
     if not np.isfinite(crank.angle):
         refuse(memory, NO_ANGLE, crank.angle, 0.0, 0.0, 0.0)
         return
@@ -585,7 +594,7 @@ def solve(real, integer, memory, c, before, auxiliary, crank, time, begins):
     scalars = scalars_of(now, crank, p.crank_inertia)
     state = part(memory, NUMBERS)
     publish(real, integer, memory, now, scalars)
-    if not begins:
+    if not at.begins:
         n = len(now.position)
         way = np.empty(n)
         for k in range(n):
@@ -601,12 +610,12 @@ def solve(real, integer, memory, c, before, auxiliary, crank, time, begins):
     real[place(memory, OF_OUTPUTS + CYLINDER_PRESSURE)] = pressure
     real[place(memory, OF_OUTPUTS + SIDE_FORCE_DEMAND)] = demand_of(system, others, crank)
     remember(memory, c, now, crank)
-    state[TIME] = time
+    state[TIME] = at.time
     state[CRANK_ANGLE] = crank.angle
     state[CRANK_SPEED] = crank.speed
     state[CRANK_ACCELERATION] = crank.acceleration
     state[KINETIC] = now.ledger.accounted
-    state[STEPS] = 0.0 if begins else state[STEPS] + 1.0
+    state[STEPS] = 0.0 if at.begins else state[STEPS] + 1.0
     keep(part(memory, POSITION), now.position)
     keep(part(memory, VELOCITY), now.kept_velocity)
     keep(part(memory, ACCELERATION), now.kept_acceleration)
@@ -620,68 +629,35 @@ def solve(real, integer, memory, c, before, auxiliary, crank, time, begins):
 @compiled
 def linear_of(memory, modes):
     """`Linear` in the memory."""
-    x = part(memory, LINEAR_NUMBERS)
     arrow = Arrow(
         part(memory, TOP).reshape((RIGID, RIGID + modes)),
         part(memory, LEFT).reshape((modes, RIGID)),
         part(memory, DIAGONAL),
     )
-    return Linear(
-        arrow,
-        part(memory, COUPLING).reshape((modes, modes)),
-        x[0],
-        x[1],
-        x[2],
-        x[3],
-        x[4],
-        x[5],
-        x[6],
-        x[7],
-        x[8],
-        x[9],
-        x[10],
-        x[11],
-        x[12],
-        x[13],
-    )
+    coupling = part(memory, COUPLING).reshape((modes, modes))
+    return linear_from(part(memory, LINEAR_NUMBERS), arrow, coupling)
 
 
 @compiled
 def make_linear(memory, system):
     """Derivatives of the last step that every direction shares, into the memory."""
-    last = part(memory, LAST_NUMBERS)
-    x = last[:OF_LOAD]
-    c = Coefficients(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
-    y = last[OF_LOAD:]
-    load_now = Load(y[0], y[1], y[2], y[3], part(memory, MODAL_LOAD), FIXED)
-    crank = CrankMotion(last[OF_CRANK], last[OF_CRANK + 1], last[OF_CRANK + 2])
-    now = Motion(
-        part(memory, LAST_POSITION), part(memory, LAST_VELOCITY), part(memory, LAST_ACCELERATION)
+    found = linearise(
+        system,
+        coefficients_from(part(memory, LAST_COEFFICIENTS)),
+        load_from(part(memory, LAST_LOAD), part(memory, MODAL_LOAD), FIXED),
+        Motion(
+            part(memory, LAST_POSITION),
+            part(memory, LAST_VELOCITY),
+            part(memory, LAST_ACCELERATION),
+        ),
+        crank_from(part(memory, LAST_CRANK)),
     )
-    found = linearise(system, c, load_now, now, crank)
-    numbers = (
-        found.slope,
-        found.axial_velocity_slope,
-        found.arm,
-        found.rod_slope,
-        found.friction_x,
-        found.friction_y,
-        found.x_by_lateral,
-        found.y_by_lateral,
-        found.x_by_rocking,
-        found.y_by_rocking,
-        found.spin_by_rocking,
-        found.step,
-        found.to_velocity,
-        found.to_position,
-    )
-    kept = part(memory, LINEAR_NUMBERS)
-    for k in range(len(numbers)):
-        kept[k] = numbers[k]
+    put_linear(part(memory, LINEAR_NUMBERS), found)
     keep(part(memory, TOP), found.arrow.top.reshape(found.arrow.top.size))
     keep(part(memory, LEFT), found.arrow.left.reshape(found.arrow.left.size))
     keep(part(memory, DIAGONAL), found.arrow.diagonal)
     keep(part(memory, COUPLING), found.coupling.reshape(found.coupling.size))
+    last = part(memory, LAST_NUMBERS)
     last[IS_LINEAR] = 1.0
     last[TANGENTS] += 1.0
 
@@ -694,7 +670,7 @@ def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.
     """Lengths, as the head of the memory tells them: of the whole, where its state begins and how
     long that is, where faults are; into `numbers`.
     """
-    for k in range(PARTS_FROM):
+    for k in range(len(numbers)):
         numbers[k] = memory[k]
 
 
@@ -722,7 +698,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     speed = number_at(real, memory, OF_INPUTS + CRANK_SPEED_GIVEN)
     crank = CrankMotion(crank_angle, speed, 0.0)
     now = coefficients(0.0, p.spectral_radius)
-    solve(real, integer, memory, now, before, at_rest, crank, 0.0, True)
+    solve(real, integer, memory, now, before, at_rest, End(crank, 0.0, True))
 
 
 @compiled
@@ -744,7 +720,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         c = first_steps(step)
     else:
         c = coefficients(step, settings_of(memory).spectral_radius)
-    solve(real, integer, memory, c, before, auxiliary, crank, time, False)
+    solve(real, integer, memory, c, before, auxiliary, End(crank, time, False))
 
 
 @compiled

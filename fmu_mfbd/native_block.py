@@ -1,11 +1,12 @@
 """The memory of bodies that need no Python: one flat block of float64 numbers, whose head says
-where each part begins. What stands in a part is told here once, its length by `layout`.
+where each part begins. What parts there are is said here, their lengths in `native.given`.
 
 Tables of single precision and whole numbers lie in it by their bits.
 """
 
 from collections import namedtuple
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +15,12 @@ from .dynamics.assembly import mechanism
 from .dynamics.drive import Scalars
 from .dynamics.floating_frame import FlexibleBody
 from .dynamics.gas_on_bore import BoreWall
-from .dynamics.instant import Block, System
+from .dynamics.generalised_alpha import Coefficients
+from .dynamics.instant import Block, Linear, System
 from .dynamics.parameters import Parameters
+from .dynamics.piston_motion import Load
 from .dynamics.quasi_static import StaticModes
+from .dynamics.slider_crank import CrankMotion
 from .geometry.film import Bore, FilmSurface, Skirt
 from .geometry.modal_field import ModalField
 
@@ -53,6 +57,8 @@ GIVEN = (
 )
 FIELDS = ("skirt_radial", "skirt_axial", "bore_radial", "bore_axial")
 OF_FIELD = ("sizes", "table", "mode", "kind", "image", "share")
+SIZES, TABLE, MODE, KIND, IMAGE, SHARE = range(len(OF_FIELD))
+LINES, LENGTH, MODES, CLASSES, WIDTH = range(5)  # sizes of a modal field
 MADE = (
     "settings",
     "gap",
@@ -70,6 +76,9 @@ STATE = ("numbers", "position", "velocity", "acceleration", "auxiliary", "other_
 """In one piece."""
 LAST = (
     "last_numbers",
+    "last_coefficients",
+    "last_load",
+    "last_crank",
     "last_position",
     "last_velocity",
     "last_acceleration",
@@ -137,6 +146,9 @@ NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
 )
 (
     LAST_NUMBERS,
+    LAST_COEFFICIENTS,
+    LAST_LOAD,
+    LAST_CRANK,
     LAST_POSITION,
     LAST_VELOCITY,
     LAST_ACCELERATION,
@@ -185,15 +197,8 @@ CONSTANT = (
 
 OF_STATE = ("time", "crank_angle", "crank_speed", "crank_acceleration", "kinetic", "steps")
 TIME, CRANK_ANGLE, CRANK_SPEED, CRANK_ACCELERATION, KINETIC, STEPS = range(len(OF_STATE))
-OF_COEFFICIENTS = 8
-OF_LOAD = OF_COEFFICIENTS
-OF_CRANK = OF_LOAD + 4
-GUIDED = OF_CRANK + 3
-IS_LINEAR = GUIDED + 1
-EVALUATIONS = IS_LINEAR + 1
-TANGENTS = EVALUATIONS + 1
-LAST_COUNT = TANGENTS + 1
-LINEAR_COUNT = 14
+OF_LAST = ("guided", "is_linear", "evaluations", "tangents")
+GUIDED, IS_LINEAR, EVALUATIONS, TANGENTS = range(len(OF_LAST))
 
 # ---- where numbers lie among the variables
 
@@ -247,6 +252,7 @@ OF_PRODUCTS = SEEDED_RINGS + 3
 NOWHERE = -1.0
 
 OF_A_FAULT = 6
+FAULT, FAULT_I, _, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
 MOST_FAULTS = 8
 
 
@@ -268,68 +274,50 @@ def count(memory, k):
     return int(part(memory, COUNTS)[k])
 
 
+def packed(kind: Any, *others: str):
+    """Kernels that keep the numbers of a named tuple in an array, (array, tuple), and that make it
+    of them again, (array, *others); `others` are its fields that are no numbers.
+    """
+    names = [name for name in kind._fields if name not in others]
+    given = "".join(f", {name}" for name in others)
+    stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
+    values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
+    scope = {"kind": kind}
+    exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
+    return compiled(scope["put"]), compiled(scope["made"])
+
+
+_, settings_from = packed(Settings)
+put_coefficients, coefficients_from = packed(Coefficients)
+put_load, load_from = packed(Load, "modal", "carrier")
+put_crank, crank_from = packed(CrankMotion)
+put_linear, linear_from = packed(Linear, "arrow", "coupling")
+
+
 @compiled
 def settings_of(memory):
     """Parameters of the last start."""
-    x = part(memory, SETTINGS)
-    return Settings(
-        x[0],
-        x[1],
-        x[2],
-        x[3],
-        x[4],
-        x[5],
-        x[6],
-        x[7],
-        x[8],
-        x[9],
-        x[10],
-        x[11],
-        x[12],
-        x[13],
-        x[14],
-        x[15],
-        x[16],
-        x[17],
-        x[18],
-        x[19],
-        x[20],
-        x[21],
-        x[22],
-        x[23],
-        x[24],
-        x[25],
-        x[26],
-        x[27],
-        x[28],
-        x[29],
-        x[30],
-        x[31],
-        x[32],
-        x[33],
-        x[34],
-        x[35],
-    )
+    return settings_from(part(memory, SETTINGS))
 
 
 @compiled
 def field_of(memory: np.ndarray, first: int) -> ModalField:
     """The modal field whose parts begin with the `first` of `PARTS`."""
-    sizes = part(memory, first)
-    groups = int(sizes[0])
-    classes = int(sizes[3])
-    width = int(sizes[4])
-    table = part(memory, first + 1).view(np.float32)
-    length = int(sizes[1])
+    sizes = part(memory, first + SIZES)
+    lines = int(sizes[LINES])
+    length = int(sizes[LENGTH])
+    classes = int(sizes[CLASSES])
+    width = int(sizes[WIDTH])
+    table = part(memory, first + TABLE).view(np.float32)
     return ModalField(
-        table[: 4 * groups * length].reshape((4 * groups, length)),
-        part(memory, first + 2).view(np.int64),
-        part(memory, first + 3).view(np.int64),
-        int(sizes[2]),
+        table[: lines * length].reshape((lines, length)),
+        part(memory, first + MODE).view(np.int64),
+        part(memory, first + KIND).view(np.int64),
+        int(sizes[MODES]),
         classes,
         width,
-        part(memory, first + 4).view(np.int64).reshape((classes, width)),
-        part(memory, first + 5),
+        part(memory, first + IMAGE).view(np.int64).reshape((classes, width)),
+        part(memory, first + SHARE),
     )
 
 

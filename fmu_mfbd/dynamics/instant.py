@@ -49,8 +49,8 @@ from .piston_motion import (
 from .quasi_static import STILL, Ride, StaticModes, static_coordinates
 from .slider_crank import CrankMotion, Mechanism, carried_mass, height, motion, rod_turn
 
-RESULTANTS = 3
-"""Generalised forces of a film beside those on modes: lateral, axial, moment."""
+ACROSS, ALONG, ABOUT, RESULTANTS = range(4)
+"""Generalised forces of a film: lateral, axial, moment; those on modes follow."""
 
 
 class Block(NamedTuple):
@@ -376,9 +376,9 @@ def forces_by_film(
         last = first + surface.skirt.gap.size
         nodal = _nodal(surface, pressure_force[first:last], friction_force[first:last])
         part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
-        parts[s, 0] = part.lateral
-        parts[s, 1] = part.axial
-        parts[s, 2] = part.moment
+        parts[s, ACROSS] = part.lateral
+        parts[s, ALONG] = part.axial
+        parts[s, ABOUT] = part.moment
         for k in range(modes):
             parts[s, RESULTANTS + k] = part.piston[k]
         for k in range(of_block):
@@ -392,7 +392,7 @@ def part_of(system: System, parts: np.ndarray, s: int) -> FilmForces:
     """Generalised forces of a film, from `forces_by_film`."""
     one = parts[s]
     modes = RESULTANTS + len(system.gas_force)
-    return FilmForces(one[0], one[1], one[2], one[RESULTANTS:modes], one[modes:])
+    return FilmForces(one[ACROSS], one[ALONG], one[ABOUT], one[RESULTANTS:modes], one[modes:])
 
 
 @compiled

@@ -338,6 +338,8 @@ class PistonInBore:
         """State and outputs that fulfil the equations of motion a step after the motion `before`
         with its auxiliary acceleration.
         """
+        if not np.isfinite(crank.angle):
+            raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)

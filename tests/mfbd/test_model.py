@@ -154,6 +154,12 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
 
 
+def test_a_step_that_ends_nowhere_is_refused(model):
+    state, _ = run(model, 1)
+    with pytest.raises(NotConverged, match="crank angle = inf rad: must be finite"):
+        model.advance(state, inputs(model, 1), 1e308)
+
+
 def test_a_repeated_step_gives_the_same_bytes(model):
     state, _ = run(model)
     first = model.advance(state, inputs(model, 7), STEP)[0]
