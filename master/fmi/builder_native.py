@@ -221,8 +221,9 @@ def object_files(package, platforms, progress=lambda text: None):
     kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
     missing = [name for name, path in kept.items() if not path.exists()]
     if missing:
-        progress(f"compiling {package} for {', '.join(missing)}, which takes one to two minutes")
-        for name, data in native_code.object_files(package, missing).items():
+        progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
+        module = folder / f"{package}-{code}.ll.gz"
+        for name, data in native_code.object_files(package, missing, module).items():
             partial = kept[name].with_suffix(f".{os.getpid()}.part")
             partial.write_bytes(data)
             os.replace(partial, kept[name])

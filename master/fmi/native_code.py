@@ -6,6 +6,7 @@ the target. What numba hands out for calls from Python is left away. No fast mat
 `compiled`. It runs in a process of its own, for numba is told once and for all what to do.
 """
 
+import gzip
 import os
 import re
 import subprocess
@@ -71,7 +72,7 @@ declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
 to Python: those of front/runtime.c never fail, and LLVM sees that here."""
 
 
-def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
+def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, bytes]:
     """Object file of a participant's entries for each of `TARGETS` asked for.
 
     Parameters
@@ -80,6 +81,9 @@ def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
         Part of the project with a module `native`, or importable package.
     platforms : list of str
         Keys of `TARGETS`.
+    kept : Path
+        The module that they are made of, compressed; made where it is not there. It is what takes
+        minutes, and the same for all targets.
 
     Raises
     ------
@@ -87,7 +91,7 @@ def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
         With the words of numba or LLVM.
     """
     with tempfile.TemporaryDirectory() as scratch:
-        command = [sys.executable, "-m", __name__, package, scratch, *platforms]
+        command = [sys.executable, "-m", __name__, package, str(kept), scratch, *platforms]
         around = Path(sys.modules[ROOT].__path__[0]).parent
         path = os.pathsep.join([str(around), *filter(None, sys.path)])
         environment = os.environ | RAW | {"PYTHONPATH": path}
@@ -194,10 +198,15 @@ def _machine(target: Target):
     )
 
 
-def main(package: str, folder: str, *platforms: str) -> None:
-    """Write the object files into a folder, and the module that they are made of."""
-    text = module_text(import_part(f"{package}.native").PART)
-    Path(folder, "module.ll").write_text(text)
+def main(package: str, kept: str, folder: str, *platforms: str) -> None:
+    """Write the object files into a folder; the module that they are made of is kept."""
+    if os.path.exists(kept):
+        text = gzip.decompress(Path(kept).read_bytes()).decode()
+    else:
+        text = module_text(import_part(f"{package}.native").PART)
+        partial = Path(f"{kept}.{os.getpid()}.part")
+        partial.write_bytes(gzip.compress(text.encode(), 1))
+        os.replace(partial, kept)
     for name in platforms:
         Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))
 

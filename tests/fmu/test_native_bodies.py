@@ -3,7 +3,7 @@ hosts and machines. What is compiled is the slave's own kernels; products of a m
 and what goes through sin, tanh and hypot are those of other libraries.
 """
 
-import json
+import importlib
 import os
 import shutil
 import subprocess
@@ -14,7 +14,9 @@ import pytest
 
 from piston_cosim.fmu_mfbd.native import OPTIONS
 from piston_cosim.master.api.fmus import build_fmu as build_of_case
+from piston_cosim.master.case.contract import swap
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of, too_old
 from piston_cosim.master.fmi.compiler import compiler
@@ -175,37 +177,50 @@ def test_fmi_3_says_the_same(native, rigid):
 # ---- in a run
 
 
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", "40 deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
+
+
 def test_a_run_with_native_fmus_is_the_run_in_python(tmp_path, native_fmu, rigid):
-    """Interface Newton over both, by their derivatives: the same motion, in as many products."""
+    """As `run --lubrication FILE --bodies FILE`: interface Newton over both, by their derivatives,
+    is the same motion in as many iterations and products; and so with one of them alone.
+    """
     path = find_case("numerical_example")
-    tree = read_tree(path)
-    for name in ("bodies", "ehd"):
-        tree["participants"][name]["build"]["grid"] = [12, 10]
-    for part in ("piston", "block"):
-        tree["participants"]["bodies"]["build"][part]["modes"] = 0
-    tree["time"]["stop"] = "40 deg"
-    results = []
-    for name, fmus in (("python", {}), ("native", {"ehd": native_fmu, "bodies": rigid})):
-        own = json.loads(json.dumps(tree))
-        for participant, fmu in fmus.items():
-            table = own["participants"][participant]
-            del table["package"], table["build"]
-            table["fmu"] = str(fmu)
-        run({"base": check_case(own, path)}, tmp_path / name)
-        results.append(Results(tmp_path / name / "base.h5"))
-    python, machine = results
-    for name in ("bodies.lateral_displacement", "bodies.rocking_angle", "ehd.friction_power"):
-        a, b = python.values(name), machine.values(name)
-        # a Newton step ends at a tolerance of 1 nm in the film: what lies below may differ
-        assert np.abs(a - b).max() <= 1e-9 * np.abs(a).max()
+    found = []
+    for name, swapped in (
+        ("python", {}),
+        ("native", {"ehd": native_fmu, "bodies": rigid}),
+        ("mixed", {"bodies": rigid}),
+    ):
+        tree = read_tree(path, SMALL)
+        for participant, fmu in swapped.items():
+            tree, left_out = swap(tree, participant, fmu)
+            assert left_out == []
+        case = check_case(tree, path)
+        output = tmp_path / f"{name}.h5"
+        summary = run(open_system(case, path.parent, print), case, tree, output)
+        assert summary["unconverged_steps"] == 0 and summary["derivative_products"] > 0
+        found.append((summary, Results(output)))
+    ports = "bodies.lateral_displacement", "bodies.rocking_angle", "ehd.friction_power"
+    (told, python), *others = found
+    for summary, native_run in others:
+        for name in ("steps", "iterations", "derivative_products"):
+            assert summary[name] == told[name]
+        for port in ports:
+            a, b = (one.series(port)[0] for one in (python, native_run))
+            # a Newton step ends at 1 nm in the film, and what is left of it grows with round-off
+            assert np.abs(a - b).max() <= 1e-9 * np.abs(a).max()
 
 
 # ---- what is covered
 
 
 def test_what_is_not_covered_is_refused_before_a_body_is_reduced(monkeypatch):
-    import importlib
-
     bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
     monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))
     for name in ("speed", "floating_pin", "film_surfaces"):
