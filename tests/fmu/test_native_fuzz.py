@@ -13,12 +13,14 @@ CHECKED = ("-g", "-O1", "-std=gnu11", "-fsanitize=address,undefined", "-fno-sani
 """Anything that the sanitizers find ends the program with a status."""
 
 
-@pytest.fixture(scope="session")
-def fuzzed(native_fmu, make_native, unpack, tmp_path_factory):
-    """Runs a number of calls on two films of one library; what was counted."""
+@pytest.fixture(scope="session", params=["fmu_ehd", "fmu_mfbd"])
+def fuzzed(request, make_native, native_bodies, unpack, tmp_path_factory):
+    """Runs a number of calls on two FMUs of one library; what was counted."""
+    make = make_native if request.param == "fmu_ehd" else native_bodies
+    fmus = make([12, 10]), make([6, 5])
     folder = tmp_path_factory.mktemp("fuzzed")
     entries, program = folder / "entries.o", folder / "fuzz_calls"
-    entries.write_bytes(object_files("fmu_ehd", ["linux64"])["linux64"])
+    entries.write_bytes(object_files(request.param, ["linux64"])["linux64"])
     sources = [HERE / "fuzz_calls.c", *(HOME / name for name in (*SOURCES, "fmi2.c"))]
     command = ["gcc", *CHECKED, f"-I{HOME}", *map(str, sources), str(entries), "-lm"]
     told = subprocess.run([*command, "-o", str(program)], capture_output=True, text=True)
@@ -31,7 +33,7 @@ def fuzzed(native_fmu, make_native, unpack, tmp_path_factory):
         scratch = folder / "scratch"
         scratch.mkdir(exist_ok=True)
         arguments.append(str(scratch))
-        for k, path in enumerate((native_fmu, make_native([6, 5]))):
+        for k, path in enumerate(fmus):
             place = unpack(path, folder / str(k))
             variables = place.description.modelVariables
             kinds = [v.type for v in variables]
