@@ -122,6 +122,7 @@ def build_native_fmu(
     }
     members = texts_of(slave, version, any_host=True, platforms=platforms) | libraries
     members["resources/slave.bin"] = slave_file(slave, part, given)
+    members["resources/build.json"] = json.dumps(resolved, sort_keys=True).encode()
     digest = sha256()
     for name in sorted(members):
         digest.update(name.encode() + b"\0" + sha256(members[name]).digest())
