@@ -310,13 +310,16 @@ class PistonInBore:
         ------
         NotConverged
         """
+        crank = self.crank.turn(state, step, inputs.crank_speed)
+        if not np.isfinite(crank.angle):
+            raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
         begins = state.steps < FIRST_STEPS
         end, outputs = self._solve(
             first_steps(step) if begins else coefficients(step, self.spectral_radius),
             Motion(state.position, state.velocity, state.acceleration),
             state.auxiliary,
             state.time + step,
-            self.crank.turn(state, step, inputs.crank_speed),
+            crank,
             inputs,
         )
         steps = state.steps + 1
@@ -338,8 +341,6 @@ class PistonInBore:
         """State and outputs that fulfil the equations of motion a step after the motion `before`
         with its auxiliary acceleration.
         """
-        if not np.isfinite(crank.angle):
-            raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)
