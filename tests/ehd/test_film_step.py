@@ -124,10 +124,10 @@ def test_a_full_region_spreads_over_the_film_by_a_cell_an_iteration():
     shape = (30, 30)
     film, still = np.full(shape, 1e-5), np.zeros(shape)
     found = []
-    for least in (None, 25):
+    for switches_singly in (False, True):
         with pytest.MonkeyPatch.context() as patch:
-            if least:
-                patch.setattr(cavitation, "at_once", lambda n_c, n_a: least)
+            if switches_singly:
+                patch.setattr(cavitation, "at_once", lambda n_c, n_a: cavitation.ALL_AT_ONCE)
             model = LubricationModel(Parameters(shape))
             film[2, 3] = 2e-5
             state, _ = model.start(film, still)
