@@ -5,6 +5,7 @@ The library knows no grid: every FMU of a participant has the same one. What it 
 by the content of the kernels; linked it is anew, which takes a second.
 """
 
+import fcntl
 import json
 import os
 import shutil
@@ -216,19 +217,29 @@ def _libraries(package, platforms, version, progress):
 
 
 def object_files(package, platforms, progress=lambda text: None):
-    """Name of a platform to object file of the entries, from the cache where it was made before."""
+    """Name of a platform to object file of the entries, from the cache where it was made before, or
+    is being made by another process.
+    """
     folder = cache_folder("native")
     code = _digest_of_code(package)
     kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
-    missing = [name for name, path in kept.items() if not path.exists()]
-    if missing:
-        progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
-        module = folder / f"{package}-{code}.ll.gz"
-        for name, data in native_code.object_files(package, missing, module).items():
-            partial = kept[name].with_suffix(f".{os.getpid()}.part")
-            partial.write_bytes(data)
-            os.replace(partial, kept[name])
+    if not all(path.exists() for path in kept.values()):
+        with open(folder / f"{package}-{code}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)
     return {name: path.read_bytes() for name, path in kept.items()}
+
+
+def _compile(package, kept, module, progress):
+    """Make the object files that are not there."""
+    missing = [name for name, path in kept.items() if not path.exists()]
+    if not missing:
+        return
+    progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
+    for name, data in native_code.object_files(package, missing, module).items():
+        partial = kept[name].with_suffix(f".{os.getpid()}.part")
+        partial.write_bytes(data)
+        os.replace(partial, kept[name])
 
 
 def _digest_of_code(package):
