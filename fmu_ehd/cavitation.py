@@ -38,7 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from .grid import EAST, NORTH, SOUTH, WEST, Array, Flags
 from .sparse import LinearSolver
 
@@ -47,7 +47,7 @@ FRACTION_ROUNDOFF = 1e-13
 # a full cell with this share of the largest pressure below zero stays full
 PRESSURE_ROUNDOFF = 1e-12
 PRESSURE_NEGLIGIBLE = 1e-9  # [Pa] the same where there is no pressure at all
-ALL_AT_ONCE = 25  # iterations in which all cells switch together
+ALL_AT_ONCE = 25  # iterations in which all cells switch together, at least
 LIMIT = 1000  # iterations in all
 
 
@@ -212,13 +212,21 @@ def _switch(full, unknown, fixed, conserving, singly):
     return Switching(pattern, count, lowest, highest, first_i, first_j)
 
 
+@compilable
+def at_once(n_c: int, n_a: int) -> int:
+    """Iterations in which all cells switch together: a full region may spread by a cell in each,
+    and across all of the film.
+    """
+    return max(ALL_AT_ONCE, min(n_c + n_a, LIMIT // 2))
+
+
 def full_cells(
     model: Cavitation,
     assemble: Callable[[Flags], tuple[Array, Array]],
     solver: LinearSolver,
     full: Flags,
     fixed: Flags,
-    all_at_once: int = ALL_AT_ONCE,
+    all_at_once: int | None = None,
 ) -> FullCells:
     """Pattern of full cells and signed unknown of one step, Eq. (C1).
 
@@ -233,8 +241,9 @@ def full_cells(
         First guess.
     fixed : ndarray of bool, shape (n_c, n_a)
         Cells that never switch.
-    all_at_once : int
-        Iterations in which all cells switch together; after them they switch singly.
+    all_at_once : int, optional
+        Iterations in which all cells switch together, `at_once` unless given; after them they
+        switch singly.
 
     Returns
     -------
@@ -247,11 +256,12 @@ def full_cells(
     """
     stations = None
     iteration = 0
+    together = at_once(*full.shape) if all_at_once is None else all_at_once
     while True:
         stencil, right = assemble(full)
         solver.factorise(stencil, stations)
         unknown = solver.solve(right[None])[0]
-        switching = _switch(full, unknown, fixed, model.conserving, iteration >= all_at_once)
+        switching = _switch(full, unknown, fixed, model.conserving, iteration >= together)
         if switching.switched < 0:
             raise NotConverged(
                 "the film solution is not finite, first at "

@@ -592,7 +592,7 @@ def full_cells(block, factors, faces, lift, held, edges, guess, open_cells):
         was_up = ascending
         blocks.factorise(stencil, ascending, first, factors)
         solve(factors, stencil, ascending, unknown)
-        one = iteration >= cavitation.ALL_AT_ONCE
+        one = iteration >= cavitation.at_once(guess.shape[0], guess.shape[1])
         found = cavitation._switch(full, unknown, open_cells, True, one)
         if found.switched < 0:
             refuse(block.faults, NOT_FINITE, found.i, found.j, 0.0, 0.0, 0.0)

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
+
 
 class Account(NamedTuple):
     """Of a step [J].
@@ -15,6 +17,7 @@ class Account(NamedTuple):
     size: float
 
 
+@compilable
 def account(
     kinetic: tuple[float, float],
     way: np.ndarray,

@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.pin import pin_surface, shell_modes
 from ..geometry.profile import (
+    MeasuredShape,
     barrel,
     fourier_bore,
     linear_growth,
@@ -38,6 +40,10 @@ from .slider_crank import Mechanism
 
 PIN_SHARE = 0.25
 """Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
+
+
+TURN = 721
+"""Crank angles of a turn at which the skirt has to be in the bore."""
 
 
 class PistonParts(NamedTuple):
@@ -77,7 +83,7 @@ def assemble(
         piston_static=piston_parts.static,
         block=block_parts.moving,
         block_static=block_parts.static,
-        mechanism=mechanism(piston.radius, options.piston, parameters),
+        mechanism=mechanism(piston.radius, options.piston.pin_offset, parameters),
         surfaces=surfaces(piston, block, options, parameters),
         pin_offset=options.piston.pin_offset,
         gas_force=np.ascontiguousarray(piston.gas_force),
@@ -166,6 +172,12 @@ def damping(
     above = np.array([band.above for band in bands])
     ratio = np.array([band.ratio for band in bands])
     zeta = ratio[np.searchsorted(2 * np.pi * above, omega, side="right") - 1]
+    return damping_at(omega, zeta, mass_factor, stiffness_factor)
+
+
+@compilable
+def damping_at(omega, zeta, mass_factor, stiffness_factor):
+    """Damping [rad/s] of a mode at omega [rad/s] by its ratio zeta [-], Eq. (I5)."""
     return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2  # Eq. (I5)
 
 
@@ -227,9 +239,7 @@ def faults(
         )
     if options.floating_pin:
         out += floating_faults(piston, block, parameters, bosses)
-    turn = np.linspace(0.0, 2 * np.pi, 721)
-    xi = offset + crank_radius * np.sin(turn)
-    height_of_A = crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
+    height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
     lowest = height_of_A.min() + piston.skirt_lower
     highest = height_of_A.max() + piston.skirt_upper
     bore_lower = block.heights[0]
@@ -249,6 +259,13 @@ def faults(
 
 PIN_TO_BOSS = 0.02
 """How far the radius of a pin may lie beside that of the mesh's bosses, by it: our own choice."""
+
+
+@compilable
+def pin_height(turn, offset, crank_radius, rod_length):
+    """Height of A above the crank axis [m] at crank angles `turn` [rad], x_A = 0."""
+    xi = offset + crank_radius * np.sin(turn)
+    return crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
 
 
 def floating_faults(
@@ -338,12 +355,15 @@ def _moving(body: ReducedBody, parameters: Parameters) -> int:
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
 
 
+@compilable
 def pin_radius(skirt_radius: float, parameters: Parameters) -> float:
     """Of the pin [m]."""
-    return parameters.pin_radius or PIN_SHARE * skirt_radius
+    given = parameters.pin_radius
+    return given if given > 0.0 else PIN_SHARE * skirt_radius
 
 
-def mechanism(skirt_radius: float, options: PistonOptions, parameters: Parameters) -> Mechanism:
+@compilable
+def mechanism(skirt_radius: float, pin_offset: float, parameters: Parameters) -> Mechanism:
     """Crank, rod and pin."""
     friction = PinFriction(
         lever=parameters.pin_friction_coefficient * pin_radius(skirt_radius, parameters),
@@ -353,7 +373,7 @@ def mechanism(skirt_radius: float, options: PistonOptions, parameters: Parameter
     return Mechanism(
         crank_radius=parameters.crank_radius,
         rod_length=parameters.rod_length,
-        offset=options.pin_offset - parameters.crank_offset,
+        offset=pin_offset - parameters.crank_offset,
         rod_mass=parameters.rod_mass,
         rod_inertia=parameters.rod_inertia,
         rod_centre=parameters.rod_centre / parameters.rod_length,
@@ -401,15 +421,28 @@ def skirt_gap(
     """Film thickness around the concentric, undeformed piston in a cylinder, (c, a) [m]: clearance,
     machined profile, heat, tilt, measured shapes.
     """
-    lower = piston.skirt_lower
-    upper = piston.skirt_upper
+    gap = machined_gap(angle[:, None], height, piston.skirt_lower, piston.skirt_upper, parameters)
+    return gap + measured(options.profiles, angle, height)
+
+
+@compilable
+def machined_gap(angle, height, lower, upper, parameters):
+    """What of `skirt_gap` is not measured, at angles (c, 1) [rad] and heights (a,) between the
+    skirt's edges [m].
+    """
     gap = parameters.radial_clearance + barrel(height, lower, upper, parameters.barrel)
-    gap = gap + ovality(angle, parameters.ovality)[:, None]
+    gap = gap + ovality(angle, parameters.ovality)
     gap = gap - linear_growth(
         height, lower, upper, parameters.skirt_growth_lower, parameters.skirt_growth_upper
     )
-    gap = gap + tilt_about_x(angle, height, parameters.pin_tilt)
-    return gap + sum(table_shape(table, angle, height) for table in options.profiles)
+    return gap + tilt_about_x(angle, height, parameters.pin_tilt)
+
+
+def measured(
+    profiles: Sequence[MeasuredShape], angle: np.ndarray, height: np.ndarray
+) -> np.ndarray | int:
+    """Sum of measured shapes, (c, a) [m], 0 where there are none."""
+    return sum(table_shape(table, angle, height) for table in profiles)
 
 
 def bore(
@@ -439,4 +472,4 @@ def bore_shape(
         parameters.bore_growth_lower,
         parameters.bore_growth_upper,
     )
-    return orders + heat + sum(table_shape(table, angle, heights) for table in options.profiles)
+    return orders + heat + measured(options.profiles, angle, heights)

@@ -5,15 +5,14 @@ References
 [Rannacher1984] R. Rannacher, Numer. Math. 43 (1984) 309-327.
 """
 
-from functools import lru_cache
-
+from ...master.fmi.compiled import compilable
 from .generalised_alpha import Coefficients
 
 FIRST_STEPS = 2
 """Steps of backward Euler at the start."""
 
 
-@lru_cache(maxsize=16)
+@compilable
 def first_steps(step: float) -> Coefficients:
     """Coefficients of a step of backward Euler, after auxiliary accelerations of zero.
 

@@ -7,12 +7,11 @@ References
 [Arnold2007] M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185-202.
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compilable, compiled
 
 
 class Coefficients(NamedTuple):
@@ -67,7 +66,7 @@ class Prediction(NamedTuple):
     auxiliary: np.ndarray
 
 
-@lru_cache(maxsize=16)  # a run takes steps of few lengths
+@compilable
 def coefficients(step: float, spectral_radius: float) -> Coefficients:
     """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
 

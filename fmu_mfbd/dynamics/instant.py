@@ -49,6 +49,9 @@ from .piston_motion import (
 from .quasi_static import STILL, Ride, StaticModes, static_coordinates
 from .slider_crank import CrankMotion, Mechanism, carried_mass, height, motion, rod_turn
 
+ACROSS, ALONG, ABOUT, RESULTANTS = range(4)
+"""Generalised forces of a film: lateral, axial, moment; those on modes follow."""
+
 
 class Block(NamedTuple):
     """Modal springs of the cylinder block: stiffness omega^2 [rad2/s2] and damping [rad/s], shapes
@@ -228,9 +231,8 @@ def end_of_step(
     predicted = predict(c, before, auxiliary)
     guided = height(mechanism, 0.0, crank.angle)  # the bore is read where A stands when x_A = 0
     guided_velocity = guided.lever * crank.speed
-    film_forces, parts, windows = film_forces_of(
-        system, guided.height, pressure_force, friction_force
-    )
+    parts = forces_by_film(system, guided.height, pressure_force, friction_force)
+    film_forces = together(system, parts)
     push = _piston_push(system, film_forces, others.gas)
     block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
     rings = others.rings
@@ -276,17 +278,17 @@ def end_of_step(
         film = film_now(
             surface.skirt,
             surface.bore,
-            windows[k],
+            window_of(surface, guided.height),
             _nodal(surface, pressure_force[first:last], friction_force[first:last]),
             axial_velocity,
             guided_velocity,
             end.position,
             end.velocity,
         )
-        thickness[first:last] = film.film_thickness.ravel()
-        sliding_velocity[first:last] = film.sliding_velocity.ravel()
+        _stack(thickness, first, film.film_thickness)
+        _stack(sliding_velocity, first, film.sliding_velocity)
         transfer_error[k] = work_error(
-            parts[k], film, axial_velocity, guided_velocity, end.velocity
+            part_of(system, parts, k), film, axial_velocity, guided_velocity, end.velocity
         )
         on_slopes += film.axial_force
         first = last
@@ -338,12 +340,25 @@ def _nodal(surface, pressure_force, friction_force):
 
 
 @compiled
-def film_forces_of(
-    system: System, guided: float, pressure_force: np.ndarray, friction_force: np.ndarray
-) -> tuple[FilmForces, list[FilmForces], list[Window]]:
-    """Generalised forces of all films together and of each, and where each stands in the bore.
+def _stack(stacked, first, field):
+    """Put a field at its place among those of all surfaces, in a loop."""
+    rows, columns = field.shape
+    for i in range(rows):
+        for j in range(columns):
+            stacked[first + i * columns + j] = field[i, j]
 
-    Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
+
+@compiled
+def window_of(surface: FilmSurface, guided: float) -> Window:
+    """Where a surface stands in the bore that is read at a height [m]."""
+    return window_at(surface.bore.lowest, surface.bore.spacing, guided, surface.skirt.height)
+
+
+@compiled
+def forces_by_film(
+    system: System, guided: float, pressure_force: np.ndarray, friction_force: np.ndarray
+) -> np.ndarray:
+    """Generalised forces of each film, one row a surface, (s, 3 + k + k'), see `part_of`.
 
     Parameters
     ----------
@@ -353,32 +368,50 @@ def film_forces_of(
     pressure_force, friction_force : ndarray, shape (cells,)
         Stacked [N].
     """
-    windows = []
-    parts = []
-    lateral = 0.0
-    axial = 0.0
-    moment = 0.0
-    piston = np.zeros(len(system.gas_force))
-    block = np.zeros(len(system.block.stiffness) + len(system.block_static.stiffness))
+    modes = len(system.gas_force)
+    of_block = len(system.block.stiffness) + len(system.block_static.stiffness)
+    parts = np.empty((len(system.surfaces), RESULTANTS + modes + of_block))
     first = 0
-    for surface in system.surfaces:
-        bore = surface.bore
+    for s, surface in enumerate(system.surfaces):
         last = first + surface.skirt.gap.size
-        window = window_at(bore.lowest, bore.spacing, guided, surface.skirt.height)
         nodal = _nodal(surface, pressure_force[first:last], friction_force[first:last])
-        part = generalised(surface.skirt, bore, window, nodal)
-        # Eq. (G2)
-        lateral += part.lateral
-        axial += part.axial
-        moment += part.moment
-        for k in range(len(piston)):
-            piston[k] += part.piston[k]
-        for k in range(len(block)):
-            block[k] += part.block[k]
-        windows.append(window)
-        parts.append(part)
+        part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
+        parts[s, ACROSS] = part.lateral
+        parts[s, ALONG] = part.axial
+        parts[s, ABOUT] = part.moment
+        for k in range(modes):
+            parts[s, RESULTANTS + k] = part.piston[k]
+        for k in range(of_block):
+            parts[s, RESULTANTS + modes + k] = part.block[k]
         first = last
-    return FilmForces(lateral, axial, moment, piston, block), parts, windows
+    return parts
+
+
+@compiled
+def part_of(system: System, parts: np.ndarray, s: int) -> FilmForces:
+    """Generalised forces of a film, from `forces_by_film`."""
+    one = parts[s]
+    modes = RESULTANTS + len(system.gas_force)
+    return FilmForces(one[ACROSS], one[ALONG], one[ABOUT], one[RESULTANTS:modes], one[modes:])
+
+
+@compiled
+def together(system: System, parts: np.ndarray) -> FilmForces:
+    """Generalised forces of all films.
+
+    Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
+
+    Parameters
+    ----------
+    system : System
+    parts : ndarray
+        As `forces_by_film` gives them.
+    """
+    total = np.zeros((1, parts.shape[1]))
+    for s in range(len(parts)):
+        for k in range(parts.shape[1]):
+            total[0, k] += parts[s, k]  # Eq. (G2)
+    return part_of(system, total, 0)
 
 
 @compiled
@@ -683,7 +716,8 @@ def response(
     -------
     Response
     """
-    film_forces, _, windows = film_forces_of(system, guided, pressure_force, friction_force)
+    parts = forces_by_film(system, guided, pressure_force, friction_force)
+    film_forces = together(system, parts)
     acceleration = solve_coupled(  # Eq. (D7)
         linear.arrow, linear.coupling, _right_side(linear, film_forces, rings, carried_force)
     )
@@ -696,27 +730,29 @@ def response(
     thickness = np.empty(len(pressure_force))
     sliding_velocity = np.empty(len(pressure_force))
     first = 0
-    for k, surface in enumerate(system.surfaces):
-        last = first + surface.skirt.gap.size
-        thickness[first:last] = opening(
+    for surface in system.surfaces:
+        window = window_of(surface, guided)
+        opened = opening(
             surface.skirt,
             surface.bore,
-            windows[k],
+            window,
             piston.position[LATERAL],
             piston.position[ROCKING],
             piston.position[RIGID:],
             block.position,
-        ).ravel()
-        sliding_velocity[first:last] = sliding(
+        )
+        slid = sliding(
             surface.skirt,
             surface.bore,
-            windows[k],
+            window,
             axial_slope * lateral,
             piston.velocity[ROCKING],
             piston.velocity[RIGID:],
             block.velocity,
-        ).ravel()
-        first = last
+        )
+        _stack(thickness, first, opened)
+        _stack(sliding_velocity, first, slid)
+        first += surface.skirt.gap.size
     return Response(
         thickness,
         sliding_velocity,

@@ -13,8 +13,8 @@ from .account import account
 from .block_force import BlockForce, block_force
 from .build_options import FilmGrid
 from .carrier import FIXED, Carrier
+from .drive import demand_of, others_of, scalars_of
 from .first_steps import FIRST_STEPS, first_steps
-from .gas_on_bore import WallPressures
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
     NO_RINGS,
@@ -28,7 +28,7 @@ from .instant import (
     response,
 )
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
-from .slider_crank import CrankMotion, PistonLoad, side_force_demand
+from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .tables import GasTable, gas_pressure
 
@@ -162,11 +162,8 @@ class Crank:
             speed = state.crank_speed + step * (before + after) / 2
             mean_speed = state.crank_speed + step * (2 * before + after) / 6
             return CrankMotion(state.crank_angle + step * mean_speed, speed, after)
-        return CrankMotion(
-            angle=state.crank_angle + step * (state.crank_speed + speed) / 2,
-            speed=speed,
-            acceleration=(speed - state.crank_speed) / step,
-        )
+        before = CrankMotion(state.crank_angle, state.crank_speed, state.crank_acceleration)
+        return driven(before, step, speed)
 
 
 class LastStep(NamedTuple):
@@ -313,13 +310,16 @@ class PistonInBore:
         ------
         NotConverged
         """
+        crank = self.crank.turn(state, step, inputs.crank_speed)
+        if not np.isfinite(crank.angle):
+            raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
         begins = state.steps < FIRST_STEPS
         end, outputs = self._solve(
             first_steps(step) if begins else coefficients(step, self.spectral_radius),
             Motion(state.position, state.velocity, state.acceleration),
             state.auxiliary,
             state.time + step,
-            self.crank.turn(state, step, inputs.crank_speed),
+            crank,
             inputs,
         )
         steps = state.steps + 1
@@ -344,11 +344,8 @@ class PistonInBore:
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)
-        others = OtherForces(
-            self.gas_area * pressure,
-            inputs.rings,
-            WallPressures(pressure, inputs.land_pressure),
-            inputs.carrier,
+        others = others_of(
+            self.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier
         )
         now = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
@@ -376,7 +373,7 @@ class PistonInBore:
         self._linear = self._columns = None
         outputs = self._outputs(now, crank) | {
             "cylinder_pressure": pressure,
-            "side_force_demand": self._demand(crank, pressure, inputs.rings),
+            "side_force_demand": demand_of(self.system, others, crank),
         }
         if self.crank_unbalance is not None:
             outputs |= self._on_block()
@@ -400,12 +397,6 @@ class PistonInBore:
         drag = np.ravel(inputs.friction_force)
         return end_of_step(self.system, c, before, auxiliary, crank, others, push, drag)
 
-    def _demand(self, crank, pressure, rings):
-        """Side force [N] that gas, rings and inertia ask for (Eq. (K11))."""
-        mass = self.system.piston.mass + self.system.mechanism.pin_mass
-        load = PistonLoad(mass, self.gas_area * pressure, rings.lateral, rings.axial)
-        return side_force_demand(self.system.mechanism, load, crank)
-
     def _of_piston(self, end):
         """Motion of the piston's moving coordinates alone."""
         n = self.moving
@@ -428,8 +419,6 @@ class PistonInBore:
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Everything the outside sees (units in `variables.py`), by name."""
-        position = now.position
-        velocity = now.kept_velocity
         outputs = {
             **self._by_film("film_thickness", now.film_thickness),
             **self._by_film("sliding_velocity", now.sliding_velocity),
@@ -437,32 +426,13 @@ class PistonInBore:
                 f"{film.prefix}interface_work_error": error
                 for film, error in zip(self.films, now.work_error)
             },
-            "crank_angle": crank.angle,
-            "rotation_speed": crank.speed,
-            "piston_position": now.piston_position,
-            "piston_velocity": now.piston_velocity,
-            "lateral_displacement": position[LATERAL],
-            "rocking_angle": position[ROCKING],
-            "lateral_velocity": velocity[LATERAL],
-            "rocking_velocity": velocity[ROCKING],
-            "side_force": now.side_force,
-            "crank_torque": now.torque + self.crank.inertia * crank.acceleration,
-            "pin_force_x": now.pin_x,
-            "pin_force_y": now.pin_y,
-            "pin_friction_moment": now.pin_moment,
-            "pin_friction_power": now.pin_friction_power,
-            "kinetic_energy": now.ledger.kinetic,
-            "elastic_energy": now.ledger.elastic,
-            "film_work": now.ledger.film_work,
-            "energy_error": now.ledger.error,
-            "energy_gain": now.ledger.axial_work,
-            "energy_size": now.ledger.accounted,
+            **scalars_of(now, crank, self.crank.inertia)._asdict(),
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
         if self.modes:
-            outputs["modal_coordinate"] = position[RIGID:].copy()
-            outputs["modal_velocity"] = velocity[RIGID:].copy()
+            outputs["modal_coordinate"] = now.position[RIGID:].copy()
+            outputs["modal_velocity"] = now.kept_velocity[RIGID:].copy()
         return outputs
 
     def _on_block(self):

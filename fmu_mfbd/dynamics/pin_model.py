@@ -45,7 +45,17 @@ from .floating_pin import (
 )
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
-from .instant import NO_RINGS, Instant, OtherForces, RingForce, film_forces_of, work_error
+from .instant import (
+    NO_RINGS,
+    Instant,
+    OtherForces,
+    RingForce,
+    forces_by_film,
+    part_of,
+    together,
+    window_of,
+    work_error,
+)
 from .model import Inputs, PistonInBore
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .slider_crank import CrankMotion, height, motion, rod_turn
@@ -178,7 +188,8 @@ class PistonOnFloatingPin(PistonInBore):
         guided = height(system.mechanism, 0.0, crank.angle)
         push = np.ravel(inputs.pressure_force)
         drag = np.ravel(inputs.friction_force)
-        skirt, parts, windows = film_forces_of(system, guided.height, push, drag)
+        parts = forces_by_film(system, guided.height, push, drag)
+        skirt = together(system, parts)
         along_bore = others.gas - others.rings.axial
         load = Load(
             lateral=skirt.lateral + others.rings.lateral,
@@ -213,7 +224,7 @@ class PistonOnFloatingPin(PistonInBore):
             film = film_now(
                 surface.skirt,
                 surface.bore,
-                windows[k],
+                window_of(surface, guided.height),
                 NodalForces(push[first:last].reshape(shape), drag[first:last].reshape(shape)),
                 axial_velocity,
                 guided_velocity,
@@ -223,7 +234,13 @@ class PistonOnFloatingPin(PistonInBore):
             thickness[first:last] = film.film_thickness.ravel()
             velocity[first:last] = film.sliding_velocity.ravel()
             errors.append(
-                work_error(parts[k], film, axial_velocity, guided_velocity, of_skirt.velocity)
+                work_error(
+                    part_of(system, parts, k),
+                    film,
+                    axial_velocity,
+                    guided_velocity,
+                    of_skirt.velocity,
+                )
             )
             on_slopes += film.axial_force
             first = last
@@ -488,7 +505,7 @@ class PistonOnFloatingPin(PistonInBore):
         system = self.system
         push = np.ravel(pressure_force)
         drag = np.ravel(friction_force)
-        skirt, _, windows = film_forces_of(system, last.guided, push, drag)
+        skirt = together(system, forces_by_film(system, last.guided, push, drag))
         arm = system.pin_offset + end.position[LATERAL]
         changes = (
             skirt.lateral + rings.lateral,
@@ -516,7 +533,8 @@ class PistonOnFloatingPin(PistonInBore):
         none = np.zeros(0)
         gaps = []
         velocities = []
-        for surface, window in zip(system.surfaces, windows):
+        for surface in system.surfaces:
+            window = window_of(surface, last.guided)
             sides = (surface.skirt, surface.bore, window)
             bent, bending = place[COORDINATES:], speed[COORDINATES:]
             gaps.append(opening(*sides, place[LATERAL], place[ROCKING], bent, none).ravel())

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compilable, compiled
 from .pin_friction import PinFriction
 
 
@@ -58,6 +58,16 @@ class CrankMotion(NamedTuple):
     angle: float
     speed: float
     acceleration: float
+
+
+@compilable
+def driven(before: CrankMotion, step: float, speed: float) -> CrankMotion:
+    """Motion of a crank a step [s] on that then turns at `speed` [rad/s], steadily faster."""
+    return CrankMotion(
+        before.angle + step * (before.speed + speed) / 2,
+        speed,
+        (speed - before.speed) / step,
+    )
 
 
 class LateralMotion(NamedTuple):
@@ -330,6 +340,7 @@ class PistonLoad(NamedTuple):
     rings_axial: float
 
 
+@compilable
 def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion) -> float:
     """Side force that gas, rings and inertia ask of a rigid piston that stays in the middle of the
     bore, without friction: what a film must carry on average, whatever the piston does in between.

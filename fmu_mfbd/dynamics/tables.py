@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
@@ -209,6 +210,7 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
     return GasTable(angle, pressure, float(cycle))
 
 
+@compilable
 def gas_pressure(table: GasTable, crank_angle: float) -> float:
     """Pressure of the gas at a crank angle [rad], linear between the table's points [Pa]."""
     first = table.angle[0]

@@ -188,14 +188,7 @@ def bore_splines(
     -------
     Bore
     """
-    s = len(heights)
-    straight = [1.0, -2.0, 1.0]
-    rule = np.zeros((s + 2, s + 2))
-    rule[0, :3] = straight
-    rule[-1, -3:] = straight
-    for i in range(s):
-        rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
-    inverse = np.linalg.inv(rule)[:, 1:-1]
+    inverse = knot_rule(len(heights))
     if shape is not None and shape.any():
         widening = np.ascontiguousarray(inverse @ shape.T)
     else:
@@ -208,6 +201,20 @@ def bore_splines(
         axial=modal_field(np.einsum("rs,csk->crk", inverse, axial), kind),
         shape=widening,
     )
+
+
+def knot_rule(stations: int) -> np.ndarray:
+    """Spline coefficients by values at the stations, (stations + 2, stations): the inverse of
+    Eq. (H3).
+    """
+    s = stations
+    straight = [1.0, -2.0, 1.0]
+    rule = np.zeros((s + 2, s + 2))
+    rule[0, :3] = straight
+    rule[-1, -3:] = straight
+    for i in range(s):
+        rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
+    return np.linalg.inv(rule)[:, 1:-1]
 
 
 @compiled

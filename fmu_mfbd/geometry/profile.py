@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
+
 
 @dataclass(frozen=True)
 class MeasuredShape:
@@ -40,6 +42,7 @@ class BoreOrder:
     phase: float
 
 
+@compilable
 def barrel(height: np.ndarray, lower: float, upper: float, drop: float) -> np.ndarray:
     """Parabolic barrel: no gap at mid skirt, `drop` at both ends.
 
@@ -62,6 +65,7 @@ def barrel(height: np.ndarray, lower: float, upper: float, drop: float) -> np.nd
     return drop * ((2 * height - lower - upper) / (upper - lower)) ** 2  # Eq. (I6)
 
 
+@compilable
 def ovality(angle: np.ndarray, difference: float) -> np.ndarray:
     """Oval section: full size across the thrust faces, smaller along the pin.
 
@@ -139,6 +143,7 @@ def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
     return widening
 
 
+@compilable
 def linear_growth(
     height: np.ndarray, lower: float, upper: float, at_lower: float, at_upper: float
 ) -> np.ndarray:
@@ -146,6 +151,7 @@ def linear_growth(
     return at_lower + (at_upper - at_lower) * (height - lower) / (upper - lower)
 
 
+@compilable
 def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarray:
     """Gap of a skirt turned about the x axis, by a pin that is not square to the bore.
 
@@ -153,7 +159,7 @@ def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarr
 
     Parameters
     ----------
-    angle, height : ndarray, shapes (c,), (a,)
+    angle, height : ndarray, shapes (c, 1), (a,)
         theta [rad], y' above A [m].
     tilt : float
         About +x [rad], small: the upper edge leans to +z.
@@ -163,4 +169,4 @@ def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarr
     ndarray, shape (c, a)
         Radial gap [m].
     """
-    return -tilt * np.outer(np.cos(angle), height)  # Eq. (I9)
+    return -tilt * (np.cos(angle) * height)  # Eq. (I9)

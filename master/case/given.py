@@ -2,6 +2,9 @@
 mesh has no skirt.
 """
 
+import json
+import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,17 +38,31 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
             if key in table.build or other is None:
                 continue
             giver = case.participants[other.owner]
-            if giver.role != role or not giver.package:
+            if giver.role != role:
                 continue
             try:
-                prepare = import_part(f"{giver.package}.build").prepare
-                given, _ = prepare(giver.build, Path(folder), progress)
+                given = _built(giver, Path(folder), progress)
             except BadInput:
                 continue  # told where the giver is built
             value = given.get(f"{other.surface}{option}")
             if value is not None:
                 builds[name][key] = value
     return builds
+
+
+def _built(giver, folder: Path, progress) -> dict[str, Any]:
+    """Checked build options of a participant: of one that is built here, or of an FMU that was and
+    holds them in resources/build.json; none of another.
+    """
+    if giver.package:
+        return import_part(f"{giver.package}.build").prepare(giver.build, folder, progress)[0]
+    if not giver.fmu:
+        return {}
+    with suppress(KeyError, ValueError, OSError, zipfile.BadZipFile):
+        with zipfile.ZipFile(folder / giver.fmu) as archive:
+            built = json.loads(archive.read("resources/build.json"))
+            return built if isinstance(built, dict) else {}
+    return {}
 
 
 def masks(case, builds, folder) -> dict[str, list[list[int]]]:

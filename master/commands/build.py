@@ -40,8 +40,8 @@ def command(
         Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that
         choke on thousands of scalars.
     native
-        Machine code that needs no Python, of the lubrication alone; choices of physics that it does
-        not cover are refused by name.
+        Machine code that needs no Python; choices of physics that it does not cover are refused by
+        name.
     platform
         What native FMUs are for, several with commas between: linux64, win64, aarch64-linux; each
         needs its C compiler here.

@@ -5,6 +5,7 @@ The library knows no grid: every FMU of a participant has the same one. What it 
 by the content of the kernels; linked it is anew, which takes a second.
 """
 
+import fcntl
 import json
 import os
 import shutil
@@ -31,8 +32,10 @@ from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .tree import import_part, reached, slave_class
 from .variables import Variable
 
-MARK = b"PCNATIV1"
+MARK = b"PCNATIV2"
 """What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
+
+WORD = 8  # bytes that are summed up at once
 
 CAUSALITIES = ("parameter", "input", "constant", "output")
 TYPES = ("Real", "Integer", "String", "Enumeration")
@@ -111,15 +114,16 @@ def build_native_fmu(
         With every fault of the options, what the library does not cover among them, and every
         platform for which there is no C compiler.
     """
-    part, resolved = check_native(package, options, folder, progress, platforms)
-    slave = _slave(package, resolved)
+    part, resolved, files = check_native(package, options, folder, progress, platforms)
+    slave, given = _slave(package, part, resolved, files)
     slave.experiment = experiment or slave.experiment
     libraries = {
         f"binaries/{PLATFORMS[name].folders[version]}/{slave.name}{PLATFORMS[name].ending}": data
         for name, data in _libraries(package, platforms, version, progress).items()
     }
     members = texts_of(slave, version, any_host=True, platforms=platforms) | libraries
-    members["resources/slave.bin"] = slave_file(slave, part)
+    members["resources/slave.bin"] = slave_file(slave, part, given)
+    members["resources/build.json"] = json.dumps(resolved, sort_keys=True).encode()
     digest = sha256()
     for name in sorted(members):
         digest.update(name.encode() + b"\0" + sha256(members[name]).digest())
@@ -136,8 +140,9 @@ def check_native(
     folder: Path,
     progress: Callable[[str], object],
     platforms: Sequence[str],
-) -> tuple[NativePart, dict[str, Any]]:
-    """What a package says of itself, and its checked build options.
+) -> tuple[NativePart, dict[str, Any], list[Path]]:
+    """What a package says of itself, its checked build options and the files they name. What is
+    known to be uncovered before is refused before anything is computed for them.
 
     Raises
     ------
@@ -147,11 +152,12 @@ def check_native(
     if unknown := [name for name in platforms if name not in PLATFORMS]:
         raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
     part = part_of(package)
-    resolved, _ = import_part(f"{package}.build").prepare(options, Path(folder), progress)
-    faults = [*part.uncovered(resolved), *_missing_compilers(platforms), *too_old()]
-    if faults:
+    if faults := [*part.uncovered_ahead(options), *_missing_compilers(platforms), *too_old()]:
         raise BadInput(faults)
-    return part, resolved
+    resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
+    if faults := list(part.uncovered(resolved)):
+        raise BadInput(faults)
+    return part, resolved, files
 
 
 def part_of(package: str) -> NativePart:
@@ -185,14 +191,18 @@ def too_old() -> list[str]:
     ]
 
 
-def _slave(package, options):
-    """An instance of the slave in Python, which knows its table and where variables lie."""
+def _slave(package, part, options, files):
+    """An instance of the slave in Python, which knows its table and where variables lie; and what
+    its memory begins with.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
+        for file in files:
+            shutil.copy(file, scratch)
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
-    if slave.string or slave.courses:
-        raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
-    return slave
+        if slave.string or slave.courses:
+            raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
+        return slave, part.given(slave)
 
 
 # ---- the library
@@ -202,23 +212,34 @@ def _libraries(package, platforms, version, progress):
     """Name of a platform -> its library."""
     return {
         name: link(name, version, code)
-        for name, code in _object_files(package, platforms, progress).items()
+        for name, code in object_files(package, platforms, progress).items()
     }
 
 
-def _object_files(package, platforms, progress):
-    """Name of a platform -> object file of the entries, from the cache where it was made before."""
+def object_files(package, platforms, progress=lambda text: None):
+    """Name of a platform to object file of the entries, from the cache where it was made before, or
+    is being made by another process.
+    """
     folder = cache_folder("native")
     code = _digest_of_code(package)
     kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
-    missing = [name for name, path in kept.items() if not path.exists()]
-    if missing:
-        progress(f"compiling {package} for {', '.join(missing)}, which takes one to two minutes")
-        for name, data in native_code.object_files(package, missing).items():
-            partial = kept[name].with_suffix(f".{os.getpid()}.part")
-            partial.write_bytes(data)
-            os.replace(partial, kept[name])
+    if not all(path.exists() for path in kept.values()):
+        with open(folder / f"{package}-{code}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)
     return {name: path.read_bytes() for name, path in kept.items()}
+
+
+def _compile(package, kept, module, progress):
+    """Make the object files that are not there."""
+    missing = [name for name, path in kept.items() if not path.exists()]
+    if not missing:
+        return
+    progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
+    for name, data in native_code.object_files(package, missing, module).items():
+        partial = kept[name].with_suffix(f".{os.getpid()}.part")
+        partial.write_bytes(data)
+        os.replace(partial, kept[name])
 
 
 def _digest_of_code(package):
@@ -265,11 +286,11 @@ def link(platform: str, version: str, code: bytes) -> bytes:
 # ---- the file that says what the slave is like
 
 
-def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
+def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
     """Content of resources/slave.bin: where variables lie, their ranges, what is covered of them,
     start values, what the slave's memory begins with, sentences. front/native.c reads it.
     """
-    given = np.asarray(part.given(slave), dtype="<f8")
+    given = np.asarray(given, dtype="<f8")
     blocks = [
         (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
         for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
@@ -291,9 +312,8 @@ def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
     rows = [_row(slave, v, part.covered) for v in table]
     integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
     numbers = [x for v in table for x in _ranges(v, part.covered)]
-    return b"".join(
+    content = b"".join(
         [
-            MARK,
             struct.pack(f"<{len(integers)}q", *map(int, integers)),
             np.array(numbers, dtype="<f8").tobytes(),
             slave.real.astype("<f8").tobytes(),
@@ -302,6 +322,16 @@ def slave_file(slave: FieldSlave, part: NativePart) -> bytes:
             *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
         ]
     )
+    content += bytes(-len(content) % WORD)
+    return MARK + _sums(content) + content
+
+
+def _sums(content):
+    """Of all words, and of their sums so far, as `sums_of` in front/native.c."""
+    words = np.frombuffer(content, dtype="<u8")
+    weights = np.arange(len(words), 0, -1, dtype=np.uint64)
+    sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
+    return np.array(sums, dtype="<u8").tobytes()
 
 
 def _row(slave, v: Variable, covered):

@@ -30,6 +30,14 @@ def compiled(kernel=None, **options):
     return KERNELS[-1]
 
 
+def compilable(function):
+    """A function that runs as written where Python calls it, and is compiled within kernels that
+    call it: what a model says between its kernels, and a native FMU in them.
+    """
+    KERNELS.append(WithinKernels(function, {}))
+    return KERNELS[-1]
+
+
 class Kernel:
     """A function that is compiled at its first call; in the code of another kernel, and so to
     numba, it is its `dispatcher`.
@@ -71,6 +79,13 @@ class Kernel:
     @property
     def _numba_type_(self):
         return self.dispatcher._numba_type_
+
+
+class WithinKernels(Kernel):
+    """A function that is compiled in the code of kernels alone."""
+
+    def __call__(self, *arguments, **named):
+        return self.py_func(*arguments, **named)
 
 
 def first_start() -> str:

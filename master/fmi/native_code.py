@@ -6,7 +6,9 @@ the target. What numba hands out for calls from Python is left away. No fast mat
 `compiled`. It runs in a process of its own, for numba is told once and for all what to do.
 """
 
+import gzip
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -43,13 +45,34 @@ REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an ent
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
-    "functions": {"ceil", "exp", "log10", "pow", "sqrt"},
+    "products": {"native_dot", "native_times"},
+    "functions": {"ceil", "exp", "floor", "hypot", "log10", "pow", "sqrt", "tanh"},
 }
 """All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
 libm. Whatever else numba would call is Python's."""
 
+PRODUCTS = {
+    "declare i32 @numba_xxdot(i8, i8, i64, ptr, ptr, ptr)": """
+define internal i32 @numba_xxdot(i8 %kind, i8 %conjugate, i64 %n, ptr %a, ptr %b, ptr %out) {
+  call void @native_dot(i64 %n, ptr %a, ptr %b, ptr %out)
+  ret i32 0
+}
+declare void @native_dot(i64, ptr, ptr, ptr)
+""",
+    "declare i32 @numba_xxgemv(i8, i8, i64, i64, ptr, ptr, i64, ptr, ptr, ptr)": """
+define internal i32 @numba_xxgemv(i8 %kind, i8 %turned, i64 %m, i64 %n, ptr %alpha, ptr %a,
+                                  i64 %lead, ptr %x, ptr %beta, ptr %y) {
+  call void @native_times(i8 %turned, i64 %m, i64 %n, ptr %a, i64 %lead, ptr %x, ptr %y)
+  ret i32 0
+}
+declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
+""",
+}
+"""Products of vectors and of a matrix with one, which numba leaves to BLAS and, where that fails,
+to Python: those of front/runtime.c never fail, and LLVM sees that here."""
 
-def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
+
+def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, bytes]:
     """Object file of a participant's entries for each of `TARGETS` asked for.
 
     Parameters
@@ -58,6 +81,9 @@ def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
         Part of the project with a module `native`, or importable package.
     platforms : list of str
         Keys of `TARGETS`.
+    kept : Path
+        The module that they are made of, compressed; made where it is not there. It is what takes
+        minutes, and the same for all targets.
 
     Raises
     ------
@@ -65,7 +91,7 @@ def object_files(package: str, platforms: list[str]) -> dict[str, bytes]:
         With the words of numba or LLVM.
     """
     with tempfile.TemporaryDirectory() as scratch:
-        command = [sys.executable, "-m", __name__, package, scratch, *platforms]
+        command = [sys.executable, "-m", __name__, package, str(kept), scratch, *platforms]
         around = Path(sys.modules[ROOT].__path__[0]).parent
         path = os.pathsep.join([str(around), *filter(None, sys.path)])
         environment = os.environ | RAW | {"PYTHONPATH": path}
@@ -126,6 +152,10 @@ def module_text(part: Any) -> str:
         else:
             whole.link_in(module)
     assert whole is not None
+    text = str(whole)
+    for declared, defined in PRODUCTS.items():
+        text = re.sub(rf"^{re.escape(declared)}.*$", defined, text, flags=re.MULTILINE)
+    whole = binding.parse_assembly(text)
     for symbol in (*whole.functions, *whole.global_variables):
         if not symbol.is_declaration:
             symbol.linkage = "external" if symbol.name in names else "internal"
@@ -168,10 +198,15 @@ def _machine(target: Target):
     )
 
 
-def main(package: str, folder: str, *platforms: str) -> None:
-    """Write the object files into a folder, and the module that they are made of."""
-    text = module_text(import_part(f"{package}.native").PART)
-    Path(folder, "module.ll").write_text(text)
+def main(package: str, kept: str, folder: str, *platforms: str) -> None:
+    """Write the object files into a folder; the module that they are made of is kept."""
+    if os.path.exists(kept):
+        text = gzip.decompress(Path(kept).read_bytes()).decode()
+    else:
+        text = module_text(import_part(f"{package}.native").PART)
+        partial = Path(f"{kept}.{os.getpid()}.part")
+        partial.write_bytes(gzip.compress(text.encode(), 1))
+        os.replace(partial, kept)
     for name in platforms:
         Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))
 

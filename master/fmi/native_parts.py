@@ -27,7 +27,8 @@ class NativePart(NamedTuple):
     uncovered : sentences on build options that the library does not cover;
     covered : name of a parameter to the choices, or to the one value, that the library covers;
     faults : sentences by their number;
-    refusal : what stands before the sentence of a refused step.
+    refusal : what stands before the sentence of a refused step;
+    uncovered_ahead : as `uncovered`, of build options as a case gives them.
     """
 
     entries: tuple[Entry, ...]
@@ -36,3 +37,4 @@ class NativePart(NamedTuple):
     covered: Mapping[str, tuple[str, ...] | float]
     faults: tuple[str, ...]
     refusal: str
+    uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()

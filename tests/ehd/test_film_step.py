@@ -6,6 +6,8 @@ from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep
 from piston_cosim.fmu_ehd.films import FilmSlopes, smooth_film
 from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid, in_plenty
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.reynolds import Filling, Storage
 from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
@@ -113,3 +115,26 @@ def test_a_solution_that_is_not_finite_is_refused():
     flow = flow_film(film, 1e-320)
     with pytest.raises(cavitation.NotConverged):
         FilmStep(grid).solve(flow, entrainment, edges, EulerStep(content, 1e-4), content >= film)
+
+
+def test_a_full_region_spreads_over_the_film_by_a_cell_an_iteration():
+    """One cell of a film at rest is squeezed: pressure reaches all of it within a step. Cells that
+    switch singly find the same film, in hundreds of iterations.
+    """
+    shape = (30, 30)
+    film, still = np.full(shape, 1e-5), np.zeros(shape)
+    found = []
+    for switches_singly in (False, True):
+        with pytest.MonkeyPatch.context() as patch:
+            if switches_singly:
+                patch.setattr(cavitation, "at_once", lambda n_c, n_a: cavitation.ALL_AT_ONCE)
+            model = LubricationModel(Parameters(shape))
+            film[2, 3] = 2e-5
+            state, _ = model.start(film, still)
+            state, _ = model.advance(state, film, still, 5e-5)
+            film[2, 3] = 1.99e-5
+            found.append(model.advance(state, film, still, 5e-5)[1])
+    spread, singly = found
+    assert 25 < spread["solver_iterations"] <= sum(shape) < singly["solver_iterations"]
+    assert spread["pressure"].max() > 1e5
+    assert np.abs(spread["pressure"] - singly["pressure"]).max() <= 1e-12 * spread["pressure"].max()

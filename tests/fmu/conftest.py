@@ -25,17 +25,39 @@ def fmu():
 
 @pytest.fixture(scope="session")
 def native_fmu():
-    """The same without Python; the first time its kernels are compiled, one to two minutes."""
+    """The same without Python; the first time its kernels are compiled, some minutes."""
     return native_film([12, 10])
 
 
 def native_film(grid, **options):
     """A native lubrication FMU for this machine."""
+    return native("fmu_ehd", {"grid": grid} | options, Path("."))
+
+
+def native(package, options, folder, **more):
+    """A native FMU, for this machine unless others are named."""
     if not compiler():
         pytest.skip("no C compiler, or not Linux on x86-64")
     if too_old():
         pytest.skip(too_old()[0])
-    return build_native_fmu("fmu_ehd", {"grid": grid} | options, Path("."))
+    return build_native_fmu(package, options, folder, **more)
+
+
+def rigid_bodies(grid):
+    """Build table of the numerical example's bodies, rigid, and its folder."""
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+
+    path = find_case("numerical_example")
+    build = check_case(read_tree(path), path).participants["bodies"].build | {"grid": grid}
+    return build | {part: build[part] | {"modes": 0} for part in ("piston", "block")}, path.parent
+
+
+@pytest.fixture(scope="session")
+def native_bodies():
+    """Builds rigid bodies without Python, on a grid; the first time their kernels are compiled,
+    some minutes.
+    """
+    return lambda grid, **more: native("fmu_mfbd", *rigid_bodies(grid), **more)
 
 
 @pytest.fixture(scope="session")
@@ -46,13 +68,7 @@ def make_native():
 @pytest.fixture(scope="session")
 def bodies_fmu():
     """The body FMU of the numerical example, rigid, on the same small grid."""
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
-
-    path = find_case("numerical_example")
-    table = check_case(read_tree(path), path).participants["bodies"]
-    build = table.build | {"grid": [12, 10]}
-    build |= {part: build[part] | {"modes": 0} for part in ("piston", "block")}
-    return build_fmu(table.package, build, path.parent)
+    return build_fmu("fmu_mfbd", *rigid_bodies([12, 10]))
 
 
 @pytest.fixture(scope="session")

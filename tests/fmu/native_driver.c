@@ -1,7 +1,8 @@
-/* Drives a lubrication FMU on any system and prints a digest of its forces after each step.
+/* Drives a lubrication FMU on any system and prints a digest of its forces after each step; compiled with -DNUMBERS a body
+   FMU, and prints a sum of its film thickness.
 
    driver LIBRARY LOCATION GUID CELLS STEPS FILM_REFERENCE VELOCITY_REFERENCE FORCE_REFERENCE
-   Film and velocity are made of products and sums alone, so that they have the same bits everywhere. */
+   Film and velocity, or forces, are made of products and sums alone, so that they have the same bits everywhere. */
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,7 +64,11 @@ int main(int count, char **argument)
             for (int k = 0; k < cells; k++) {
                 double place = (double)k / cells;
                 reference[k] = first[which] + (Reference)k;
+#ifdef NUMBERS
+                value[k] = which ? 0.1 * swing : 20.0 * place * (1.0 - place) * (1.0 + 2.0 * swing);
+#else
                 value[k] = which ? 16.0 * swing : 8e-6 + 1.2e-5 * place * (1.0 - place) * (1.0 + 2.0 * swing);
+#endif
             }
             need(set(one, reference, (size_t)cells, value), "set");
         }
@@ -73,12 +78,19 @@ int main(int count, char **argument)
         for (int k = 0; k < cells; k++)
             reference[k] = first[2] + (Reference)k;
         need(get(one, reference, (size_t)cells, value), "get");
+#ifdef NUMBERS
+        double sum = 0.0;
+        for (int k = 0; k < cells; k++)
+            sum += (1.0 + (double)k / cells) * value[k];
+        printf("%d %.17g\n", n, sum);
+#else
         unsigned long long digest = 14695981039346656037ULL, bits;
         for (int k = 0; k < cells; k++) {
             memcpy(&bits, value + k, sizeof bits);
             digest = (digest ^ bits) * 1099511628211ULL;
         }
         printf("%d %016llx\n", n, digest);
+#endif
     }
     return 0;
 }

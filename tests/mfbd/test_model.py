@@ -148,10 +148,16 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     monkeypatch.setattr(
         "piston_cosim.fmu_mfbd.dynamics.model.end_of_step", instant.end_of_step.py_func
     )
-    monkeypatch.setattr(instant, "film_forces_of", instant.film_forces_of.py_func)
+    monkeypatch.setattr(instant, "forces_by_film", instant.forces_by_film.py_func)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] <= 1e-13
     monkeypatch.setattr(instant, "generalised", wrong)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
+
+
+def test_a_step_that_ends_nowhere_is_refused(model):
+    state, _ = run(model, 1)
+    with pytest.raises(NotConverged, match="crank angle = inf rad: must be finite"):
+        model.advance(state, inputs(model, 1), 1e308)
 
 
 def test_a_repeated_step_gives_the_same_bytes(model):

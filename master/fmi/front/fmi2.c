@@ -19,6 +19,8 @@ static void send(Instance *I, int status, const char *category, const char *text
     if (!I->logger)
         return;
     char *safe = malloc(2 * strlen(text) + 1), *end = safe;
+    if (!safe)
+        return;
     for (const char *c = text; *c; c++) {
         *end++ = *c;
         if (*c == '%')
@@ -36,6 +38,8 @@ static char *path_of(const char *location)
     if (c != location && !strncmp(c, "//", 2))
         c = strchr(c + 2, '/') ? strchr(c + 2, '/') : c + 2;
     char *path = malloc(strlen(c) + 1), *end = path;
+    if (!path)
+        return NULL;
     for (unsigned int code; *c; end++) {
         int escaped = c[0] == '%' && sscanf(c + 1, "%2x", &code) == 1 && c[1] && c[2];
         *end = escaped ? (char)code : *c;
@@ -57,7 +61,8 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const
         front_log(&settings, ERROR, "fmi2Instantiate: this FMU is for co-simulation");
         return NULL;
     }
-    return front_create(name, guid, path_of(location ? location : ""), settings);
+    char *path = path_of(location ? location : "");
+    return path ? front_create(name, guid, path, settings) : NULL;
 }
 
 EXPORT void fmi2FreeInstance(void *I) { if (I) front_free(I); }

@@ -28,9 +28,9 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, co
     (void)visible, (void)events, (void)early, (void)intermediate, (void)count, (void)update;
     Instance settings = {.send = send, .logging = logging, .environment = environment, .logger = (void (*)(void))logger};
     char *path = strdup(resources ? resources : "");
-    for (size_t end = strlen(path); end > 1 && path[end - 1] == '/';)
+    for (size_t end = path ? strlen(path) : 0; end > 1 && path[end - 1] == '/';)
         path[--end] = 0;
-    return front_create(name, token, path, settings);
+    return path ? front_create(name, token, path, settings) : NULL;
 }
 
 EXPORT void fmi3FreeInstance(void *I) { if (I) front_free(I); }
@@ -148,6 +148,8 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
     if (!fits(I, __func__, TEXT, false, vr, count, values))
         return ERROR;
     Reference *offset = malloc(count * sizeof *offset + 1);
+    if (!offset)
+        return ERROR;
     for (size_t k = 0; k < count; k++)
         offset[k] = (Reference)(I->first_string + I->variable[vr[k]].offset);
     int status = front_show(I);
@@ -163,7 +165,7 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
 static Reference *elements(Instance *I, const Reference *vr, size_t count, size_t values)
 {
     Reference *all = malloc(values * sizeof *all + 1), *next = all;
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; all && k < count; k++)
         for (int64_t e = 0; e < I->variable[vr[k]].size; e++)
             *next++ = (Reference)(I->variable[vr[k]].offset + e);
     return all;
@@ -175,7 +177,7 @@ EXPORT int fmi3GetDirectionalDerivative(Instance *I, const Reference *unknown, s
     if (!fits(I, __func__, REAL, false, unknown, unknowns, products) || !fits(I, __func__, REAL, false, known, knowns, seeds))
         return ERROR;
     Reference *from = elements(I, known, knowns, seeds), *to = elements(I, unknown, unknowns, products);
-    int status = front_derivative(I, to, products, from, seeds, seed, product);
+    int status = from && to ? front_derivative(I, to, products, from, seeds, seed, product) : ERROR;
     free(from);
     free(to);
     return status;

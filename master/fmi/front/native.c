@@ -11,10 +11,11 @@
 #endif
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char MARK[8] = "PCNATIV1";      /* the last figure is the version of the file */
+static const char MARK[8] = "PCNATIV2";      /* the last figure is the version of the file */
 
 enum { REAL, INTEGER, STRING, CHOICE };                     /* types of a variable, as in front.h */
 enum { PARAMETER, INPUT, CONSTANT, OUTPUT };
@@ -46,6 +47,68 @@ typedef struct {
     char refused[LONGEST];              /* why there is no state, empty if nothing is wrong */
     Pool *pool;
 } Native;
+
+/* ---- what hosts hold ---------------------------------------------------------------------------------------------- */
+
+/* Addresses handed out, of all instances in this process: what is freed already, or was never ours, is refused. */
+typedef struct { void **at; size_t count, room; } Held;
+
+static Held instances, states;
+static atomic_flag busy = ATOMIC_FLAG_INIT;
+
+static size_t place_of(const Held *held, const void *address)
+{
+    size_t k = held->count;
+    while (k && held->at[k - 1] != address)     /* the newest are asked for most */
+        k--;
+    return k;
+}
+
+static void begin_alone(void)
+{
+    while (atomic_flag_test_and_set(&busy))
+        ;
+}
+
+/* Whether there was memory for it. */
+static int hold(Held *held, void *address)
+{
+    begin_alone();
+    if (held->count == held->room) {
+        size_t room = 2 * held->room + 16;
+        void **more = realloc(held->at, room * sizeof *more);
+        if (more)
+            held->at = more, held->room = room;
+    }
+    int fits = held->count < held->room;
+    if (fits)
+        held->at[held->count++] = address;
+    atomic_flag_clear(&busy);
+    return fits;
+}
+
+static int is_held(const Held *held, const void *address)
+{
+    begin_alone();
+    size_t place = place_of(held, address);
+    atomic_flag_clear(&busy);
+    return place > 0;
+}
+
+/* Whether it was held until now. */
+static int let_go(Held *held, const void *address)
+{
+    begin_alone();
+    size_t place = place_of(held, address);
+    if (place)
+        held->at[place - 1] = held->at[--held->count];
+    if (!held->count) {
+        free(held->at);
+        *held = (Held){0};
+    }
+    atomic_flag_clear(&busy);
+    return place > 0;
+}
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -94,39 +157,77 @@ static const char *take_text(const char **cursor, const char *end)
     return stop ? at : "";
 }
 
-/* Whether the file could be read; points into it. */
-static int lay_out(Native *N, const char *path)
+typedef struct { uint64_t first, second; } Sums;
+
+/* Of words, and of their sums so far: what is cut short, changed or moved has others. */
+static Sums sums_of(const char *words, size_t size)
 {
+    Sums sums = {0, 0};
+    for (uint64_t word; size >= sizeof word; words += sizeof word, size -= sizeof word) {
+        memcpy(&word, words, sizeof word);
+        sums.first += word;
+        sums.second += sums.first;
+    }
+    return sums;
+}
+
+/* Whether the sums behind the mark are those of all that follows. */
+static int is_whole(const char *file, size_t size)
+{
+    Sums told, found;
+    const size_t begin = sizeof MARK + sizeof told;
+    if (size < begin || size % sizeof(uint64_t))
+        return 0;
+    memcpy(&told, file + sizeof MARK, sizeof told);
+    found = sums_of(file + begin, size - begin);
+    return told.first == found.first && told.second == found.second;
+}
+
+/* Points into the file; NULL, or what is wrong with it. What its numbers mean is the builder's, once it is whole. */
+static const char *lay_out(Native *N, const char *path)
+{
+    const char *damaged = "is cut short or damaged", *scarce = "asks for more memory than there is";
     size_t size = 0;
     N->file = read_whole(path, &size);
+    if (!N->file)
+        return "is not there, or is empty";
     const char *cursor = N->file, *end = cursor + size;
-    const char *mark = take(&cursor, end, 1, sizeof MARK);
-    if (!mark || memcmp(mark, MARK, sizeof MARK))
-        return 0;
+    if (size < sizeof MARK || memcmp(N->file, MARK, sizeof MARK))
+        return "is damaged, or of another version of piston-cosim";
+    if (!is_whole(N->file, size))
+        return damaged;
+    take(&cursor, end, 3, sizeof(uint64_t));
     const Head *h = N->head = take(&cursor, end, 1, sizeof *h);
-    if (!h)
-        return 0;
+    if (!h || h->seeds < 0 || h->products < 0 || h->seeds + h->products > h->variables)
+        return damaged;
     take(&cursor, end, 3 * (h->seeds + h->products), sizeof(int64_t));
     N->row = take(&cursor, end, h->variables, sizeof(Row));
     N->range = take(&cursor, end, h->variables, sizeof(Range));
     N->start_real = take(&cursor, end, h->first_integer, sizeof(double));
     N->start_integer = take(&cursor, end, h->integers, sizeof(int64_t));
     N->given = take(&cursor, end, h->given, sizeof(double));
-    if (!cursor)
-        return 0;
-    N->words = calloc((size_t)h->variables, sizeof *N->words);
-    N->choices = calloc((size_t)h->texts, sizeof *N->choices);
-    N->fault = calloc((size_t)h->faults, sizeof *N->fault);
-    const char **choice = N->choices;
+    if (!cursor || h->texts < 0 || h->texts > end - cursor || h->faults < 0 || h->faults > end - cursor)
+        return damaged;
+    N->words = calloc((size_t)h->variables + 1, sizeof *N->words);
+    N->choices = calloc((size_t)h->texts + 1, sizeof *N->choices);
+    N->fault = calloc((size_t)h->faults + 1, sizeof *N->fault);
+    if (!N->words || !N->choices || !N->fault)
+        return scarce;
+    const char **choice = N->choices, **last = choice + h->texts;
     for (int64_t k = 0; k < h->variables; k++) {
-        N->words[k] = (Words){take_text(&cursor, end), take_text(&cursor, end), choice};
-        for (int64_t c = 0; c < N->row[k].choices; c++)
+        N->words[k].name = take_text(&cursor, end);
+        N->words[k].unit = take_text(&cursor, end);
+        N->words[k].choice = choice;
+        for (int64_t c = 0; c < N->row[k].choices; c++) {
+            if (choice == last)
+                return damaged;
             *choice++ = take_text(&cursor, end);
+        }
     }
     for (int64_t k = 0; k < h->faults; k++)
         N->fault[k] = take_text(&cursor, end);
     N->refusal = take_text(&cursor, end);
-    return cursor != NULL;
+    return cursor ? NULL : damaged;
 }
 
 /* ---- sentences ---------------------------------------------------------------------------------------------------- */
@@ -423,8 +524,11 @@ static const char *make(Instance *I)
     char path[8192];
     Native *N = I->slave = calloc(1, sizeof *N);
     snprintf(path, sizeof path, "%s/slave.bin", I->resources);
-    if (!N || !lay_out(N, path))
-        return "is not there, or is of another version of piston-cosim";
+    if (!N)
+        return "asks for more memory than there is";
+    const char *lacking = lay_out(N, path);
+    if (lacking)
+        return lacking;
     const Head *h = N->head;
     const int64_t *blocks = (const int64_t *)((const char *)h + sizeof *h);
     double sizes[4];
@@ -461,28 +565,7 @@ static const char *make(Instance *I)
     return NULL;
 }
 
-Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
-{
-    Instance *I = malloc(sizeof *I);
-    *I = settings;
-    I->name = malloc(strlen(name ? name : "instance") + 1);
-    strcpy(I->name, name ? name : "instance");
-    I->resources = resources;
-#ifdef _WIN32
-    if (resources[0] == '/' && resources[1] && resources[2] == ':')      /* file:///C:/.. */
-        memmove(resources, resources + 1, strlen(resources));
-#endif
-    if (front_is_own(I, token)) {
-        const char *lacking = make(I);
-        if (!lacking)
-            return I;
-        front_log(I, ERROR, "instantiate: %s/slave.bin %s", I->resources, lacking);
-    }
-    front_free(I);
-    return NULL;
-}
-
-void front_free(Instance *I)
+static void release(Instance *I)
 {
     Native *N = I->slave;
     if (N) {
@@ -498,6 +581,41 @@ void front_free(Instance *I)
     free(I);
 }
 
+Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
+{
+    Instance *I = malloc(sizeof *I);
+    char *own = malloc(strlen(name ? name : "instance") + 1);
+    if (!I || !own) {
+        free(I);
+        free(own);
+        free(resources);
+        return NULL;
+    }
+    *I = settings;
+    I->name = strcpy(own, name ? name : "instance");
+    I->resources = resources;
+#ifdef _WIN32
+    if (resources[0] == '/' && resources[1] && resources[2] == ':')      /* file:///C:/.. */
+        memmove(resources, resources + 1, strlen(resources));
+#endif
+    if (front_is_own(I, token)) {
+        const char *lacking = make(I);
+        if (!lacking && !hold(&instances, I))
+            lacking = "asks for more memory than there is";
+        if (!lacking)
+            return I;
+        front_log(I, ERROR, "instantiate: %s/slave.bin %s", I->resources, lacking);
+    }
+    release(I);
+    return NULL;
+}
+
+void front_free(Instance *I)
+{
+    if (let_go(&instances, I))
+        release(I);
+}
+
 int front_reset(Instance *I)
 {
     begin(I);
@@ -507,8 +625,9 @@ int front_reset(Instance *I)
 /* ---- states ------------------------------------------------------------------------------------------------------- */
 
 /* A state as it is kept and as it is written: this head, variables, integers, the memory's state. Numbers lie as on all
-   systems that these FMUs are made for, the lowest byte first, so that a state may go from one to the other. */
-typedef struct { char mark[8]; int64_t reals, integers, states, has_state; } Saved;
+   systems that these FMUs are made for, the lowest byte first, so that a state may go from one to the other. The sums are
+   those of what follows the head, where it is written. */
+typedef struct { char mark[8]; int64_t reals, integers, states, has_state; Sums sums; } Saved;
 
 static size_t saved_size(Native *N)
 {
@@ -522,12 +641,37 @@ static Saved head_of(Native *N)
     return s;
 }
 
+/* Whether a head is one of this FMU's states. */
+static int is_like(Native *N, const Saved *given)
+{
+    Saved own = head_of(N);
+    own.has_state = given->has_state, own.sums = given->sums;
+    return !memcmp(&own, given, sizeof own) && (given->has_state == 0 || given->has_state == 1);
+}
+
+/* Whether it is a state that this FMU has handed out; says so if not. */
+static int is_own_state(Instance *I, const void *state)
+{
+    int own = is_held(&states, state) && is_like(I->slave, state);
+    if (!own)
+        front_log(I, ERROR, "this is no state of this FMU, or it was freed before");
+    return own;
+}
+
 int front_get_state(Instance *I, void **state)
 {
     Native *N = I->slave;
-    char *at = *state ? *state : malloc(saved_size(N));
-    if (!at)
+    if (*state && !is_own_state(I, *state))
         return ERROR;
+    char *at = *state;
+    if (!at) {
+        at = malloc(saved_size(N));
+        if (!at || !hold(&states, at)) {
+            front_log(I, ERROR, "there is not enough memory for a state");
+            free(at);
+            return ERROR;
+        }
+    }
     *state = at;
     *(Saved *)at = head_of(N);
     memcpy(at += sizeof(Saved), N->real, real_bytes(N));
@@ -554,6 +698,8 @@ static void restore(Native *N, const char *at)
 int front_set_state(Instance *I, void *state)
 {
     Native *N = I->slave;
+    if (!is_own_state(I, state))
+        return ERROR;
     const char *at = (const char *)state + sizeof(Saved);
     int has_state = (int)((Saved *)state)->has_state, status = OK;
     restore(N, at);
@@ -571,43 +717,53 @@ int front_set_state(Instance *I, void *state)
 
 void front_free_state(void **state)
 {
-    free(*state);
+    if (let_go(&states, *state))
+        free(*state);
     *state = NULL;
 }
 
 int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
 {
     size_t length = saved_size(I->slave);
+    if (!is_own_state(I, state))
+        return ERROR;
     if (bytes && *size < length) {
         front_log(I, ERROR, "the state takes %zu bytes, %zu were given", length, *size);
         return ERROR;
     }
-    if (bytes)
-        memcpy(bytes, state, length);
-    else
+    if (!bytes) {
         *size = length;
+        return OK;
+    }
+    Saved head = *(Saved *)state;
+    head.sums = sums_of((char *)state + sizeof head, length - sizeof head);
+    memcpy(bytes, &head, sizeof head);
+    memcpy(bytes + sizeof head, (char *)state + sizeof head, length - sizeof head);
     return OK;
 }
 
 int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
 {
     Native *N = I->slave;
-    Saved own = head_of(N), given;
+    Saved given;
     size_t length = saved_size(N);
-    int fits = size >= sizeof given;
+    int fits = bytes && size == length;
     if (fits) {
         memcpy(&given, bytes, sizeof given);
-        own.has_state = given.has_state;
-        fits = size == length && !memcmp(&own, &given, sizeof own) && (given.has_state == 0 || given.has_state == 1);
+        Sums found = sums_of(bytes + sizeof given, length - sizeof given);
+        fits = is_like(N, &given) && !memcmp(&found, &given.sums, sizeof found);
     }
     if (!fits) {
-        front_log(I, ERROR, "these %zu bytes are no state of this FMU, which takes %zu", size, length);
+        front_log(I, ERROR, "these %zu bytes are no state of this FMU, which takes %zu, or they are damaged", size, length);
         return ERROR;
     }
     front_free_state(state);
-    *state = malloc(length);
-    if (!*state)
+    char *own = malloc(length);
+    if (!own || !hold(&states, own)) {
+        front_log(I, ERROR, "there is not enough memory for a state");
+        free(own);
         return ERROR;
-    memcpy(*state, bytes, length);
+    }
+    *state = memcpy(own, bytes, length);
     return OK;
 }

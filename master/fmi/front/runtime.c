@@ -89,6 +89,39 @@ INTERNAL void NRT_MemInfo_call_dtor(void *counted)
     pool->free[piece->power] = piece;
 }
 
+/* ---- products ----------------------------------------------------------------------------------------------------- */
+
+enum { LANES = 8 };                     /* sums side by side, which a processor may take at once */
+
+INTERNAL void native_dot(int64_t n, const double *a, const double *b, double *out)
+{
+    double sum[LANES] = {0.0}, total = 0.0;
+    int64_t k = 0;
+    for (; k + LANES <= n; k += LANES)
+        for (int lane = 0; lane < LANES; lane++)
+            sum[lane] += a[k + lane] * b[k + lane];
+    for (; k < n; k++)
+        total += a[k] * b[k];
+    for (int lane = 0; lane < LANES; lane++)
+        total += sum[lane];
+    *out = total;
+}
+
+/* y = A x of a matrix by columns, m rows, n columns; turned 't': y = A^T x. */
+INTERNAL void native_times(char turned, int64_t m, int64_t n, const double *a, int64_t lead, const double *x, double *y)
+{
+    if (turned == 't') {
+        for (int64_t j = 0; j < n; j++)
+            native_dot(m, a + j * lead, x, y + j);
+        return;
+    }
+    for (int64_t i = 0; i < m; i++)
+        y[i] = 0.0;
+    for (int64_t j = 0; j < n; j++)
+        for (int64_t i = 0; i < m; i++)
+            y[i] += a[j * lead + i] * x[j];
+}
+
 /* ---- shapes ------------------------------------------------------------------------------------------------------- */
 
 /* Strides of an array in its new shape. All arrays of the entries that are told a new one are contiguous. */

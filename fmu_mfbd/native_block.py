@@ -1,0 +1,382 @@
+"""The memory of bodies that need no Python: one flat block of float64 numbers, whose head says
+where each part begins. What parts there are is said here, their lengths in `native.given`.
+
+Tables of single precision and whole numbers lie in it by their bits.
+"""
+
+from collections import namedtuple
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from ..master.fmi.compiled import compiled
+from .dynamics.assembly import mechanism
+from .dynamics.drive import Scalars
+from .dynamics.floating_frame import FlexibleBody
+from .dynamics.gas_on_bore import BoreWall
+from .dynamics.generalised_alpha import Coefficients
+from .dynamics.instant import Block, Linear, System
+from .dynamics.parameters import Parameters
+from .dynamics.piston_motion import Load
+from .dynamics.quasi_static import StaticModes
+from .dynamics.slider_crank import CrankMotion
+from .geometry.film import Bore, FilmSurface, Skirt
+from .geometry.modal_field import ModalField
+
+WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
+"""The head: lengths that `native_size` tells, then where parts begin."""
+
+GIVEN = (
+    "counts",
+    "constants",
+    "places",
+    "angle",
+    "height",
+    "measured",
+    "heights",
+    "widening",
+    "inverse",
+    "band_above",
+    "band_ratio",
+    "gas_angle",
+    "gas_pressure",
+    "start_position",
+    "start_velocity",
+    "first_moment",
+    "T",
+    "b",
+    "B",
+    "g",
+    "G",
+    "piston_omega",
+    "gas_force",
+    "block_omega",
+    "wall_above",
+    "wall_at",
+)
+FIELDS = ("skirt_radial", "skirt_axial", "bore_radial", "bore_axial")
+OF_FIELD = ("sizes", "table", "mode", "kind", "image", "share")
+SIZES, TABLE, MODE, KIND, IMAGE, SHARE = range(len(OF_FIELD))
+LINES, LENGTH, MODES, CLASSES, WIDTH = range(5)  # sizes of a modal field
+MADE = (
+    "settings",
+    "gap",
+    "shape",
+    "wall_above_now",
+    "wall_at_now",
+    "piston_stiffness",
+    "piston_damping",
+    "block_stiffness",
+    "block_damping",
+    "none",
+)
+"""At the start, from the parameters."""
+STATE = ("numbers", "position", "velocity", "acceleration", "auxiliary", "other_forces")
+"""In one piece."""
+LAST = (
+    "last_numbers",
+    "last_coefficients",
+    "last_load",
+    "last_crank",
+    "last_position",
+    "last_velocity",
+    "last_acceleration",
+    "modal_load",
+    "linear_numbers",
+    "top",
+    "left",
+    "diagonal",
+    "coupling",
+)
+"""What a derivative at the end of the last step asks for."""
+PARTS = (
+    *GIVEN,
+    *(f"{field}_{part}" for field in FIELDS for part in OF_FIELD),
+    *MADE,
+    *STATE,
+    *LAST,
+    "faults",
+)
+(
+    COUNTS,
+    CONSTANTS,
+    PLACES,
+    ANGLE,
+    HEIGHT,
+    MEASURED,
+    HEIGHTS,
+    WIDENING,
+    INVERSE,
+    BAND_ABOVE,
+    BAND_RATIO,
+    GAS_ANGLE,
+    GAS_PRESSURE,
+    START_POSITION,
+    START_VELOCITY,
+    FIRST_MOMENT,
+    T,
+    SMALL_B,
+    B,
+    SMALL_G,
+    G,
+    PISTON_OMEGA,
+    GAS_FORCE,
+    BLOCK_OMEGA,
+    WALL_ABOVE,
+    WALL_AT,
+) = range(len(GIVEN))
+SKIRT_RADIAL, SKIRT_AXIAL, BORE_RADIAL, BORE_AXIAL = (
+    len(GIVEN) + k * len(OF_FIELD) for k in range(len(FIELDS))
+)
+(
+    SETTINGS,
+    GAP,
+    SHAPE,
+    WALL_ABOVE_NOW,
+    WALL_AT_NOW,
+    PISTON_STIFFNESS,
+    PISTON_DAMPING,
+    BLOCK_STIFFNESS,
+    BLOCK_DAMPING,
+    NONE,
+) = (len(GIVEN) + len(FIELDS) * len(OF_FIELD) + k for k in range(len(MADE)))
+NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
+    NONE + 1 + k for k in range(len(STATE))
+)
+(
+    LAST_NUMBERS,
+    LAST_COEFFICIENTS,
+    LAST_LOAD,
+    LAST_CRANK,
+    LAST_POSITION,
+    LAST_VELOCITY,
+    LAST_ACCELERATION,
+    MODAL_LOAD,
+    LINEAR_NUMBERS,
+    TOP,
+    LEFT,
+    DIAGONAL,
+    COUPLING,
+) = (OTHER_FORCES + 1 + k for k in range(len(LAST)))
+FAULTS_AT = len(PARTS) - 1
+
+COUNTED = ("circumferential", "axial", "piston_modes", "block_modes", "stations")
+CIRCUMFERENTIAL, AXIAL, PISTON_MODES, BLOCK_MODES, STATIONS = range(len(COUNTED))
+
+CONSTANT = (
+    "mass",
+    "inertia",
+    "piston_radius",
+    "skirt_lower",
+    "skirt_upper",
+    "pin_offset",
+    "bore_radius",
+    "spacing",
+    "gas_cycle",
+    "bands_given",
+    "start_given",
+    "start_angle",
+)
+(
+    MASS,
+    INERTIA,
+    PISTON_RADIUS,
+    SKIRT_LOWER,
+    SKIRT_UPPER,
+    PIN_OFFSET,
+    BORE_RADIUS,
+    SPACING,
+    GAS_CYCLE,
+    BANDS_GIVEN,
+    START_GIVEN,
+    START_ANGLE,
+) = range(len(CONSTANT))
+
+# ---- numbers of the state, and of the last step
+
+OF_STATE = ("time", "crank_angle", "crank_speed", "crank_acceleration", "kinetic", "steps")
+TIME, CRANK_ANGLE, CRANK_SPEED, CRANK_ACCELERATION, KINETIC, STEPS = range(len(OF_STATE))
+OF_LAST = ("guided", "is_linear", "evaluations", "tangents")
+GUIDED, IS_LINEAR, EVALUATIONS, TANGENTS = range(len(OF_LAST))
+
+# ---- where numbers lie among the variables
+
+SETTING = tuple(one.name for one in fields(Parameters))
+SETTING_COUNT = len(SETTING)
+Settings = namedtuple("Settings", SETTING)
+"""`Parameters`, as kernels know them: floats."""
+INPUTS = (
+    "nodal_pressure_force",
+    "nodal_friction_force",
+    "gas_pressure",
+    "land_pressure",
+    "ring_side_force",
+    "ring_axial_force",
+    "ring_moment",
+    "crank_speed",
+)
+OUTPUTS = (
+    *Scalars._fields,
+    "cylinder_pressure",
+    "side_force_demand",
+    "film_thickness",
+    "sliding_velocity",
+    "interface_work_error",
+    "modal_coordinate",
+    "modal_velocity",
+    "residual_evaluations",
+    "jacobian_evaluations",
+)
+(
+    CYLINDER_PRESSURE,
+    SIDE_FORCE_DEMAND,
+    FILM_THICKNESS,
+    SLIDING_VELOCITY,
+    WORK_ERROR,
+    MODAL_COORDINATE,
+    MODAL_VELOCITY,
+    RESIDUAL_EVALUATIONS,
+    JACOBIAN_EVALUATIONS,
+) = range(len(Scalars._fields), len(OUTPUTS))
+ENERGY_GAIN = OUTPUTS.index("energy_gain")
+ENERGY_SIZE = OUTPUTS.index("energy_size")
+FORCE, DRAG, GAS, LAND, RINGS = range(5)
+CRANK_SPEED_GIVEN = INPUTS.index("crank_speed")
+"""Places among INPUTS; three numbers of the rings."""
+OF_INPUTS = len(SETTING)
+OF_OUTPUTS = OF_INPUTS + len(INPUTS)
+OF_SEEDS = OF_OUTPUTS + len(OUTPUTS)
+SEEDED_RINGS = OF_SEEDS + 2
+OF_PRODUCTS = SEEDED_RINGS + 3
+NOWHERE = -1.0
+
+OF_A_FAULT = 6
+FAULT, FAULT_I, _, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
+MOST_FAULTS = 8
+
+
+@compiled
+def part(memory: np.ndarray, k: int) -> np.ndarray:
+    """The k-th of `PARTS`."""
+    return memory[int(memory[PARTS_FROM + k]) : int(memory[PARTS_FROM + k + 1])]
+
+
+@compiled
+def place(memory, k):
+    """Where among the variables the k-th number lies; -1 for nowhere."""
+    return int(part(memory, PLACES)[k])
+
+
+@compiled
+def count(memory, k):
+    """One of `COUNTED`."""
+    return int(part(memory, COUNTS)[k])
+
+
+def packed(kind: Any, *others: str):
+    """Kernels that keep the numbers of a named tuple in an array, (array, tuple), and that make it
+    of them again, (array, *others); `others` are its fields that are no numbers.
+    """
+    names = [name for name in kind._fields if name not in others]
+    given = "".join(f", {name}" for name in others)
+    stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
+    values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
+    scope = {"kind": kind}
+    exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
+    return compiled(scope["put"]), compiled(scope["made"])
+
+
+_, settings_from = packed(Settings)
+put_coefficients, coefficients_from = packed(Coefficients)
+put_load, load_from = packed(Load, "modal", "carrier")
+put_crank, crank_from = packed(CrankMotion)
+put_linear, linear_from = packed(Linear, "arrow", "coupling")
+
+
+@compiled
+def settings_of(memory):
+    """Parameters of the last start."""
+    return settings_from(part(memory, SETTINGS))
+
+
+@compiled
+def field_of(memory: np.ndarray, first: int) -> ModalField:
+    """The modal field whose parts begin with the `first` of `PARTS`."""
+    sizes = part(memory, first + SIZES)
+    lines = int(sizes[LINES])
+    length = int(sizes[LENGTH])
+    classes = int(sizes[CLASSES])
+    width = int(sizes[WIDTH])
+    table = part(memory, first + TABLE).view(np.float32)
+    return ModalField(
+        table[: lines * length].reshape((lines, length)),
+        part(memory, first + MODE).view(np.int64),
+        part(memory, first + KIND).view(np.int64),
+        int(sizes[MODES]),
+        classes,
+        width,
+        part(memory, first + IMAGE).view(np.int64).reshape((classes, width)),
+        part(memory, first + SHARE),
+    )
+
+
+@compiled
+def system_of(memory: np.ndarray) -> System:
+    """Both bodies, the mechanism and the film, as `assembly.assemble` makes them."""
+    x = part(memory, CONSTANTS)
+    c = count(memory, CIRCUMFERENTIAL)
+    k = count(memory, PISTON_MODES)
+    m = count(memory, BLOCK_MODES)
+    s = count(memory, STATIONS)
+    settings = settings_of(memory)
+    lowest = part(memory, HEIGHTS)[0]
+    none = part(memory, NONE)
+    static = StaticModes(none, none.reshape((2, 0)), none, none)
+    shape = part(memory, SHAPE)
+    skirt = Skirt(
+        part(memory, ANGLE),
+        part(memory, HEIGHT),
+        part(memory, GAP).reshape((c, count(memory, AXIAL))),
+        x[BORE_RADIUS],
+        x[PIN_OFFSET],
+        field_of(memory, SKIRT_RADIAL),
+        field_of(memory, SKIRT_AXIAL),
+    )
+    bore = Bore(
+        lowest - x[SPACING],
+        x[SPACING],
+        field_of(memory, BORE_RADIAL),
+        field_of(memory, BORE_AXIAL),
+        shape.reshape((s + 2, c)),
+    )
+    return System(
+        FlexibleBody(
+            x[MASS],
+            part(memory, FIRST_MOMENT),
+            x[INERTIA],
+            part(memory, T).reshape((2, k)),
+            part(memory, SMALL_B),
+            part(memory, B).reshape((k, k)),
+            part(memory, SMALL_G),
+            part(memory, G).reshape((k, k)),
+            part(memory, PISTON_STIFFNESS),
+            part(memory, PISTON_DAMPING),
+        ),
+        static,
+        Block(part(memory, BLOCK_STIFFNESS), part(memory, BLOCK_DAMPING)),
+        static,
+        mechanism(x[PISTON_RADIUS], x[PIN_OFFSET], settings),
+        (FilmSurface(skirt, bore),),
+        x[PIN_OFFSET],
+        part(memory, GAS_FORCE),
+        BoreWall(
+            lowest,
+            x[SPACING],
+            part(memory, WALL_ABOVE_NOW).reshape((s, m)),
+            part(memory, WALL_AT_NOW).reshape((s, m)),
+            settings.top_ring_height,
+            settings.second_ring_height,
+            settings.land_pressure_share,
+        ),
+    )

@@ -1,0 +1,303 @@
+"""The body FMU that needs no Python beside the FMU in Python, a run with both native FMUs, foreign
+hosts and machines. What is compiled is the slave's own kernels; products of a matrix with a vector
+and what goes through sin, tanh and hypot are those of other libraries.
+"""
+
+import importlib
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.native import OPTIONS
+from piston_cosim.master.api.fmus import build_fmu as build_of_case
+from piston_cosim.master.case.contract import swap
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of
+from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.master.participants.fmi3 import Fmu3Participant
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+from ..mfbd.conftest import write_bodies
+from .conftest import rigid_bodies
+
+ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
+SEEDS = (
+    "nodal_pressure_force",
+    "nodal_friction_force",
+    "ring_side_force",
+    "ring_axial_force",
+    "ring_moment",
+)
+PRODUCTS = (
+    "film_thickness",
+    "sliding_velocity",
+    "lateral_velocity",
+    "rocking_velocity",
+    "piston_velocity",
+)
+GAS = {
+    "points": [[0.0, 3.0], [200.0, 0.1], [720.0, 3.0]],
+    "angle_unit": "deg",
+    "pressure_unit": "MPa",
+    "strokes": 4,
+}
+
+
+@pytest.fixture(scope="module")
+def rigid(native_bodies):
+    return native_bodies([12, 10])
+
+
+@pytest.fixture(scope="module")
+def flexible(tmp_path_factory):
+    """Build table of small bodies with 12 and 10 modes and a gas table; its folder."""
+    folder, table = write_bodies(tmp_path_factory.mktemp("bodies"), 16, 1, (6, 4))
+    return table | {"gas": GAS}, folder
+
+
+def given(k, shape):
+    """Inputs of a step: a rough load that turns round."""
+    rng = np.random.default_rng(k)
+    angle = np.arange(shape[0]) * 2 * np.pi / shape[0]
+    bump = np.maximum(np.sin(angle - 0.3 * k), -0.2)[:, None] + 0.2
+    return {
+        "nodal_pressure_force": 5.0 * bump * rng.random(shape),
+        "nodal_friction_force": 0.5 * rng.standard_normal(shape),
+        "gas_pressure": 1e4 * k,
+        "land_pressure": 1e5,
+        "ring_side_force": 10.0 * np.sin(k),
+        "ring_axial_force": -20.0,
+        "ring_moment": 0.05 * np.cos(k),
+        "crank_speed": 300.0 + k,
+    }
+
+
+def side_by_side(python, native, parameters, steps=40):
+    """Largest difference of every output of two FMUs, by its largest value, and of derivatives;
+    every tenth step is first taken otherwise and taken back.
+    """
+    both = [FmuParticipant("bodies", path) for path in (python, native)]
+    shape = both[0].fields["film_thickness"].shape
+    names = [name for name, field in both[0].fields.items() if field.causality == "output"]
+    largest, off = dict.fromkeys(names, 0.0), dict.fromkeys(names, 0.0)
+    rng = np.random.default_rng(9)
+    for one in both:
+        one.start(parameters | given(0, shape), 0.0, 1.0)
+    for k in range(1, steps + 1):
+        size = (1 + k % 3) * 3e-5
+        for one in both:
+            for name, value in given(k, shape).items():
+                one.set(name, value)
+            if k % 10 == 0:
+                saved = one.save()
+                one.step(0.0, 2.5 * size)
+                one.restore(saved)
+            one.step(0.0, size)
+        for name in names:
+            a, b = (np.asarray(one.get(name), dtype=float) for one in both)
+            largest[name] = max(largest[name], float(np.abs(a).max()))
+            off[name] = max(off[name], float(np.abs(a - b).max()))
+        if k % 8 == 0:
+            seeds = {n: rng.standard_normal(np.shape(both[0].get(n))) for n in SEEDS}
+            answers = [one.derivative(seeds, PRODUCTS) for one in both]
+            for name in PRODUCTS:
+                a, b = (np.asarray(answer[name]) for answer in answers)
+                error = float(np.abs(a - b).max() / np.abs(a).max())
+                off["of " + name] = max(off.get("of " + name, 0.0), error)
+    for one in both:
+        one.close()
+    off.pop("interface_work_error")  # round-off by itself
+    assert largest["lateral_displacement"] > 1e-6
+    return {n: e / largest.get(n, 1.0) for n, e in off.items() if e}
+
+
+def test_rigid_bodies_have_the_bits_of_the_slave(bodies_fmu, rigid):
+    """No products of matrices: C's sin and hypot are those that Python calls here."""
+    table = dict(crank_offset=1e-3, pin_friction_coefficient=0.1, start_crank_angle=0.3)
+    assert max(side_by_side(bodies_fmu, rigid, table).values(), default=0.0) <= ROUND_OFF
+
+
+def test_flexible_bodies_are_those_of_the_slave(flexible, rigid):
+    table, folder = flexible
+    python = build_fmu("fmu_mfbd", table, folder)
+    values = dict(
+        crank_offset=1e-3,
+        top_ring_height=18e-3,
+        second_ring_height=14e-3,
+        bore_growth_upper=6e-6,
+        start_rocking_angle=1e-4,
+        damping_transition_frequency=22e3,
+    )
+    off = side_by_side(python, build_native_fmu("fmu_mfbd", table, folder), values)
+    assert max(off.values(), default=0.0) <= ROUND_OFF
+
+
+def test_fmi_3_says_the_same(native_bodies, rigid):
+    path = native_bodies([12, 10], version="3.0")
+    shape, answers = (12, 10), []
+    for one in (FmuParticipant("bodies", rigid), Fmu3Participant("bodies", path)):
+        one.start(given(0, shape), 0.0, 1.0)
+        for k in range(3):
+            for name, value in given(k + 1, shape).items():
+                one.set(name, value)
+            one.step(k * 2.0**-14, 2.0**-14)
+        product = one.derivative({"nodal_pressure_force": np.ones(shape)}, PRODUCTS)
+        answers.append([one.get("film_thickness").copy(), *product.values()])
+        one.close()
+    assert all(np.array_equal(a, b) for a, b in zip(*answers))
+
+
+# ---- in a run
+
+
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", "40 deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
+
+
+def test_a_run_with_native_fmus_is_the_run_in_python(tmp_path, make_native, rigid):
+    """As `run --lubrication FILE --bodies FILE`: interface Newton over both, by their derivatives,
+    is the same motion in as many iterations and products; and so with one of them alone.
+    """
+    path = find_case("numerical_example")
+    options, _ = prepare(*rigid_bodies([12, 10]), lambda text: None)
+    film = make_native([12, 10], mask=options["skirt"])  # as the case's own film has it
+    found = []
+    for name, swapped in (
+        ("python", {}),
+        ("native", {"ehd": film, "bodies": rigid}),
+        ("mixed", {"bodies": rigid}),
+    ):
+        tree = read_tree(path, SMALL)
+        for participant, fmu in swapped.items():
+            tree, left_out = swap(tree, participant, fmu)
+            assert left_out == []
+        case = check_case(tree, path)
+        output = tmp_path / f"{name}.h5"
+        summary = run(open_system(case, path.parent, print), case, tree, output)
+        assert summary["unconverged_steps"] == 0 and summary["derivative_products"] > 0
+        found.append((summary, Results(output)))
+    ports = "bodies.lateral_displacement", "bodies.rocking_angle", "ehd.friction_power"
+    (told, python), *others = found
+    for summary, native_run in others:
+        for name in ("steps", "mean_iterations", "derivative_products"):
+            assert summary[name] == told[name]
+        for port in ports:
+            a, b = (one.series(port)[0] for one in (python, native_run))
+            # a Newton step ends at 1 nm in the film, and what is left of it grows with round-off
+            assert np.abs(a - b).max() <= 1e-9 * np.abs(a).max()
+
+
+# ---- what is covered
+
+
+def test_what_is_not_covered_is_refused_before_a_body_is_reduced(monkeypatch):
+    bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
+    monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))
+    for name in ("speed", "floating_pin", "film_surfaces"):
+        with pytest.raises(BadInput, match=f"{name}: a native FMU has no"):
+            build_of_case("numerical_example", "bodies", options={name: [1]}, platforms=["linux64"])
+    assert set(OPTIONS) >= {"speed", "floating_pin", "film_surfaces", "mounted"}
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        (dict(crank_free=1), "crank_free = 1: a native FMU covers 0 to 0"),
+        (dict(quasi_static_frequency=2e4), "a native FMU covers 1e\\+09 to 1e\\+09 Hz"),
+        (dict(rod_length=0.02), "rod_length = 0.02 m: must exceed crank_radius plus the offsets"),
+        (dict(crank_radius=0.06), "the skirt travels from"),
+        (dict(radial_clearance=7.0), "radial_clearance = 7 m: allowed is 1e-06 to 0.001 m"),
+    ],
+)
+def test_what_cannot_start_is_said_by_name(rigid, values, words):
+    one = FmuParticipant("bodies", rigid)
+    with pytest.raises(BadInput, match=words):
+        one.start(values, 0.0, 1.0)
+    one.close()
+
+
+def test_a_refused_step_leaves_the_motion_as_it_was(rigid):
+    one = FmuParticipant("bodies", rigid)
+    shape = (12, 10)
+    one.start(given(0, shape), 0.0, 1.0)
+    one.step(0.0, 3e-5)
+    before = one.get("film_thickness").copy()
+    with pytest.raises(Discard, match="crank angle = inf rad: must be finite"):
+        one.step(0.0, 1e308)
+    assert np.array_equal(one.get("film_thickness"), before)
+    saved = one.save()
+    one.step(0.0, 3e-5)
+    after = one.get("film_thickness").copy()
+    one.restore(saved)
+    one.step(0.0, 3e-5)
+    assert np.array_equal(one.get("film_thickness"), after)
+    one.close()
+
+
+# ---- other hosts and machines
+
+
+def test_a_host_that_is_not_python(host, rigid, unpack, tmp_path):
+    """An empty environment; a step taken again from a saved state is the same."""
+    place = unpack(rigid, tmp_path / "a place")
+    cell = ("film_thickness[3,4]", "nodal_pressure_force[3,4]")
+    arguments = place.arguments("nodal_pressure_force[3,4]", 2.0, *cell)
+    command = [str(host), "5e-5", "3", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd="/", env={}, timeout=60)
+    assert done.returncode == 0, done.stderr
+    thickness, product, _, same = map(float, done.stdout.split())
+    assert thickness > 0.0 and same == 1.0
+    assert product != 0.0
+
+
+@pytest.mark.parametrize(
+    "platform, emulator",
+    [("aarch64-linux", ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]), ("win64", ["wine"])],
+)
+def test_other_machines_say_the_same(native_bodies, rigid, unpack, tmp_path, platform, emulator):
+    """The same host program, compiled for the machine, under an emulator: 120 steps, to the last
+    digits of other C libraries' sin, tanh and hypot.
+    """
+    compile_for = compiler_of(platform)
+    if compile_for is None or shutil.which(emulator[0]) is None:
+        pytest.skip(f"{platform}: needs its C compiler and {emulator[0]}")
+    there = unpack(native_bodies([12, 10], platforms=[platform]), tmp_path / "there")
+    here = unpack(rigid, tmp_path / "here")
+    source = str(Path(__file__).parent / "native_driver.c")
+    answers = []
+    for command, compile_with, place, folder, ending in (
+        ([], ["cc"], here, "linux64", "so"),
+        (emulator, compile_for, there, platform, "dll" if platform == "win64" else "so"),
+    ):
+        program = tmp_path / f"driver-{folder}.exe"
+        links = ["-lm"] if platform == folder == "win64" else ["-lm", "-ldl"]
+        subprocess.run([*compile_with, "-DNUMBERS", "-o", str(program), source, *links], check=True)
+        first = [
+            str(place.references[f"{name}[1,1]"])
+            for name in ("nodal_pressure_force", "nodal_friction_force", "film_thickness")
+        ]
+        library = place.folder / "binaries" / folder / f"fmu_mfbd.{ending}"
+        words = [program, library, place.location, place.description.guid, 120, 120, *first]
+        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
+        done = subprocess.run(
+            [*command, *map(str, words)], capture_output=True, timeout=500, env=environment
+        )
+        assert done.returncode == 0, done.stderr
+        answers.append(np.array([float(line.split()[1]) for line in done.stdout.splitlines()]))
+    assert len(answers[0]) == 120
+    assert np.ptp(answers[0]) > 1e-3 * answers[0].max()  # the piston moves
+    assert np.abs(answers[0] - answers[1]).max() <= ROUND_OFF * np.abs(answers[0]).max()

@@ -1,0 +1,219 @@
+"""The step of native bodies beside that of their slave in Python, both interpreted: what they say
+is compared, not what a compiler makes of it (that: tests/fmu/test_native_bodies.py).
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.native import COVERED, OPTIONS, uncovered
+from piston_cosim.fmu_mfbd.native_block import INPUTS, OUTPUTS, SETTING
+
+SCRIPT = """
+import json, sys
+import numpy as np
+from piston_cosim.fmu_mfbd import native
+from piston_cosim.fmu_mfbd.native_block import FAULTS_AT, part
+from piston_cosim.fmu_mfbd.slave import Mfbd
+
+COUNTS = "residual_evaluations", "jacobian_evaluations"
+folder, changes = sys.argv[1], json.loads(sys.argv[2])
+python, machine = (Mfbd(instance_name="bodies", resources=folder) for _ in range(2))
+shape = tuple(python.options["grid"])
+rng = np.random.default_rng(0)
+bump = np.maximum(np.sin(np.arange(shape[0]) * 2 * np.pi / shape[0]), -0.3)[:, None] + 0.3
+push, drag = bump * rng.random(shape), rng.standard_normal(shape)
+
+def give(k):
+    values = dict(
+        changes,
+        nodal_pressure_force=5.0 * push * (1 + np.sin(0.4 * k)),
+        nodal_friction_force=0.1 * drag * np.cos(0.4 * k),
+        gas_pressure=1e5 * k,
+        land_pressure=2e5,
+        ring_side_force=20.0 * np.sin(k),
+        ring_axial_force=-30.0,
+        ring_moment=0.1 * np.cos(k),
+        crank_speed=300.0 + 2 * k,
+    )
+    for name, value in values.items():
+        python.views[name][...] = machine.views[name][...] = value
+
+give(0)
+python.exit_initialization_mode()
+numbers = np.zeros(4)
+begin = native.given(machine)
+native.size(machine.real, machine.integer, begin, numbers)
+memory = np.zeros(int(numbers[0]))
+memory[: begin.size] = begin
+faults = part(memory, FAULTS_AT)
+call = machine.real, machine.integer, memory, numbers
+native.start(*call)
+if python.fault:
+    sentences = []
+    for k in range(int(faults[0])):
+        number, i, _, a, b, c = faults[1 + 6 * k : 7 + 6 * k]
+        sentence = native.FAULTS[int(number)]
+        for name, value in dict(a=a, b=b, c=c, i=i).items():
+            sentence = sentence.replace("{" + name + "}", f"{value:g}")
+        sentences.append(sentence)
+    print(json.dumps([python.fault.split(chr(10)), sentences]))
+    sys.exit()
+off, largest = {}, {}
+
+def compare():
+    assert faults[0] == 0.0
+    for v in python.table:
+        if v.causality == "output":
+            a, b = python.views[v.name], machine.views[v.name]
+            largest[v.name] = max(largest.get(v.name, 0.0), float(abs(a).max()))
+            off[v.name] = max(off.get(v.name, 0.0), float(abs(a - b).max()))
+
+compare()
+first, length = int(numbers[1]), int(numbers[2])
+for k in range(1, 9):
+    step = (1 + k % 3) * 2e-5
+    give(k)
+    if k == 5:  # taken otherwise first, and taken back
+        saved, real = memory[first : first + length].copy(), machine.real.copy()
+        numbers[0] = 3 * step
+        native.advance(*call)
+        memory[first : first + length] = saved
+        machine.real[:] = real
+    assert python.do_step(0.0, step)
+    numbers[0] = step
+    native.advance(*call)
+    if k == 5:
+        counts = {n: int(machine.views[n]) for n in COUNTS}  # of the step taken back, too
+        vars(python.model).update(counts)
+        python._publish(counts)
+    compare()
+    for _ in range(2):
+        seeds = {n: rng.standard_normal(python.views[n].shape) for n in python.derivative_inputs}
+        for name, seed in seeds.items():
+            machine.views["seed:" + name][...] = seed
+        native.tangent(*call)
+        for name, a in python.directional_derivative(seeds).items():
+            error = float(abs(a - machine.views["product:" + name]).max() / abs(a).max())
+            off["of " + name] = max(off.get("of " + name, 0.0), error)
+moved = float(abs(python.views["lateral_displacement"]))
+print(json.dumps([{n: e / largest.get(n, 1.0) for n, e in off.items() if e}, moved]))
+"""
+
+GAS = {
+    "points": [[-10.0, 3.0], [200.0, 0.1], [710.0, 3.0]],
+    "angle_unit": "deg",
+    "pressure_unit": "MPa",
+    "strokes": 4,
+}
+"""Its first angle is not 0, its first stretch steep."""
+
+BANDS = [{"above": "0 Hz", "ratio": 0.01}, {"above": "20 kHz", "ratio": 0.4}]
+BEGIN = dict(
+    crank_angle=0.7,
+    rotation_speed=300.0,
+    lateral_displacement=4e-6,
+    rocking_angle=-2e-4,
+    lateral_velocity=1e-2,
+    rocking_velocity=-0.5,
+    modal_coordinate=[1e-8 * (k - 10) for k in range(22)],
+    modal_velocity=[1e-5 * (k - 7) for k in range(22)],
+)
+SHAPED = dict(
+    barrel=20e-6,
+    ovality=50e-6,
+    skirt_growth_upper=8e-6,
+    skirt_growth_lower=-3e-6,
+    bore_growth_upper=6e-6,
+    bore_growth_lower=-2e-6,
+    pin_tilt=2e-4,
+)
+LOADED = dict(
+    crank_offset=1e-3,
+    pin_friction_coefficient=0.1,
+    pin_friction_damping=1e-3,
+    pin_radius=6e-3,
+    top_ring_height=18e-3,
+    second_ring_height=14e-3,
+    land_pressure_share=0.3,
+    rayleigh_mass_factor=5.0,
+    rayleigh_stiffness_factor=1e-8,
+    damping_transition_frequency=22e3,
+    spectral_radius=0.3,
+    start_crank_angle=0.4,
+    start_lateral_displacement=3e-6,
+    start_rocking_angle=2e-4,
+    crank_inertia=0.02,
+)
+
+
+@pytest.fixture(scope="module")
+def told(coarse, kept_bodies, tmp_path_factory):
+    """Runs the script on the small bodies with parameters and build options changed."""
+
+    def run(changes, **options):
+        folder, build = coarse
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+            (folder / "begin.json").write_text(json.dumps(BEGIN))
+            prepared, files = prepare(build | {"grid": [8, 6]} | options, folder, lambda text: None)
+        resources = tmp_path_factory.mktemp("resources")
+        (resources / "build.json").write_text(json.dumps(prepared))
+        for file in files:
+            shutil.copy(file, resources)
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(resources), json.dumps(changes)],
+            capture_output=True,
+            text=True,
+            env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        )
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout.splitlines()[-1])
+
+    return run
+
+
+@pytest.mark.parametrize(
+    "changes, options",
+    [
+        ({}, {}),
+        (SHAPED | LOADED, {"gas": GAS}),
+        (LOADED, {"damping_bands": BANDS}),
+        (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
+    ],
+)
+def test_the_step_is_that_of_the_model(told, changes, options):
+    """Uneven steps of bodies with modes on a rough load, one redone, with derivatives."""
+    off, moved = told(changes, **options)
+    # a relative error of round-off differs with its own round-off
+    off.pop("interface_work_error", None)
+    assert max(off.values(), default=0.0) <= 1e-12
+    assert moved > 1e-7
+
+
+def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
+    of_python, of_machine = told(dict(rod_length=0.02))
+    assert of_machine == of_python and len(of_python) == 1
+    wrong = dict(rod_centre=0.2, top_ring_height=5e-3, second_ring_height=4e-3, crank_radius=40e-3)
+    of_python, of_machine = told(wrong)
+    assert of_machine == of_python and len(of_python) == 3
+
+
+def test_every_parameter_is_free_or_covered_by_name():
+    assert set(SETTING) == set(vars(Parameters()))
+    assert set(COVERED) <= set(SETTING)
+    assert np.isfinite(list(COVERED.values())).all()
+    assert len({*INPUTS, *OUTPUTS}) == len(INPUTS) + len(OUTPUTS)
+
+
+def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built():
+    given = {"speed": {}, "floating_pin": None, "mounted": False, "film_surfaces": []}
+    assert list(uncovered(given)) == []
+    assert len(list(uncovered(dict.fromkeys(OPTIONS, True)))) == len(OPTIONS)
