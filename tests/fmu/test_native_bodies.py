@@ -264,6 +264,7 @@ def test_a_host_that_is_not_python(host, rigid, unpack, tmp_path):
     assert product != 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "platform, emulator",
     [("aarch64-linux", ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]), ("win64", ["wine"])],

@@ -425,6 +425,7 @@ def place_size():
 # ---- other machines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "platform, emulator",
     [("aarch64-linux", ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]), ("win64", ["wine"])],
