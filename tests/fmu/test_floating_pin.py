@@ -346,6 +346,7 @@ RUN = [
 ]
 
 
+@pytest.mark.slow  # yielding bosses are killed in the usual tests, with as many films
 def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
     whole = tmp_path / "whole"
     subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
