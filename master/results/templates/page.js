@@ -623,7 +623,7 @@ function turn(time) {
   if (time >= due - 1) {   // a screen's beat is a little early or late
     const late = time - due;
     fineness = Math.min(1, Math.max(3 / steps, fineness * (late > .75 * between ? .94 : 1.01)));
-    due = Math.max(due + between, time - between);   // what is a beat late is caught up, not more
+    due = Math.max(due + between, time - 4 * between);   // a few late pictures are caught up, a long pause is not
     shown += 1;
     go(+slider.value + 1);
   }
