@@ -1,12 +1,6 @@
 """models/floating_pin: four films on one piston, three of them of its pin; forces against closed
-forms, powers, oil, the tied pin as the limit, kill -9 and resume, a film's model among several.
+forms, powers, oil, the tied pin as the limit, a film's model among several.
 """
-
-import os
-import signal
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
@@ -37,8 +31,6 @@ from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.rivals import rivals_of
 from piston_cosim.master.runs.run import run
-
-from .test_resume import compare
 
 PATH = find_case("floating_pin")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
@@ -338,26 +330,3 @@ def test_models_of_one_film_among_four(tmp_path):
     assert np.array_equal(*ways)
     other = computed(rivals.trees["gumbel"], tmp_path / "gumbel.h5")
     assert other.summary["unconverged_steps"] == 0
-
-
-RUN = [
-    *(sys.executable, "-m", "piston_cosim", "run", "floating_pin", "--no-plots"),
-    *("--set", "time.stop=30 deg", "--set", "record.checkpoint_every=5", "--output"),
-]
-
-
-@pytest.mark.slow  # yielding bosses are killed in the usual tests, with as many films
-def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
-    whole = tmp_path / "whole"
-    subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
-    cut = tmp_path / "cut"
-    process = subprocess.Popen([*RUN, str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    checkpoint = cut / "floating.h5.checkpoint"
-    deadline = time.monotonic() + 300
-    while not checkpoint.exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    os.kill(process.pid, signal.SIGKILL)
-    assert process.wait(60) == -signal.SIGKILL
-    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
-    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
-    assert compare(whole / "floating.h5", cut / "floating.h5") == []
