@@ -171,7 +171,8 @@ FAULTS = (
     "top_ring_height = {c} m",
     "crank_radius, rod_length: the skirt travels from {a} to {b} m above the crank axis, the bore "
     "reaches from {c} to {i} m",
-    "piston motion at crank angle {a} rad: relative change of the accelerations stays at {b}",
+    "piston motion at crank angle {a} rad: Newton's method finds no accelerations; their last "
+    "relative change is {b} (nan: diverged)",
     "crank angle = {a} rad: must be finite",
 )
 ROD_TOO_SHORT, CENTRE_BEYOND, RINGS_REVERSED, OUT_OF_BORE, NOT_SOLVED, NO_ANGLE = range(len(FAULTS))

@@ -350,8 +350,8 @@ class PistonInBore:
         now = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
             raise NotConverged(
-                f"piston motion at crank angle {crank.angle:.6g} rad: relative change of "
-                f"the accelerations stays at {now.change:.3g}"
+                f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
+                f"accelerations; their last relative change is {now.change:.3g} (nan: diverged)"
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
