@@ -20,6 +20,8 @@ from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
 from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
+from .reduction.radiation import Radiation
+from .reduction.radiation import radiation as radiated
 from .reduction.reduce import Reduced
 from .reduction.reduced_body import (
     Anatomy,
@@ -345,6 +347,28 @@ def truncations(
         for name, (body, film) in bodies.items()
         if len(body.omega)
     }
+
+
+def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> Radiation:
+    """How the modes of the block of a build table move along the normals of its outer faces.
+
+    Parameters
+    ----------
+    options, folder, progress
+        As for `reduce`.
+
+    Raises
+    ------
+    BadInput
+        As `reduce`, and if the block is rigid.
+    """
+    files = _flexible(options, folder, progress)
+    bodies = {name: _whole(name, file) for name, file in files.items()}
+    block = bodies.get("block")
+    if block is None or not len(block.body.omega):
+        raise BadInput("the block is rigid: nothing of it radiates; give it modes (block.modes)")
+    piston = len(bodies["piston"].body.omega) if "piston" in bodies else 0
+    return radiated(block.body, block.anatomy, piston)
 
 
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:

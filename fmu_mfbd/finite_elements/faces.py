@@ -1,5 +1,5 @@
 """Faces of a body: triangles of 3 or 6 nodes, their shape functions, pressure on them, their area
-at the nodes.
+at the nodes, products of normal motions over them.
 """
 
 from typing import NamedTuple
@@ -112,3 +112,34 @@ def surface_matrix(points: np.ndarray, triangles: np.ndarray) -> Sparse:
     rows = np.repeat(triangles, width, axis=1).ravel()
     columns = np.tile(triangles, (1, width)).ravel()
     return sp.csc_matrix((blocks.ravel(), (rows, columns)), shape=(len(points),) * 2)
+
+
+def normal_products(points: np.ndarray, triangles: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+    """Products over faces of what shapes move along the normal.
+
+    Eq. (M19):  R_kl = int (n phi_k) (n phi_l) dA
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        [m]
+    triangles : ndarray of int, shape (t, 3 or 6)
+    shapes : ndarray, shape (n, 3, k)
+
+    Returns
+    -------
+    ndarray, shape (k, k)
+        [m2] times the unit of the shapes squared.
+    """
+    rule = _face_rule(points, triangles)
+    area = np.linalg.norm(rule.normal, axis=2)
+    unit = rule.normal / area[..., None]
+    # faces in pieces: all quadrature points of a large mesh at once are gigabytes
+    out = np.zeros((shapes.shape[2],) * 2)
+    for part in np.array_split(np.arange(len(triangles)), len(triangles) // 1000 + 1):
+        normal = np.einsum(
+            "qi,tqa,tiak->tqk", rule.value, unit[part], shapes[triangles[part]], optimize=True
+        )
+        flat = (normal * np.sqrt(area[part] * rule.weight)[..., None]).reshape(-1, len(out))
+        out += flat.T @ flat  # Eq. (M19)
+    return out

@@ -36,6 +36,7 @@ COMMANDS = {
     "sweep": "Run a case over values of its keys.",
     "reduce": "Reduce bodies from meshes or matrices; their modes as tables and pictures.",
     "recover": "Displacement and stress on the meshes at chosen instants of a run.",
+    "noise": "What the block would radiate in a run: power by angle, frequency and side.",
     "build": "Build the FMU of one participant of a case.",
     "info": "Print what an FMU offers.",
     "pack": "Make an FMU of a slave written in one file.",

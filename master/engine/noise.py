@@ -1,0 +1,193 @@
+"""What a flexible block would radiate in a run: power over the crank angle and by frequency."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from fmpy.util import write_csv
+
+from ..fmi.errors import BadInput
+from ..results.file import Results
+from ..results.instants import crank_angle
+
+AIR = 413.0
+"""Density times speed of sound of air at 20 degC and 1 bar [kg/(m2 s)]."""
+REFERENCE = 1e-12
+"""Of levels [W]."""
+EVEN = 1e-2
+"""By how much of themselves distances of instants may differ."""
+CYCLES = (720.0, 360.0)
+"""What is looked at is the last of these that the run holds [deg]."""
+PER_CYCLE = 8
+"""Instants of a cycle, at least."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Equivalent radiated power of the last cycle: elastic motion of the block's outer faces,
+    radiation efficiency 1.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        Crank angle [rad].
+    time : ndarray, shape (n,)
+        [s]
+    power : dict of str to ndarray, shape (n,)
+        Side -> rho c int v_n^2 dA [W].
+    frequency : ndarray, shape (n // 2 + 1,)
+        [Hz]
+    spectrum : dict of str to ndarray, shape (n // 2 + 1,)
+        Side -> mean power at each frequency [W]; adds up to the mean of `power`.
+    """
+
+    angle: np.ndarray
+    time: np.ndarray
+    power: dict[str, np.ndarray]
+    frequency: np.ndarray
+    spectrum: dict[str, np.ndarray]
+
+    @property
+    def total(self) -> np.ndarray:
+        """Power of all sides [W]."""
+        return np.sum(list(self.power.values()), axis=0)
+
+    @property
+    def total_spectrum(self) -> np.ndarray:
+        """The same by frequency [W]."""
+        return np.sum(list(self.spectrum.values()), axis=0)
+
+
+def level(power: Any) -> Any:
+    """Of powers [W] over 1 pW [dB]; -300 of none."""
+    return 10.0 * np.log10(np.maximum(power, REFERENCE * 1e-30) / REFERENCE)
+
+
+def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) -> Noise:
+    """Radiated power of a run that has recorded the modal velocities.
+
+    Eq. (W3):  P_m = rho c c_m V_m^* R V_m / n^2,   V the discrete Fourier transform of q', c_m = 2
+               but for the constant part and n/2
+
+    Parameters
+    ----------
+    results : Results
+    owner : str
+        Participant that has the block.
+    radiation : fmu_mfbd.offline.Radiation
+    impedance : float
+        rho c [kg/(m2 s)], > 0.
+
+    Raises
+    ------
+    BadInput
+        Where velocities are not recorded, less than a turn is, or instants are uneven.
+    """
+    port = f"{owner}.modal_velocity"
+    if port not in results.recorded:
+        raise BadInput(
+            f"{results.path}: holds no {port}; run the case with it among record.fields and "
+            'record.every = "1 deg", which is the highest frequency that can be told'
+        )
+    crank = crank_angle(results)
+    if crank is None:
+        raise BadInput(f"{results.path}: knows no crank angle")
+    instants = results.instants
+    angle = np.interp(instants, *crank)
+    first = _begin(results.path, angle)
+    # the first instant is the last one of the cycle before
+    time = instants[first + 1 :]
+    steps = np.diff(instants[first:])
+    if np.ptp(steps) > EVEN * steps.mean():
+        raise BadInput(
+            f"{results.path}: instants are recorded {steps.min():.4g} to {steps.max():.4g} s "
+            'apart; a spectrum needs even ones: record.every = "1 deg"'
+        )
+    velocity = results.dataset(port)[first + 1 :, radiation.first :]
+    n = len(velocity)
+    transformed = np.fft.rfft(velocity, axis=0)
+    twice = np.full(len(transformed), 2.0)
+    twice[0] = 1.0
+    if n % 2 == 0:
+        twice[-1] = 1.0
+    power = {}
+    spectrum = {}
+    for side, products in radiation.products.items():
+        power[side] = impedance * np.einsum("tk,kl,tl->t", velocity, products, velocity)
+        square = np.einsum("mk,kl,ml->m", transformed.conj(), products, transformed).real
+        spectrum[side] = impedance * twice * square / n**2  # Eq. (W3)
+    frequency = np.arange(len(transformed)) / (n * steps.mean())
+    return Noise(angle[first + 1 :], time, power, frequency, spectrum)
+
+
+def _begin(path, angle):
+    """Number of the instant before the last cycle."""
+    for length in np.radians(CYCLES):
+        first = int(np.abs(angle - (angle[-1] - length)).argmin())
+        spacing = angle[-1] - angle[-2]
+        if abs(angle[-1] - length - angle[first]) < EVEN * spacing:
+            if len(angle) - 1 - first < PER_CYCLE:
+                break
+            return first
+    raise BadInput(
+        f"{path}: {len(angle)} instants over {np.degrees(np.ptp(angle)):.4g} deg are recorded; "
+        f"{CYCLES[1]:g} deg with {PER_CYCLE} or more are needed"
+    )
+
+
+def write_noise(found: Noise, path: Path) -> list[Path]:
+    """Tables over time and by frequency, and a picture of both; their names begin with `path`."""
+    over = path.with_name(f"{path.name}-noise.csv")
+    by = path.with_name(f"{path.name}-noise-spectrum.csv")
+    picture = path.with_name(f"{path.name}-noise.png")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for file, first, columns, total in (
+        (
+            over,
+            {"time [s]": found.time, "crank_angle [rad]": found.angle},
+            found.power,
+            found.total,
+        ),
+        (by, {"frequency [Hz]": found.frequency}, found.spectrum, found.total_spectrum),
+    ):
+        sides = {f"power {side} [W]": values for side, values in columns.items()}
+        table = {**first, "power [W]": total, **sides}
+        rows = np.rec.fromarrays(list(table.values()), names=list(table))
+        write_csv(file, rows)
+    figure = draw(found)
+    figure.savefig(picture, dpi=110)
+    plt.close(figure)
+    return [over, by, picture]
+
+
+def draw(found: Noise) -> Any:
+    """Level over crank angle and by frequency, all sides and each."""
+    figure, (over, by) = plt.subplots(2, 1, figsize=(11, 7.5), layout="constrained")
+    degrees = np.degrees(found.angle)
+    for side, power in {"all sides": found.total, **found.power}.items():
+        bold = side == "all sides"
+        over.plot(degrees, level(power), lw=1.6 if bold else 0.8, label=side, zorder=2 + bold)
+    for side, power in {"all sides": found.total_spectrum, **found.spectrum}.items():
+        bold = side == "all sides"
+        by.plot(
+            found.frequency[1:],
+            level(power[1:]),
+            lw=1.6 if bold else 0.8,
+            label=side,
+            zorder=2 + bold,
+        )
+    over.set_xlabel("crank angle [deg]")
+    over.set_xticks(np.arange(np.ceil(degrees[0] / 90.0) * 90.0, degrees[-1] + 1e-6, 90.0))
+    over.set_ylabel("radiated power [dB re 1 pW]")
+    by.set_ylabel("mean power [dB re 1 pW]")
+    by.set_xlabel("frequency [Hz]")
+    by.set_xscale("log")
+    for panel in (over, by):
+        panel.grid(alpha=0.3)
+        panel.margins(x=0)
+        top = panel.get_ylim()[1]
+        panel.set_ylim(top - 80.0, top)
+        panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure

@@ -1,0 +1,162 @@
+"""What a block radiates: normal motion over its sides against closed forms, power by Parseval, a
+run's file through the command's functions.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.finite_elements.faces import normal_products
+from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.offline import radiation as of_table
+from piston_cosim.fmu_mfbd.reduction.radiation import radiation
+from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.master.engine.noise import AIR, level, noise, write_noise
+from piston_cosim.master.fmi.errors import BadInput
+
+from .conftest import tube
+
+SIZE = np.array([0.1, 0.2, 0.3])
+
+
+@pytest.fixture(scope="module")
+def box():
+    """Off the axis by its own half: a corner at the origin."""
+    points, tets = box_mesh((2, 3, 2), SIZE)
+    return points, outer_faces(tets)
+
+
+def test_a_stretched_box_by_hand(box):
+    """phi_1 = (x, 0, 0), phi_2 = (1, 0, z): R over all faces."""
+    points, faces = box
+    shapes = np.zeros((len(points), 3, 2))
+    shapes[:, 0, 0] = points[:, 0]
+    shapes[:, 0, 1] = 1.0
+    shapes[:, 2, 1] = points[:, 2]
+    a, b, c = SIZE
+    # phi_1 moves the face x = a alone; phi_2 both faces of x by 1, that of z = c by c
+    exact = [[a**2 * b * c, a * b * c], [a * b * c, 2 * b * c + c**2 * a * b]]
+    assert normal_products(points, faces, shapes) == pytest.approx(np.array(exact), rel=1e-12)
+
+
+def test_sides_of_a_block_without_its_bore():
+    """A tube that breathes: radially by 1, and along by 1; its bore moves too and does not count.
+
+    The outer wall of 2 pi r L is shared by four sides, each a quarter of a turn.
+    """
+    inner, outer, length = 0.03, 0.05, 0.1
+    points, tets = tube((48, 2, 6), 0.02, 0.02 + length, inner, outer)
+    away = np.hypot(points[:, 0], points[:, 2])
+    shapes = np.zeros((len(points), 3, 2))
+    shapes[:, 0, 0] = points[:, 0] / away
+    shapes[:, 2, 0] = points[:, 2] / away
+    shapes[:, 1, 1] = 1.0
+    anatomy = SimpleNamespace(points=points, skin=outer_faces(tets), shapes=shapes)
+    found = radiation(SimpleNamespace(radius=inner), anatomy, 7)
+    assert found.first == 7 and set(found.areas) == {"+x", "-x", "+y", "-y", "+z", "-z"}
+    quarter = 0.5 * np.pi * outer * length
+    # 48 faces around with curved edges miss the circle by less than 1e-5; areas are those of flat
+    # triangles, 1 - sin(a)/a of a half face's angle a = pi/48 less
+    for side in ("+x", "-x", "+z", "-z"):
+        assert found.products[side][0, 0] == pytest.approx(quarter, rel=1e-3)
+        assert found.areas[side] == pytest.approx(quarter, rel=1e-3)
+    ring = np.pi * (outer**2 - inner**2)
+    for side in ("+y", "-y"):
+        assert found.products[side][1, 1] == pytest.approx(ring, rel=1e-3)
+        assert abs(found.products[side][0, 0]) < 1e-12 * ring
+    total = sum(found.products.values())
+    assert total[0, 0] == pytest.approx(2 * np.pi * outer * length, rel=1e-3)
+
+
+def recorded(velocity, angle, speed=100.0, extra=1):
+    """Stands in for a run's file: `extra` coordinates of the piston, then the block's."""
+    time = angle / speed
+    whole = np.hstack([np.full((len(angle), extra), 1e3), velocity])
+    series = SimpleNamespace(values=angle)
+    return SimpleNamespace(
+        path="run.h5",
+        case={"participants": {"bodies": {"role": "bodies"}}},
+        ports=["bodies.crank_angle"],
+        recorded=["bodies.modal_velocity"],
+        time=time,
+        instants=time,
+        series=lambda port: series,
+        dataset=lambda port: whole,
+    )
+
+
+def harmonic(n, cycles=1, offset=0.3):
+    """Two modes at the 3rd and 5th order of a cycle of 720 deg, the second with a constant part."""
+    angle = offset + np.linspace(0.0, cycles * 4.0 * np.pi, n + 1)
+    turn = 0.5 * (angle - offset)
+    velocity = np.column_stack([2e-3 * np.sin(3.0 * turn), 1e-3 + 3e-3 * np.cos(5.0 * turn)])
+    return velocity, angle
+
+
+def test_power_of_two_harmonics():
+    """P = rho c (R11 a^2/2 + R22 (c^2 + b^2/2)), in their lines, of odd and even numbers."""
+    sides = SimpleNamespace(
+        first=1,
+        products={"+x": np.array([[0.02, 0.005], [0.005, 0.03]]), "-z": np.diag([0.0, 0.01])},
+    )
+    for n, cycles in ((180, 1), (91, 1), (360, 2)):
+        found = noise(recorded(*harmonic(n, cycles)), "bodies", sides)
+        assert len(found.time) == n // cycles
+        first = AIR * 0.02 * (2e-3) ** 2 / 2
+        second = AIR * 0.04 * (3e-3) ** 2 / 2
+        constant = AIR * 0.04 * 1e-6
+        # 720 deg at 100 rad/s
+        assert found.frequency[3] == pytest.approx(3 * 100.0 / (4 * np.pi), rel=1e-9)
+        assert found.total_spectrum[3] == pytest.approx(first, rel=1e-9)
+        assert found.total_spectrum[5] == pytest.approx(second, rel=1e-9)
+        assert found.total_spectrum[0] == pytest.approx(constant, rel=1e-9)
+        assert found.total.mean() == pytest.approx(first + second + constant, rel=1e-9)
+        assert found.total_spectrum.sum() == pytest.approx(found.total.mean(), rel=1e-12)
+    assert level(1e-3) == pytest.approx(90.0)
+
+
+def test_tables_and_picture(tmp_path):
+    sides = SimpleNamespace(first=1, products={"+x": np.eye(2), "-z": np.eye(2)})
+    found = noise(recorded(*harmonic(180)), "bodies", sides)
+    over, by, picture = write_noise(found, tmp_path / "run")
+    table = np.genfromtxt(over, delimiter=",", skip_header=1)
+    assert table.shape == (180, 5)
+    assert table[:, 2] == pytest.approx(found.total, rel=1e-12)
+    assert np.genfromtxt(by, delimiter=",", skip_header=1)[:, 1].sum() == pytest.approx(
+        found.total.mean(), rel=1e-12
+    )
+    assert by.read_text().startswith('"frequency [Hz]"') and picture.stat().st_size > 1e4
+
+
+@pytest.mark.parametrize(
+    "spoil, words",
+    [
+        (lambda run: run.recorded.clear(), "holds no bodies.modal_velocity"),
+        (lambda run: run.ports.clear(), "knows no crank angle"),
+        (lambda run: run.time.__setitem__(-20, run.time[-20] + 1e-4), "a spectrum needs even"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(spoil, words):
+    run = recorded(*harmonic(180))
+    spoil(run)
+    with pytest.raises(BadInput, match=words):
+        noise(run, "bodies", SimpleNamespace(first=1, products={"+x": np.eye(2)}))
+
+
+def test_less_than_a_turn_is_refused():
+    velocity, angle = harmonic(180)
+    with pytest.raises(BadInput, match="40 instants over 156 deg"):
+        noise(recorded(velocity[:40], angle[:40]), "bodies", None)
+
+
+def test_a_rigid_block_radiates_nothing(coarse, kept_bodies, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+    folder, table = coarse
+    with pytest.raises(BadInput, match="the block is rigid"):
+        of_table(table | {"block": table["block"] | {"modes": 0}}, folder, lambda text: None)
+    found = of_table(table, folder, lambda text: None)
+    assert found.first == 12 and found.products["+x"].shape == (10, 10)
+    # the bolted end moves nothing; every motion of the block moves some side
+    assert not found.products["-y"].any()
+    assert np.linalg.eigvalsh(sum(found.products.values()))[0] > 0.0
