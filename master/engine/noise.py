@@ -115,6 +115,7 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     power = {}
     spectrum = {}
     for side, products in radiation.products.items():
+        # Eq. (J25) of the bodies
         power[side] = impedance * np.einsum("tk,kl,tl->t", velocity, products, velocity)
         square = np.einsum("mk,kl,ml->m", transformed.conj(), products, transformed).real
         spectrum[side] = impedance * twice * square / n**2  # Eq. (W3)
