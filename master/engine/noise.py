@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from fmpy.util import write_csv
+from scipy.interpolate import make_interp_spline
 
 from ..fmi.errors import BadInput
 from ..results.file import Results
@@ -17,11 +18,11 @@ AIR = 413.0
 REFERENCE = 1e-12
 """Of levels [W]."""
 EVEN = 1e-2
-"""By how much of themselves distances of instants may differ."""
+"""Of the distance of two instants, within which they are told apart from none."""
 CYCLES = (720.0, 360.0)
 """What is looked at is the last of these that the run holds [deg]."""
 PER_CYCLE = 8
-"""Instants of a cycle, at least."""
+"""Even instants of a cycle, at least."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,8 @@ def level(power: Any) -> Any:
 
 
 def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) -> Noise:
-    """Radiated power of a run that has recorded the modal velocities.
+    """Radiated power of a run that has recorded the modal velocities, on even instants as far apart
+    as the recorded ones are at most (cubic spline: steps are halved here and there).
 
     Eq. (W3):  P_m = rho c c_m V_m^* R V_m / n^2,   V the discrete Fourier transform of q', c_m = 2
                but for the constant part and n/2
@@ -83,7 +85,7 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     Raises
     ------
     BadInput
-        Where velocities are not recorded, less than a turn is, or instants are uneven.
+        Where velocities are not recorded, less than a turn is, or too few instants are.
     """
     port = f"{owner}.modal_velocity"
     if port not in results.recorded:
@@ -97,16 +99,17 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     instants = results.instants
     angle = np.interp(instants, *crank)
     first = _begin(results.path, angle)
-    # the first instant is the last one of the cycle before
-    time = instants[first + 1 :]
-    steps = np.diff(instants[first:])
-    if np.ptp(steps) > EVEN * steps.mean():
+    velocity = results.dataset(port)[first:, radiation.first :]
+    length = instants[-1] - instants[first]
+    n = int(length / np.diff(instants[first:]).max() + EVEN)
+    if n < PER_CYCLE:
         raise BadInput(
-            f"{results.path}: instants are recorded {steps.min():.4g} to {steps.max():.4g} s "
-            'apart; a spectrum needs even ones: record.every = "1 deg"'
+            f"{results.path}: {n} even instants in the last cycle, {PER_CYCLE} or more are needed; "
+            'record.every = "1 deg"'
         )
-    velocity = results.dataset(port)[first + 1 :, radiation.first :]
-    n = len(velocity)
+    # the first instant is the last one of the cycle before
+    time = instants[first] + length / n * np.arange(1.0, n + 1.0)
+    velocity = make_interp_spline(instants[first:], velocity)(time)
     transformed = np.fft.rfft(velocity, axis=0)
     twice = np.full(len(transformed), 2.0)
     twice[0] = 1.0
@@ -119,8 +122,8 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
         power[side] = impedance * np.einsum("tk,kl,tl->t", velocity, products, velocity)
         square = np.einsum("mk,kl,ml->m", transformed.conj(), products, transformed).real
         spectrum[side] = impedance * twice * square / n**2  # Eq. (W3)
-    frequency = np.arange(len(transformed)) / (n * steps.mean())
-    return Noise(angle[first + 1 :], time, power, frequency, spectrum)
+    frequency = np.arange(len(transformed)) / length
+    return Noise(np.interp(time, *crank), time, power, frequency, spectrum)
 
 
 def _begin(path, angle):
@@ -129,12 +132,10 @@ def _begin(path, angle):
         first = int(np.abs(angle - (angle[-1] - length)).argmin())
         spacing = angle[-1] - angle[-2]
         if abs(angle[-1] - length - angle[first]) < EVEN * spacing:
-            if len(angle) - 1 - first < PER_CYCLE:
-                break
             return first
     raise BadInput(
-        f"{path}: {len(angle)} instants over {np.degrees(np.ptp(angle)):.4g} deg are recorded; "
-        f"{CYCLES[1]:g} deg with {PER_CYCLE} or more are needed"
+        f"{path}: {np.degrees(np.ptp(angle)):.4g} deg are recorded; {CYCLES[1]:g} are needed, and "
+        "an instant where they begin"
     )
 
 
@@ -188,7 +189,7 @@ def draw(found: Noise) -> Any:
     for panel in (over, by):
         panel.grid(alpha=0.3)
         panel.margins(x=0)
-        top = panel.get_ylim()[1]
-        panel.set_ylim(top - 80.0, top)
+        bottom, top = panel.get_ylim()
+        panel.set_ylim(max(bottom, top - 80.0), top)
         panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
