@@ -1,6 +1,6 @@
 """One BLAS thread, as the command line has it: rounding does not depend on the machine's cores, and
 small algebra is faster. Every test has the marker of its tier, by the folder it is in. Folders of
-long tests come first: a file is one process's, and a long one at the end would keep the others idle.
+long tests come first: a file is one process's, and a long one at the end keeps the others idle.
 """
 
 import os

@@ -195,6 +195,7 @@ def test_newton_needs_no_more_iterations_than_with_one_film(four, tmp_path):
     assert four.summary["mean_iterations"] <= one + 0.5
 
 
+@pytest.mark.slow
 def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
     """Motion of the piston against that of data_sheet without friction at the pin, by clearance c
     of the pin's films. Their viscosity goes with c^2: the pin then takes the same place in c, and

@@ -93,7 +93,9 @@ def four(tmp_path_factory):
     return computed(tree, tmp_path_factory.mktemp("four") / "four.h5")
 
 
-@pytest.mark.parametrize("which, films", [("grooved", 2), ("four", 4)])
+@pytest.mark.parametrize(
+    "which, films", [("grooved", 2), pytest.param("four", 4, marks=pytest.mark.slow)]
+)
 def test_oil_and_work_of_every_film_to_round_off(which, films, request):
     results = request.getfixturevalue(which)
     for k in range(1, films + 1):
@@ -104,6 +106,7 @@ def test_oil_and_work_of_every_film_to_round_off(which, films, request):
     assert {f"energy_taken_film_{k}_j" for k in range(1, films + 1)} <= results.summary.keys()
 
 
+@pytest.mark.slow
 def test_four_films_converge_as_one(four):
     assert four.series("coupling.iterations").values.max() <= 4
 

@@ -105,6 +105,7 @@ def test_a_boss_that_yields_bears_at_its_inner_end(yielding, rigid):
     assert apart[0] > 1.1
 
 
+@pytest.mark.slow
 def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tmp_path):
     """Its modes with a thousandth of their compliance. Where the pin stands in its bosses goes with
     it; the piston's way across the bore bends in the skirt's wedge and has some times that left.
