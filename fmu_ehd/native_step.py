@@ -1,9 +1,8 @@
-"""A whole step of the film as kernels: what `model` does, for a library that needs no Python.
+"""A step of the film on one flat block of numbers, for a library that needs no Python.
 
-One flat block of numbers holds all of a slave; `Block` names its parts. The kernels called here are
-those of the model, unchanged; what the model says in numpy between them is said again in loops. The
-fields and all that goes on into the next step have the same bits, sums over the whole film differ
-by the order of summation, viscosities by the last bit of exp and log.
+`Block` names the parts of the block, which holds all of a slave. What is done with them are the
+kernels of the model (`step_parts`, `film_step`), so every number has the same bits; viscosities
+differ by the last bit of exp and log where the C library does.
 
 Covered is the film that `native.COVERED` describes: a skirt, cut-outs or none, with oil in plenty,
 cavitation that conserves oil, hard surfaces with or without asperity contact, any viscosity by
@@ -152,6 +151,9 @@ FIELD_OUTPUTS = (
     "pressure",
     "asperity_pressure",
     "film_fraction",
+)
+OF_PRESSURE_FORCE, OF_FRICTION_FORCE, OF_PRESSURE, OF_ASPERITY_PRESSURE, OF_FILM_FRACTION = range(
+    len(FIELD_OUTPUTS)
 )
 SCALARS = (
     "minimum_film_thickness",
@@ -567,11 +569,11 @@ def forces_of(block: Block, inputs: Inputs, solved: Solved, edges: Edges, output
         edges.pressure[UPPER],
     )
     acted = step_parts.forces(film, surfaces_of(block), domain_of(block), block.faults)
-    keep(outputs.fields[0], acted.pressure)
-    keep(outputs.fields[1], acted.friction)
-    keep(outputs.fields[2], acted.absolute)
-    keep(outputs.fields[3], acted.contact.pressure)
-    keep(outputs.fields[4], solved.fraction)
+    keep(outputs.fields[OF_PRESSURE_FORCE], acted.pressure)
+    keep(outputs.fields[OF_FRICTION_FORCE], acted.friction)
+    keep(outputs.fields[OF_PRESSURE], acted.absolute)
+    keep(outputs.fields[OF_ASPERITY_PRESSURE], acted.contact.pressure)
+    keep(outputs.fields[OF_FILM_FRACTION], solved.fraction)
     whole = acted.summary
     to = outputs.scalars
     for k in range(to.size):
