@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, cavitation, circumferential, coating, openings
+from . import asperity, cavitation, circumferential, coating, friction, openings
 from . import step_parts as parts
 from .asperity import ContactConstants
 from .cavitation import NotConverged
@@ -16,6 +16,7 @@ from .contact import contact as cell_contact
 from .faults import none_yet, raise_noted
 from .film_step import HARD, NO_LIFT, FilmSolution, FilmStep, film_slopes, lift_along
 from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
+from .friction import ForceSlopes
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .oil_layer import Bore, OilLayer, Passed
 from .parameters import FULL_TURN, Parameters
@@ -167,12 +168,18 @@ class Last(NamedTuple):
 class Linear(NamedTuple):
     """What every direction of a tangent shares.
 
-    axial : step_parts.Linear; around : circumferential.TurningSlopes, None on a skirt;
-    contact_around : ndarray, shape (5, n_c, n_a), as `axial.contact_shear`.
+    film : friction.ForceSlopes; around : circumferential.TurningSlopes, None on a skirt;
+    touching : whether any cell is in contact;
+    contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
+    the contact's forces to the film thickness of a cell and its neighbours, as of
+    `contact.Contact` [N/m]; none where nothing touches.
     """
 
-    axial: parts.Linear
+    film: ForceSlopes
     around: TurningSlopes | None
+    touching: bool
+    contact_pressure: Array
+    contact_shear: Array
     contact_around: Array
 
 
@@ -487,17 +494,22 @@ class LubricationModel:
             turning = None if dturning is None else dturning[some]
             deflection, unknown = self._film_changes(last, linear, hard, dvelocity[some], turning)
             film = hard + deflection if self._compliance else hard
-            changes = parts.Changes(film, hard, deflection, dvelocity[some], unknown)
-            parts.force_changes(linear.axial, changes, normal[some], shear[some])
+            friction.force_changes(
+                linear.film, film, dvelocity[some], unknown, normal[some], shear[some]
+            )
+            if linear.touching:
+                add = parts.add_contact_changes
+                add(linear.contact_pressure, hard, deflection, normal[some])
+                add(linear.contact_shear, hard, deflection, shear[some])
             if linear.around is None or last.turning is None:
                 continue
             turned = np.zeros_like(film) if turning is None else turning
-            of_both = Changes(film, dvelocity[some], turned, unknown)
+            changes = Changes(film, dvelocity[some], turned, unknown)
             forces[2, some] = circumferential.force_changes(
-                linear.around, linear.axial.forces, last.turning, of_both, shear[some]
+                linear.around, linear.film, last.turning, changes, shear[some]
             )
-            if linear.axial.touching:
-                forces[2, some] += contact_changes(linear.contact_around, hard, deflection)
+            if linear.touching:
+                parts.add_contact_changes(linear.contact_around, hard, deflection, forces[2, some])
         shape = np.shape(dfilm_thickness)
         return tuple(forces[k].reshape(shape) for k in range(len(forces)))
 
@@ -515,7 +527,7 @@ class LubricationModel:
             last.forces.contact.pressure_slope, dfilm, np.zeros_like(dfilm)
         )
         dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity, dturning)
-        return weight * (by_contact + linear.axial.forces.pressure_share * dunknown), dunknown
+        return weight * (by_contact + linear.film.pressure_share * dunknown), dunknown
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
@@ -540,22 +552,33 @@ class LubricationModel:
             slopes = _raised_slopes(slopes, film.ratio)
             slopes_around = _raised_slopes(slopes_around, film.ratio)
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
-        touching = parts.ContactSlopes(
-            contact.pressure_slope, contact.shear_stress_slope, acted.touching
-        )
-        shares = parts.Shares(to_pressure, to_fraction, by_pressure)
+        if not self._surfaces.by_oil:
+            to_fraction = self._zero
+        contact_pressure = contact_shear = contact_around = NOTHING
+        if acted.touching:
+            contact_pressure, contact_shear = parts.contact_slopes(
+                shear, contact.pressure_slope, contact.shear_stress_slope
+            )
+        around = None
         along = shear
         if turning is not None:
-            along = shear._replace(boundary_stress=self._zero)  # stands in `of_around`
-        linear = parts.linearise(along, touching, slopes, shares, self._surfaces.by_oil)
-        if turning is None:
-            return Linear(linear, None, NOTHING)
-        axial, across = circumferential.boundary_shares(shear, turning)
-        of_around = circumferential.force_slopes(
-            shear, turning, (slopes, slopes_around), by_pressure_around
+            axial, across = circumferential.boundary_shares(shear, turning)
+            contact_shear = axial * contact.shear_stress_slope
+            contact_around = across * contact.shear_stress_slope
+            around = circumferential.force_slopes(
+                shear, turning, (slopes, slopes_around), by_pressure_around
+            )
+            along = shear._replace(boundary_stress=self._zero)  # stands in `around`
+        of_film = ForceSlopes(
+            friction.shear_slopes(along, slopes, by_pressure),
+            self.area,
+            to_pressure,
+            to_fraction,
+            self.grid.cells.dy,
         )
-        linear = linear._replace(contact_shear=axial * contact.shear_stress_slope)
-        return Linear(linear, of_around, across * contact.shear_stress_slope)
+        return Linear(
+            of_film, around, acted.touching, contact_pressure, contact_shear, contact_around
+        )
 
     # ---- ways to a film
 

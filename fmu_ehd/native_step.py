@@ -19,6 +19,7 @@ from . import (
     cavitation,
     film_step,
     films,
+    friction,
     openings,
     reynolds,
     step_parts,
@@ -56,13 +57,9 @@ from .oil import ZERO_CELSIUS, walther_viscosity
 from .reynolds import Filling
 from .step_parts import (
     Before,
-    Changes,
-    ContactSlopes,
     Film,
-    Linear,
     Outside,
     Powers,
-    Shares,
     Surfaces,
     Totals,
 )
@@ -808,25 +805,24 @@ def linearise(block: Block):
         for j in range(n_a):
             full[i, j] = last[FULL_NOW, i, j] != 0.0
     of_pressure, of_fraction = cavitation.shares(CONSERVING, last[UNKNOWN_NOW], full)
-    touching = ContactSlopes(
-        last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW],
-        last[STRESS_SLOPE_NOW:MATRIX_NOW],
-        block.last_numbers[TOUCHING] != 0.0,
-    )
-    by_oil = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
-    shares = Shares(of_pressure, of_fraction, none)
-    found = step_parts.linearise(shear, touching, slopes, shares, by_oil)
-    by = found.forces.shear
+    by = friction.shear_slopes(shear, slopes, none)
     keep(linear[:TO_FILM], stencil.reshape((10, n_c, n_a)))
     keep(linear[TO_FILM], by.film)
     keep(linear[TO_VELOCITY], by.velocity)
     keep(linear[TO_SHEARING], by.shearing)
     keep(linear[TO_GRADIENT], by.gradient)
     keep(linear[TO_PRESSURE], by.pressure)
-    keep(linear[PRESSURE_SHARE], found.forces.pressure_share)
-    keep(linear[FRACTION_SHARE], found.forces.fraction_share)
-    keep(linear[CONTACT_PRESSURE:CONTACT_SHEAR], found.contact_pressure)
-    keep(linear[CONTACT_SHEAR:], found.contact_shear)
+    keep(linear[PRESSURE_SHARE], of_pressure)
+    by_oil = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
+    keep(linear[FRACTION_SHARE], of_fraction if by_oil else none)
+    if block.last_numbers[TOUCHING] != 0.0:
+        normal, along = step_parts.contact_slopes(
+            shear,
+            last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW],
+            last[STRESS_SLOPE_NOW:MATRIX_NOW],
+        )
+        keep(linear[CONTACT_PRESSURE:CONTACT_SHEAR], normal)
+        keep(linear[CONTACT_SHEAR:], along)
     block.last_numbers[LINEAR] = 1.0
 
 
@@ -866,11 +862,12 @@ def tangent(block: Block, seeds: Array, products: Array):
         linear[TO_GRADIENT],
         linear[TO_PRESSURE],
     )
-    whole = Linear(
-        ForceSlopes(by, area_of(block), linear[PRESSURE_SHARE], linear[FRACTION_SHARE], cells.dy),
-        block.last_numbers[TOUCHING] != 0.0,
-        linear[CONTACT_PRESSURE:CONTACT_SHEAR],
-        linear[CONTACT_SHEAR:],
+    slopes = ForceSlopes(
+        by, area_of(block), linear[PRESSURE_SHARE], linear[FRACTION_SHARE], cells.dy
     )
-    changes = Changes(film, film, np.zeros((1, n_c, n_a)), velocity, unknown)
-    step_parts.force_changes(whole, changes, products[0], products[1])
+    friction.force_changes(slopes, film, velocity, unknown, products[0], products[1])
+    if block.last_numbers[TOUCHING] == 0.0:
+        return
+    none = np.zeros((1, n_c, n_a))
+    step_parts.add_contact_changes(linear[CONTACT_PRESSURE:CONTACT_SHEAR], film, none, products[0])
+    step_parts.add_contact_changes(linear[CONTACT_SHEAR:], film, none, products[1])

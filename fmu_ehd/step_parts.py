@@ -12,8 +12,8 @@ from .asperity import ContactConstants
 from .contact import Contact, contact, contact_changes
 from .faults import FORCES_NOT_FINITE, NO_FILM, refuse
 from .film_step import Domain, FilmSolution
-from .films import COUETTE, FilmSlopes
-from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
+from .films import COUETTE
+from .friction import ShearConstants, ShearForces, ShearInputs
 from .grid import Array, Edges, Flags
 from .storage import EulerStep, Past
 from .summary import Halves, Summary, summarise
@@ -439,115 +439,47 @@ def account(
     return Account(totals, share, oil_in(found.content, acted.shear.area), gain)
 
 
-# ---- derivatives
-
-
-class Linear(NamedTuple):
-    """What every direction of a tangent shares, along the axis.
-
-    forces : friction.ForceSlopes; touching : whether any cell is in contact;
-    contact_pressure, contact_shear : ndarray, shape (5, n_c, n_a), derivatives of the contact's
-    forces to the film thickness of a cell and its neighbours, as of `contact.Contact` [N/m].
-    """
-
-    forces: ForceSlopes
-    touching: bool
-    contact_pressure: Array
-    contact_shear: Array
-
-
-class Shares(NamedTuple):
-    """Derivatives of the true pressure and of the film fraction to the signed unknown, and of the
-    axial force to the cell's own pressure, beyond the gradient [N/Pa]; shape (n_c, n_a) each.
-    """
-
-    pressure: Array
-    fraction: Array
-    force: Array
-
-
-class ContactSlopes(NamedTuple):
-    """pressure, shear_stress : ndarray, shape (5, n_c, n_a), as in `contact.Contact`; touching :
-    whether any cell is in contact.
-    """
-
-    pressure: Array
-    shear_stress: Array
-    touching: bool
+# ---- derivatives of the contact's forces, where surfaces touch
 
 
 @compiled
-def linearise(
-    shear: ShearInputs, contact: ContactSlopes, slopes: FilmSlopes, shares: Shares, by_oil: bool
-):
-    """Derivatives of the forces of a step that every direction shares.
+def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Array):
+    """Derivatives of the contact's forces to the film thickness of a cell and its neighbours.
 
     Parameters
     ----------
     shear : friction.ShearInputs
-    contact : ContactSlopes
-    slopes : films.FilmSlopes
-        Of `shear.film`.
-    shares : Shares
-    by_oil : bool
-        Whether the oil alone shears in cavities.
+    pressure_slope, stress_slope : ndarray, shape (5, n_c, n_a)
+        Of `contact.Contact` [Pa/m].
 
     Returns
     -------
-    Linear
+    normal, along : ndarray, shape (5, n_c, n_a)
+        [N/m].
     """
-    n_c, n_a = shear.velocity.shape
+    _, n_c, n_a = pressure_slope.shape
     rounding = shear.constants.rounding_velocity
-    of_pressure = np.empty((5, n_c, n_a))
-    of_shear = np.empty((5, n_c, n_a))
+    normal = np.empty((5, n_c, n_a))
+    along = np.empty((5, n_c, n_a))
     for k in range(5):
         for i in range(n_c):
             for j in range(n_a):
                 area = shear.area[i, j]
                 v = shear.velocity[i, j]
                 speed = np.sqrt(v * v + rounding * rounding)
-                of_pressure[k, i, j] = area * contact.pressure[k, i, j]
+                normal[k, i, j] = area * pressure_slope[k, i, j]
                 # Eq. (F2)
-                of_shear[k, i, j] = -area * contact.shear_stress[k, i, j] * v / speed
-    fraction = shares.fraction
-    if not by_oil:
-        fraction = np.zeros((n_c, n_a))
-    by = friction.shear_slopes(shear, slopes, shares.force)
-    whole = ForceSlopes(by, shear.area, shares.pressure, fraction, shear.constants.dy)
-    return Linear(whole, contact.touching, of_pressure, of_shear)
-
-
-class Changes(NamedTuple):
-    """Changes of film thickness, of that without the deflection of a coating, of the deflection
-    [m], of V [m/s] and of the signed unknown, each ndarray of shape (m, n_c, n_a).
-    """
-
-    film: Array
-    hard_film: Array
-    deflection: Array
-    velocity: Array
-    unknown: Array
+                along[k, i, j] = -area * stress_slope[k, i, j] * v / speed
+    return normal, along
 
 
 @compiled
-def force_changes(linear: Linear, changes: Changes, normal: Array, shear: Array):
-    """Changes of both nodal forces.
-
-    Parameters
-    ----------
-    linear : Linear
-    changes : Changes
-    normal, shear : ndarray, shape (m, n_c, n_a)
-        Overwritten [N].
+def add_contact_changes(slope: Array, film_thickness: Array, deflection: Array, force: Array):
+    """Add the changes of a contact's force, as by `contact.contact_changes`, shape (m, n_c, n_a);
+    in place.
     """
-    film, hard_film, deflection, velocity, unknown = changes
-    friction.force_changes(linear.forces, film, velocity, unknown, normal, shear)
-    if not linear.touching:
-        return
-    pressed = contact_changes(linear.contact_pressure, hard_film, deflection)
-    rubbed = contact_changes(linear.contact_shear, hard_film, deflection)
-    for q in range(normal.shape[0]):
-        for i in range(normal.shape[1]):
-            for j in range(normal.shape[2]):
-                normal[q, i, j] += pressed[q, i, j]
-                shear[q, i, j] += rubbed[q, i, j]
+    changes = contact_changes(slope, film_thickness, deflection)
+    for q in range(force.shape[0]):
+        for i in range(force.shape[1]):
+            for j in range(force.shape[2]):
+                force[q, i, j] += changes[q, i, j]
