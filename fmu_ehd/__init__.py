@@ -20,8 +20,9 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     transport  sharp fronts of oil (T)
     oil_layer  oil on the bore (T)
 
-What composes them: film_step (one step of the balance and its tangent), parameters, surroundings,
-model (everything, with `advance` and `tangent`). The FMU: variables, slave, build; without Python:
-native_step (the same step as kernels alone), native (on one block of memory). Proof:
-verification (V), on films of its own and of motored.
+What composes them, kernels too: film_step (one step of the balance and its tangent), faults (what
+is refused), step_parts (begin, forces, sums and derivatives of a step). In Python: parameters,
+surroundings, model (everything, with `advance` and `tangent`). The FMU: variables, slave, build;
+without Python: native_step (the same parts on one block), native (where in memory that lies).
+Proof: verification (V), on films of its own and of motored.
 """

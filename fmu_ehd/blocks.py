@@ -49,12 +49,15 @@ class Factors(NamedTuple):
         Coupled cells, then the others.
     counts : ndarray of int, shape (n_a,)
         m.
+    direction : ndarray, shape (1,)
+        1: stations were eliminated with ascending j, -1: with descending j, 0: nothing was yet.
     """
 
     columns: Array
     diagonals: Array
     orders: NDArray[np.int64]
     counts: NDArray[np.int64]
+    direction: Array
 
 
 @compiled(inline="always")
@@ -175,7 +178,7 @@ def _schur(stencil, ascending, k, before, factors, row_of, s):
     `before`: the station eliminated before, -1 for none. `row_of` says which row of its columns of
     S_{j-1}^-1 is that of a cell, -1 where the column has nothing but its diagonal.
     """
-    columns, diagonals, orders, counts = factors
+    columns, diagonals, orders, counts, _ = factors
     n = stencil.shape[1]
     station = k if ascending else stencil.shape[2] - 1 - k
     back = SOUTH if ascending else NORTH
@@ -223,7 +226,7 @@ def factorise(stencil: Array, ascending: bool, first: int, factors: Factors):
     factors : Factors
         Overwritten.
     """
-    columns, diagonals, orders, counts = factors
+    columns, diagonals, orders, counts, _ = factors
     _, n, stations = stencil.shape
     ahead = NORTH if ascending else SOUTH
     row_of = np.empty(n, np.int64)
@@ -241,6 +244,36 @@ def factorise(stencil: Array, ascending: bool, first: int, factors: Factors):
             diagonals[k, c] = 0.0 if a < m else 1.0 / stencil[CENTRE, c, j]
         _schur(stencil, ascending, k, before, factors, row_of, columns[k])
         invert_in_place(columns[k, :m], orders[k])  # Eq. (B4)
+
+
+@compiled
+def factorise_changed(factors: Factors, stencil: Array, lowest: int, highest: int):
+    """Factorise, as far as needed.
+
+    Parameters
+    ----------
+    factors : Factors
+        Overwritten.
+    stencil : ndarray, shape (5, n_c, n_a)
+        Coefficients of Eq. (B1), axis as in `grid`.
+    lowest, highest : int
+        First and last axial station in which a column changed since the last call.
+    """
+    ahead = 0
+    behind = 0
+    for i in range(stencil.shape[1]):
+        for j in range(stencil.shape[2]):
+            if stencil[NORTH, i, j] != 0.0:
+                ahead += 1
+            if stencil[SOUTH, i, j] != 0.0:
+                behind += 1
+    ascending = ahead <= behind  # downstream: cavitated cells see nothing ahead
+    direction = 1.0 if ascending else -1.0
+    first = 0
+    if direction == factors.direction[0]:
+        first = lowest if ascending else stencil.shape[2] - 1 - highest
+    factorise(stencil, ascending, first, factors)
+    factors.direction[0] = direction
 
 
 @compiled(inline="always")
@@ -281,7 +314,7 @@ def substitute(factors: Factors, stencil: Array, ascending: bool, right: Array):
     right : ndarray, shape (m, n_c, n_a)
         Right-hand sides b, overwritten by the solutions.
     """
-    columns, diagonals, orders, counts = factors
+    columns, diagonals, orders, counts, _ = factors
     back = stencil[SOUTH] if ascending else stencil[NORTH]
     ahead = stencil[NORTH] if ascending else stencil[SOUTH]
     m, n, stations = right.shape
@@ -312,13 +345,21 @@ def substitute(factors: Factors, stencil: Array, ascending: bool, right: Array):
 
 
 @compiled
+def substitute_one(factors: Factors, stencil: Array, right: Array):
+    """The same for one right-hand side, shape (n_c, n_a), in its place."""
+    n_c, n_a = right.shape
+    substitute(factors, stencil, factors.direction[0] > 0.0, right.reshape((1, n_c, n_a)))
+    return right
+
+
+@compiled
 def substitute_together(
     factors: Factors, stencil: Array, ascending: bool, right: Array, work: Array
 ):
     """As `substitute`, all right-hand sides through a station at once, by matrix products; `work`
     as large as `right`.
     """
-    columns, diagonals, orders, counts = factors
+    columns, diagonals, orders, counts, _ = factors
     back = stencil[SOUTH] if ascending else stencil[NORTH]
     ahead = stencil[NORTH] if ascending else stencil[SOUTH]
     m, n, stations = right.shape
@@ -374,14 +415,14 @@ class BlockTridiagonal:
 
     def __init__(self, shape: tuple[int, int]):
         across, stations = shape
-        self._factors = Factors(
+        self.factors = Factors(
             np.empty((stations, across, across)),
             np.empty((stations, across)),
             np.zeros((stations, across), np.int64),
             np.zeros(stations, np.int64),
+            np.zeros(1),
         )
-        self._stencil = np.empty((5, *shape))
-        self._ascending: bool | None = None
+        self.stencil = np.empty((5, *shape))
         self._work = np.empty(0)
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
@@ -395,25 +436,19 @@ class BlockTridiagonal:
             First and last axial station in which a column changed since the last call; None: all of
             them.
         """
-        # downstream: cavitated cells see nothing ahead
-        ascending = bool(np.count_nonzero(stencil[NORTH]) <= np.count_nonzero(stencil[SOUTH]))
-        first = 0
-        if stations is not None and ascending == self._ascending:
-            lowest, highest = stations
-            first = lowest if ascending else stencil.shape[-1] - 1 - highest
-        factorise(stencil, ascending, first, self._factors)
-        self._stencil = stencil
-        self._ascending = ascending
+        lowest, highest = stations or (0, stencil.shape[-1] - 1)
+        factorise_changed(self.factors, stencil, lowest, highest)
+        self.stencil = stencil
 
     def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
-        ascending = self._ascending is True
+        ascending = self.factors.direction[0] > 0.0
         if right.shape[0] < TOGETHER:
-            substitute(self._factors, self._stencil, ascending, right)
+            substitute(self.factors, self.stencil, ascending, right)
             return right
         if self._work.size < right.size:
             # kept: memory that is returned and asked for again costs more than the solution
             self._work = np.empty(right.size)
         work = self._work[: right.size]
-        substitute_together(self._factors, self._stencil, ascending, right, work)
+        substitute_together(self.factors, self.stencil, ascending, right, work)
         return right

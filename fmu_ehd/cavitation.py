@@ -32,15 +32,12 @@ Opsearch 11 (1974) 123-130.
 [Olsson1965] K.-O. Olsson, Cavitation in dynamically loaded bearings, Chalmers 1965.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
 from .grid import EAST, NORTH, SOUTH, WEST, Array, Flags
-from .sparse import LinearSolver
 
 # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 FRACTION_ROUNDOFF = 1e-13
@@ -74,87 +71,54 @@ class Switching(NamedTuple):
     j: int
 
 
-class FullCells(NamedTuple):
-    """Signed unknown and full cells of one step.
-
-    unknown : ndarray, shape (n_c, n_a), u: pressure [Pa] in full cells, film_fraction - 1 [-]
-    elsewhere;
-    full : ndarray of bool, shape (n_c, n_a);
-    iterations : number of factorisations.
-    """
-
-    unknown: Array
-    full: Flags
-    iterations: int
-
-
-@compiled
-def split(unknown: Array, full: Flags):
-    """The unknown where the film is full and zero elsewhere, and the other way round."""
-    inside = np.zeros_like(unknown)
-    outside = np.zeros_like(unknown)
-    for i in range(full.shape[0]):
-        for j in range(full.shape[1]):
-            if full[i, j]:
-                inside[i, j] = unknown[i, j]
-            else:
-                outside[i, j] = unknown[i, j]
-    return inside, outside
-
-
-@dataclass(frozen=True)
-class Cavitation:
+class Cavitation(NamedTuple):
     """A cavitation model, Eqs. (C2) to (C5).
 
-    Parameters
-    ----------
-    name : str
-    conserving : bool
-        Cavitated cells carry film fraction.
-    switching : bool
-        Cells without pressure leave the pressure equation.
-    clipping : bool
-        Negative pressures are cut off afterwards.
+    conserving : cavitated cells carry film fraction;
+    switching : cells without pressure leave the pressure equation;
+    clipping : negative pressures are cut off afterwards.
     """
 
-    name: str
     conserving: bool
     switching: bool
     clipping: bool
 
-    def first_guess(self, full: Flags) -> Flags:
-        """Pattern to start from: `full` itself, or all cells where none ever switches."""
-        return full if self.switching else np.ones_like(full)
-
-    def interpret(self, unknown: Array, full: Flags) -> tuple[Array, Array]:
-        """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
-        if self.conserving:
-            # Eq. (C2), Eq. (E4)
-            return split(unknown, full)
-        # Eq. (C3), Eq. (C4), Eq. (C5)
-        return np.where(self._pressed(unknown, full), unknown, 0.0), np.zeros_like(unknown)
-
-    def shares(self, unknown: Array, full: Flags) -> tuple[Array, Array]:
-        """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
-        of_pressure = self._pressed(unknown, full).astype(float)
-        if self.conserving:
-            return of_pressure, (~full).astype(float)
-        return of_pressure, np.zeros_like(unknown)
-
-    def _pressed(self, unknown: Array, full: Flags) -> Flags:
-        """Cells whose unknown is a pressure that counts."""
-        return full & (unknown > 0.0) if self.clipping else full
-
 
 CAVITATION = {
-    model.name: model
-    for model in (
-        Cavitation("jfo", True, True, False),
-        Cavitation("reynolds", False, True, False),
-        Cavitation("gumbel", False, False, True),
-        Cavitation("full_film", False, False, False),
-    )
+    "jfo": Cavitation(True, True, False),
+    "reynolds": Cavitation(False, True, False),
+    "gumbel": Cavitation(False, False, True),
+    "full_film": Cavitation(False, False, False),
 }
+
+
+@compiled
+def interpret(model: Cavitation, unknown: Array, full: Flags):
+    """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
+    pressure = np.zeros_like(unknown)
+    deficit = np.zeros_like(unknown)
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            u = unknown[i, j]
+            if full[i, j] and (u > 0.0 or not model.clipping):
+                pressure[i, j] = u  # Eqs. (C2) to (C5)
+            elif model.conserving:
+                deficit[i, j] = u  # Eq. (C2), Eq. (E4)
+    return pressure, deficit
+
+
+@compiled
+def shares(model: Cavitation, unknown: Array, full: Flags):
+    """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
+    of_pressure = np.zeros_like(unknown)
+    of_fraction = np.zeros_like(unknown)
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if full[i, j] and (unknown[i, j] > 0.0 or not model.clipping):
+                of_pressure[i, j] = 1.0
+            elif model.conserving:
+                of_fraction[i, j] = 1.0
+    return of_pressure, of_fraction
 
 
 @compiled
@@ -181,7 +145,7 @@ def without_pressure(full: Flags, stencil: Array):
 
 
 @compiled
-def _switch(full, unknown, fixed, conserving, singly):
+def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: bool):
     """`Switching` of a pattern by its solution: of all cells that want to, or of the first."""
     highest_pressure = 0.0
     for row in unknown:
@@ -218,64 +182,3 @@ def at_once(n_c: int, n_a: int) -> int:
     and across all of the film.
     """
     return max(ALL_AT_ONCE, min(n_c + n_a, LIMIT // 2))
-
-
-def full_cells(
-    model: Cavitation,
-    assemble: Callable[[Flags], tuple[Array, Array]],
-    solver: LinearSolver,
-    full: Flags,
-    fixed: Flags,
-    all_at_once: int | None = None,
-) -> FullCells:
-    """Pattern of full cells and signed unknown of one step, Eq. (C1).
-
-    Parameters
-    ----------
-    model : Cavitation
-    assemble : callable
-        pattern -> (stencil, right-hand side), e.g. `reynolds.assemble`.
-    solver : sparse.LinearSolver
-        Left with the factorisation of the last pattern.
-    full : ndarray of bool, shape (n_c, n_a)
-        First guess.
-    fixed : ndarray of bool, shape (n_c, n_a)
-        Cells that never switch.
-    all_at_once : int, optional
-        Iterations in which all cells switch together, `at_once` unless given; after them they
-        switch singly.
-
-    Returns
-    -------
-    FullCells
-
-    Raises
-    ------
-    NotConverged
-        With the number of cells that still switch and the first of them.
-    """
-    stations = None
-    iteration = 0
-    together = at_once(*full.shape) if all_at_once is None else all_at_once
-    while True:
-        stencil, right = assemble(full)
-        solver.factorise(stencil, stations)
-        unknown = solver.solve(right[None])[0]
-        switching = _switch(full, unknown, fixed, model.conserving, iteration >= together)
-        if switching.switched < 0:
-            raise NotConverged(
-                "the film solution is not finite, first at "
-                f"[{switching.i + 1},{switching.j + 1}]: film thickness or viscosity out of all "
-                "proportion"
-            )
-        if switching.switched == 0 or not model.switching:  # Eq. (C1)
-            return FullCells(unknown, full, iteration + 1)
-        iteration += 1
-        if iteration == LIMIT:
-            raise NotConverged(
-                f"cavitation did not converge in {LIMIT} iterations: {switching.switched} cells "
-                f"still switch, first [{switching.i + 1},{switching.j + 1}] with "
-                f"u = {unknown[switching.i, switching.j]:g}"
-            )
-        stations = switching.lowest, switching.highest
-        full = switching.pattern

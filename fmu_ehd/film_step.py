@@ -1,44 +1,113 @@
 """One time step of the film on a grid: balance, cavitation, linear solver and tangent put
 together.
+
+Python runs it as written with a sparse solver; with dense blocks, and in a native FMU, it is one
+kernel.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from ..master.fmi.compiled import compilable, compiled, standing_for
 from . import cavitation, openings, reynolds, transport
+from .blocks import BlockTridiagonal, Factors, factorise_changed, substitute_one
+from .cavitation import Cavitation
 from .coating import Softness, soften
+from .faults import NOT_FINITE, STILL_SWITCHING, none_yet, raise_noted, refuse
 from .films import STORED, FilmSlopes
-from .grid import FIRST, OPENINGS, Array, Edges, Entrainment, Flags, Grid
-from .openings import Openings
-from .reynolds import Balance, Faces, Filling, Storage
+from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags, Grid
+from .reynolds import Faces, Filling, Storage
 from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
 from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
+HARD = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
 
-@dataclass(frozen=True)
-class FilmSolution:
+class Domain(NamedTuple):
+    """What stays of a film from step to step.
+
+    cells : grid.Cells; open_cells : ndarray of bool, shape (n_c, n_a), cells without a film;
+    has_openings : whether there are any; model : cavitation.Cavitation;
+    together : iterations in which all cells switch together, `cavitation.at_once`.
+    """
+
+    cells: Cells
+    open_cells: Flags
+    has_openings: bool
+    model: Cavitation
+    together: int
+
+
+class Given(NamedTuple):
+    """What a step is given.
+
+    film : ndarray, shape (6, n_c, n_a), quantities of `films` at its end;
+    entrainment : grid.Entrainment, at its end [m/s]; edges : grid.Edges, at its end;
+    start : storage.EulerStep, content that it starts from, and its length;
+    full : ndarray of bool, shape (n_c, n_a), guess of the full cells;
+    softness : coating.Softness, `HARD` without a coating;
+    lift : transport.Lift, of the film fraction at the axial faces, `NO_LIFT` for none.
+    """
+
+    film: Array
+    entrainment: Entrainment
+    edges: Edges
+    start: EulerStep
+    full: Flags
+    softness: Softness
+    lift: Lift
+
+
+class Equations(NamedTuple):
+    """Eqs. (E1) to (E5) of one step, whatever cells are full.
+
+    lift : ndarray, shape (n_c, n_a + 1), as in `reynolds.Filling`.
+    """
+
+    faces: Faces
+    lift: Array
+    storage: Storage
+    edges: Edges
+    softness: Softness
+    domain: Domain
+
+
+class FullCells(NamedTuple):
+    """Signed unknown and full cells of one step.
+
+    unknown : ndarray, shape (n_c, n_a), u: pressure [Pa] in full cells, film_fraction - 1 [-]
+    elsewhere;
+    full : ndarray of bool, shape (n_c, n_a);
+    iterations : number of factorisations;
+    stencil : ndarray, shape (5, n_c, n_a), that was factorised last.
+    """
+
+    unknown: Array
+    full: Flags
+    iterations: int
+    stencil: Array
+
+
+class FilmSolution(NamedTuple):
     """Film at the end of a step.
 
-    Parameters
-    ----------
-    unknown, pressure, film_fraction, content : ndarray, shape (n_c, n_a)
-        Signed unknown u, pressure above cavitation pressure [Pa], film fraction [-], content f s
-        [m].
-    full : ndarray of bool, shape (n_c, n_a)
-        True where the film is full.
-    axial_flow : ndarray, shape (n_c, n_a + 1)
-        Flow through the axial faces, positive with ascending j [m3/s].
-    edge_flow : ndarray, shape (4,)
-        Flow into the film over lower, upper, first, last edge [m3/s].
-    mass_imbalance : float
-        |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq. (T1);
-        throughput = edge flows + growth, at least 0.1 % of the film volume a step.
-    iterations : int
-        Number of factorisations.
+    unknown, pressure, film_fraction, content : ndarray, shape (n_c, n_a), signed unknown u,
+    pressure above cavitation pressure [Pa], film fraction [-], content f s [m];
+    full : ndarray of bool, shape (n_c, n_a), True where the film is full;
+    axial_flow : ndarray, shape (n_c, n_a + 1), flow through the axial faces, positive with
+    ascending j [m3/s];
+    edge_flow : ndarray, shape (4,), flow into the film over lower, upper, first, last edge [m3/s];
+    from_openings : flow into the film from all openings, or over both ends of a sector [m3/s];
+    spilled : ndarray, shape (n_c, n_a), `openings.spilled`; without openings of shape (0, 0);
+    mass_imbalance : |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq.
+    (T1); throughput = edge flows + growth, at least 0.1 % of the film volume a step;
+    iterations : number of factorisations;
+    lift : ndarray, shape (n_c, n_a + 1), of the film fraction at the axial faces [-];
+    stencil : ndarray, shape (5, n_c, n_a), that was factorised last.
     """
 
     unknown: Array
@@ -48,21 +117,299 @@ class FilmSolution:
     full: Flags
     axial_flow: Array
     edge_flow: Array
+    from_openings: float
+    spilled: Array
     mass_imbalance: float
     iterations: int
-
-
-@dataclass(frozen=True)
-class _Step:
-    """What the last step leaves behind for its balance and its tangent."""
-
-    film: Array
-    entrainment: Entrainment
-    faces: Faces
-    storage: Storage
-    edges: Edges
-    full: Flags
     lift: Array
+    stencil: Array
+
+
+# ---- linear solver: dense blocks in kernels, any solver in Python
+
+
+@standing_for(factorise_changed)
+def factorise(solver: LinearSolver | Factors, stencil: Array, lowest: int, highest: int) -> None:
+    """Factorise a stencil whose columns changed from station `lowest` to `highest`."""
+    if isinstance(solver, Factors):
+        factorise_changed(solver, stencil, lowest, highest)
+    else:
+        solver.factorise(stencil, (lowest, highest))
+
+
+@standing_for(substitute_one)
+def solution(solver: LinearSolver | Factors, stencil: Array, right: Array) -> Array:
+    """Solution for a right-hand side, shape (n_c, n_a), which may be overwritten."""
+    if isinstance(solver, Factors):
+        return substitute_one(solver, stencil, right)
+    return solver.solve(right[None])[0]
+
+
+# ---- a step
+
+
+@compiled
+def assemble(equations: Equations, pattern: Flags):
+    """Five-point matrix and right-hand side, as from `reynolds.assemble`, for a pattern of full
+    cells, shape (n_c, n_a).
+    """
+    faces, lift, storage, edges, softness, domain = equations
+    model = domain.model
+    full = pattern
+    if not model.conserving:
+        full = np.full(pattern.shape, True)
+    stencil, right = reynolds.assemble(full, faces, lift, storage, edges, domain.cells.ring)
+    if model.switching and not model.conserving:
+        cavitation.without_pressure(pattern, stencil)
+    if softness.weight.size > 0:
+        soften(pattern, softness, stencil, right)
+    if domain.has_openings:
+        supply = edges.film_fraction[OPENINGS]
+        held = edges.pressure[OPENINGS] if supply >= 1.0 else supply - 1.0
+        reynolds.hold(domain.open_cells, held, stencil, right)
+    return stencil, right
+
+
+@compilable
+def full_cells(
+    equations: Equations, solver: LinearSolver | Factors, full: Flags, faults: Array
+) -> FullCells:
+    """Pattern of full cells and signed unknown of one step, Eq. (C1).
+
+    Parameters
+    ----------
+    equations : Equations
+    solver : sparse.LinearSolver or blocks.Factors
+        Left with the factorisation of the last pattern.
+    full : ndarray of bool, shape (n_c, n_a)
+        First guess.
+    faults : ndarray
+        `faults.refuse`: a solution that is not finite; a pattern that is not found, with the number
+        of cells that still switch and the first of them.
+
+    Returns
+    -------
+    FullCells
+    """
+    domain = equations.domain
+    model = domain.model
+    lowest = 0
+    highest = full.shape[1] - 1
+    iteration = 0
+    while True:
+        stencil, right = assemble(equations, full)
+        factorise(solver, stencil, lowest, highest)
+        unknown = solution(solver, stencil, right)
+        singly = iteration >= domain.together
+        found = cavitation.switch(full, unknown, domain.open_cells, model.conserving, singly)
+        if found.switched < 0:
+            refuse(faults, NOT_FINITE, found.i, found.j, 0.0, 0.0, 0.0)
+            return FullCells(unknown, full, iteration + 1, stencil)
+        if found.switched == 0 or not model.switching:  # Eq. (C1)
+            return FullCells(unknown, full, iteration + 1, stencil)
+        iteration += 1
+        if iteration == cavitation.LIMIT:
+            u = unknown[found.i, found.j]
+            most = float(cavitation.LIMIT)
+            refuse(faults, STILL_SWITCHING, found.i, found.j, most, float(found.switched), u)
+            return FullCells(unknown, full, iteration, stencil)
+        lowest = found.lowest
+        highest = found.highest
+        full = found.pattern
+
+
+@compiled
+def give_up_lift(lift: Array, unknown: Array, full: Flags):
+    """Take the lift from rows in which a cell would owe oil, where film or velocity jumped; whether
+    there was any.
+    """
+    owing = transport.owing(unknown, full)
+    found = False
+    for i in range(lift.shape[0]):
+        if owing[i]:
+            for j in range(lift.shape[1]):
+                found = found or lift[i, j] != 0.0
+                lift[i, j] = 0.0
+    return found
+
+
+@compiled
+def lift_along(lift: Lift, axial_velocity: Array, model: Cavitation):
+    """Lift of the film fraction at the axial faces for the velocity at the end of a step, shape
+    (n_c, n_a + 1); none without cavities that hold oil.
+    """
+    if lift.fraction.size == 0 or not model.conserving:
+        n_c, n_a = axial_velocity.shape
+        return np.zeros((n_c, n_a + 1))
+    return transport.along(lift, axial_velocity)
+
+
+@compiled
+def balance(unknown: Array, full: Flags, equations: Equations):
+    """Pressure, and what `reynolds.balance` says, for a signed unknown."""
+    faces, lift, storage, edges, _, domain = equations
+    pressure, deficit = cavitation.interpret(domain.model, unknown, full)
+    ring = domain.cells.ring
+    return pressure, reynolds.balance(
+        pressure, deficit, faces, lift, storage, edges, domain.open_cells, ring
+    )
+
+
+@compiled
+def equations_of(given: Given, domain: Domain):
+    """Equations of a step."""
+    film = given.film
+    if domain.has_openings:
+        film = openings.freed(domain.open_cells, film)
+    faces = reynolds.faces(film, given.entrainment, domain.cells)
+    if domain.has_openings:
+        openings.close(domain.open_cells, faces)
+        openings.starve(domain.open_cells, faces, given.edges.limit)
+    lift = lift_along(given.lift, given.entrainment.axial, domain.model)
+    rate = domain.cells.dx * domain.cells.dy / given.start.length
+    held = Storage(film[STORED], given.start.content, rate)
+    return Equations(faces, lift, held, given.edges, given.softness, domain)
+
+
+@compiled
+def first_guess(full: Flags, edges: Edges, domain: Domain):
+    """Pattern to start from: all cells where none ever switches, openings by their supply."""
+    guess = full.copy()
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if domain.open_cells[i, j]:
+                guess[i, j] = edges.film_fraction[OPENINGS] >= 1.0
+            if not domain.model.switching:
+                guess[i, j] = True
+    return guess
+
+
+@compiled
+def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
+    """`FilmSolution` with its flows."""
+    filling = Filling(pressure, balance.film_fraction, equations.lift)
+    flow = reynolds.axial_flow(filling, equations.faces, equations.edges)
+    domain = equations.domain
+    spilled = np.zeros((0, 0))
+    from_openings = 0.0
+    if not domain.cells.ring:
+        from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
+    elif domain.has_openings:
+        spilled = openings.spilled(domain.open_cells, filling, equations.faces)
+        from_openings = openings.given(domain.open_cells, flow, spilled)
+    return FilmSolution(
+        found.unknown,
+        pressure,
+        balance.film_fraction,
+        balance.content,
+        found.full,
+        flow,
+        balance.edge_flow,
+        from_openings,
+        spilled,
+        balance.imbalance,
+        found.iterations,
+        equations.lift,
+        found.stencil,
+    )
+
+
+@compilable
+def solve(
+    given: Given, domain: Domain, solver: LinearSolver | Factors, faults: Array
+) -> FilmSolution:
+    """Solve Eqs. (E1)-(E5) for one step; a fault is noted where there is no solution.
+
+    Parameters
+    ----------
+    given : Given
+    domain : Domain
+    solver : sparse.LinearSolver or blocks.Factors
+    faults : ndarray
+        As in `full_cells`.
+
+    Returns
+    -------
+    FilmSolution
+    """
+    equations = equations_of(given, domain)
+    found = full_cells(equations, solver, first_guess(given.full, given.edges, domain), faults)
+    iterations = found.iterations
+    while faults[0] == 0.0 and give_up_lift(equations.lift, found.unknown, found.full):
+        found = full_cells(equations, solver, found.full, faults)
+        iterations += found.iterations
+    unknown = found.unknown
+    pressure, now = balance(unknown, found.full, equations)
+    hard = given.softness.weight.size == 0
+    if domain.model.conserving and hard and now.imbalance > REFINE_ABOVE:
+        unknown = unknown + solution(solver, found.stencil, now.residual)
+        pressure, now = balance(unknown, found.full, equations)
+    refined = FullCells(unknown, found.full, iterations, found.stencil)
+    return solved(refined, pressure, now, equations)
+
+
+# ---- tangent
+
+
+@compiled
+def film_slopes(
+    film: Array,
+    slopes: FilmSlopes,
+    entrainment: Entrainment,
+    dentrainment: Entrainment,
+    filling: Filling,
+    edges: Edges,
+    length: float,
+    domain: Domain,
+):
+    """Derivative of the film balance to film thickness and sliding velocity, as from
+    `reynolds.linearise`.
+
+    Parameters
+    ----------
+    film : ndarray, shape (6, n_c, n_a)
+        Quantities of `films`.
+    slopes : films.FilmSlopes
+    entrainment, dentrainment : grid.Entrainment
+        [m/s], and derivatives to the sliding velocity [-].
+    filling : reynolds.Filling
+    edges : grid.Edges
+    length : float
+        H_e [s].
+    domain : Domain
+
+    Returns
+    -------
+    ndarray, shape (2, 5, n_c, n_a)
+    """
+    cells = domain.cells
+    lift = filling.lift
+    if domain.has_openings:
+        film = openings.freed(domain.open_cells, film)
+        faces = reynolds.faces(film, entrainment, cells)
+        bounded = openings.starve(domain.open_cells, faces, edges.limit)
+        lift = lift.copy()
+        for i in range(lift.shape[0]):
+            for j in range(lift.shape[1]):
+                if bounded[i, j]:
+                    lift[i, j] = -1.0  # a given inflow follows neither film nor velocity
+    stencil = reynolds.linearise(
+        film,
+        slopes,
+        entrainment,
+        dentrainment,
+        Filling(filling.pressure, filling.film_fraction, lift),
+        edges,
+        cells,
+        cells.dx * cells.dy / length,
+    )
+    for m in range(2):
+        for k in range(5):
+            for i in range(lift.shape[0]):
+                for j in range(lift.shape[1] - 1):
+                    if domain.open_cells[i, j]:
+                        stencil[m, k, i, j] = 0.0
+    return stencil
 
 
 class FilmStep:
@@ -87,17 +434,19 @@ class FilmStep:
         solver: LinearSolver | None = None,
     ):
         self.grid = grid
-        self.model = cavitation.CAVITATION[model]
-        self.open_cells = np.zeros(grid.shape, dtype=bool) if open_cells is None else open_cells
+        if open_cells is None:
+            open_cells = np.zeros(grid.shape, dtype=bool)
+        self.domain = Domain(
+            grid.cells,
+            open_cells,
+            bool(open_cells.any()),
+            cavitation.CAVITATION[model],
+            cavitation.at_once(*grid.shape),
+        )
         self.solver = solver or linear_solver(grid.shape)
-        self._cells = grid.cells
-        self._everywhere = np.ones(grid.shape, dtype=bool)
-        self._has_openings = bool(self.open_cells.any())
-        self.openings = Openings(self.open_cells, grid.cells)
         self._right = np.empty(0)
-        self._step: _Step | None = None
+        self._given: Given | None = None
         self._solution: FilmSolution | None = None
-        self._solved_pressure = np.empty(0)
         self._stencil = np.empty(0)
         self._stencil_around = np.empty(0)
 
@@ -108,186 +457,26 @@ class FilmStep:
         edges: Edges,
         start: EulerStep,
         full: Flags,
-        softness: Softness | None = None,
-        lift: Lift | None = None,
+        softness: Softness = HARD,
+        lift: Lift = NO_LIFT,
     ) -> FilmSolution:
-        """Solve Eqs. (E1)-(E5) for one step.
-
-        Parameters
-        ----------
-        film : ndarray, shape (6, n_c, n_a)
-            Quantities of `films` at the end of the step.
-        entrainment : grid.Entrainment
-            At the end of the step [m/s].
-        edges : grid.Edges
-            At the end of the step.
-        start : storage.EulerStep
-            Content that the step starts from, and its length; with backward Euler the content f s
-            at its beginning.
-        full : ndarray of bool, shape (n_c, n_a)
-            Guess of the full cells.
-        softness : coating.Softness, optional
-        lift : transport.Lift, optional
-            Of the film fraction at the axial faces; none by default.
-
-        Returns
-        -------
-        FilmSolution
+        """Solve Eqs. (E1)-(E5) for one step, as `solve`; parameters as in `Given`.
 
         Raises
         ------
         cavitation.NotConverged
         """
-        model = self.model
-        ring = self.grid.ring
-        if self._has_openings:
-            film = openings.freed(self.open_cells, film)
-        faces = reynolds.faces(film, entrainment, self._cells)
-        if self._has_openings:
-            openings.close(self.open_cells, faces)
-            self.openings.starve(faces, edges.limit)
-        lift_a = self.lift_along(lift, entrainment)
-        storage = Storage(film[STORED], start.content, self.grid.cell_area / start.length)
-        supply = edges.film_fraction[OPENINGS]
-        held = edges.pressure[OPENINGS] if supply >= 1.0 else supply - 1.0
-        if self._has_openings:
-            full = np.where(self.open_cells, supply >= 1.0, full)
-
-        def assemble(pattern):
-            full_of_oil = pattern if model.conserving else self._everywhere
-            stencil, right = reynolds.assemble(full_of_oil, faces, lift_a, storage, edges, ring)
-            if model.switching and not model.conserving:
-                cavitation.without_pressure(pattern, stencil)
-            if softness is not None:
-                soften(pattern, softness, stencil, right)
-            if self._has_openings:
-                reynolds.hold(self.open_cells, held, stencil, right)
-            return stencil, right
-
-        unknown, full, iterations = cavitation.full_cells(
-            model, assemble, self.solver, model.first_guess(full), self.open_cells
-        )
-        while lift_a.any():
-            owing = transport.owing(unknown, full) & lift_a.any(axis=1)
-            if not owing.any():
-                break
-            lift_a[owing] = 0.0  # film or velocity jumped: those rows go on without
-            unknown, full, more = cavitation.full_cells(
-                model, assemble, self.solver, full, self.open_cells
-            )
-            iterations += more
-        step = self._step = _Step(film, entrainment, faces, storage, edges, full, lift_a)
-        pressure, balance = self._balance(step, unknown)
-        if model.conserving and softness is None and balance.imbalance > REFINE_ABOVE:
-            unknown = unknown + self.solver.solve(balance.residual[None])[0]
-            pressure, balance = self._balance(step, unknown)
-        self._solution = FilmSolution(
-            unknown,
-            pressure,
-            balance.film_fraction,
-            balance.content,
-            full,
-            reynolds.axial_flow(Filling(pressure, balance.film_fraction, lift_a), faces, edges),
-            balance.edge_flow,
-            balance.imbalance,
-            iterations,
-        )
-        # the pressure that the balance was solved with
-        self._solved_pressure = unknown if model.clipping else pressure
-        return self._solution
-
-    def lift_along(self, lift: Lift | None, entrainment: Entrainment) -> Array:
-        """Lift of the film fraction at the axial faces for the velocity at the end of a step, shape
-        (n_c, n_a + 1); none without cavities that hold oil.
-        """
-        if lift is None or not self.model.conserving:
-            n_c, n_a = self.grid.shape
-            return np.zeros((n_c, n_a + 1))
-        return transport.along(lift, entrainment.axial)
-
-    def _balance(self, step: _Step, unknown: Array) -> tuple[Array, Balance]:
-        """Pressure, and what `reynolds.balance` says, for a signed unknown."""
-        pressure, deficit = self.model.interpret(unknown, step.full)
-        return pressure, reynolds.balance(
-            pressure,
-            deficit,
-            step.faces,
-            step.lift,
-            step.storage,
-            step.edges,
-            self.open_cells,
-            self.grid.ring,
-        )
-
-    def spilled(self) -> Array:
-        """Flow of the last step into each opening from both its sides, `openings.spilled`."""
-        step = self._step
-        solution = self._solution
-        assert step is not None and solution is not None, "spilled before solve"
-        filling = Filling(solution.pressure, solution.film_fraction, step.lift)
-        return openings.spilled(self.open_cells, filling, step.faces)
-
-    def flow_from_openings(self) -> float:
-        """Flow of the last step into the film from all openings, or over both ends of a sector
-        [m3/s].
-        """
-        solution = self._solution
-        assert solution is not None, "flow_from_openings before solve"
-        if not self.grid.ring:
-            return float(solution.edge_flow[FIRST:OPENINGS].sum())
-        if not self._has_openings:
-            return 0.0
-        along = np.diff(solution.axial_flow, axis=1)[self.open_cells]
-        return float(along.sum() - self.spilled().sum())
-
-    def slopes(
-        self,
-        film: Array,
-        film_slopes: FilmSlopes,
-        entrainment: Entrainment,
-        dentrainment: Entrainment,
-        filling: Filling,
-        edges: Edges,
-        length: float,
-    ) -> Array:
-        """Derivative of the film balance to film thickness and sliding velocity, as from
-        `reynolds.linearise`.
-
-        Parameters
-        ----------
-        film : ndarray, shape (6, n_c, n_a)
-            Quantities of `films`.
-        film_slopes : films.FilmSlopes
-        entrainment, dentrainment : grid.Entrainment
-            [m/s], and derivatives to the sliding velocity [-].
-        filling : reynolds.Filling
-        edges : grid.Edges
-        length : float
-            H_e [s].
-
-        Returns
-        -------
-        ndarray, shape (2, 5, n_c, n_a)
-        """
-        if self._has_openings:
-            film = openings.freed(self.open_cells, film)
-            faces = reynolds.faces(film, entrainment, self._cells)
-            bounded = self.openings.starve(faces, edges.limit)
-            # a given inflow follows neither film nor velocity
-            filling = filling._replace(lift=np.where(bounded, -1.0, filling.lift))
-        stencil = reynolds.linearise(
-            film,
-            film_slopes,
-            entrainment,
-            dentrainment,
-            filling,
-            edges,
-            self._cells,
-            self.grid.cell_area / length,
-        )
-        if self._has_openings:
-            stencil[:, :, self.open_cells] = 0.0
-        return stencil
+        faults = none_yet()
+        given = Given(film, entrainment, edges, start, full, softness, lift)
+        if type(self.solver) is BlockTridiagonal:
+            found = solve.dispatcher(given, self.domain, self.solver.factors, faults)
+            self.solver.stencil = found.stencil
+        else:
+            found = solve(given, self.domain, self.solver, faults)
+        raise_noted(faults)
+        self._given = given
+        self._solution = found
+        return found
 
     def linearise(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> tuple[Array, Array]:
         """Prepare the tangent of the last step, Eq. (E6).
@@ -303,26 +492,32 @@ class FilmStep:
         by_pressure, by_fraction : ndarray, shape (n_c, n_a)
             Derivatives of pressure and film fraction to the signed unknown.
         """
-        step = self._step
-        solution = self._solution
-        assert step is not None and solution is not None, "linearise before solve"
-        self._stencil = self.slopes(
-            step.film,
-            film_slopes,
-            step.entrainment,
-            dentrainment,
-            Filling(self._solved_pressure, solution.film_fraction, step.lift),
-            step.edges,
-            self.grid.cell_area / step.storage.area_per_step,
-        )
-        return self.model.shares(solution.unknown, step.full)
+        self._stencil = self._slopes(film_slopes, dentrainment)
+        found = self._solution
+        assert found is not None, "linearise before solve"
+        return cavitation.shares(self.domain.model, found.unknown, found.full)
 
     def linearise_around(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> None:
         """The same for a second velocity, that around the circumference."""
-        ours = self._stencil
-        self.linearise(film_slopes, dentrainment)
-        self._stencil_around = self._stencil
-        self._stencil = ours
+        self._stencil_around = self._slopes(film_slopes, dentrainment)
+
+    def _slopes(self, slopes: FilmSlopes, dentrainment: Entrainment) -> Array:
+        """`film_slopes` of the last step."""
+        given = self._given
+        found = self._solution
+        assert given is not None and found is not None, "linearise before solve"
+        # the pressure that the balance was solved with
+        pressure = found.unknown if self.domain.model.clipping else found.pressure
+        return film_slopes(
+            given.film,
+            slopes,
+            given.entrainment,
+            dentrainment,
+            Filling(pressure, found.film_fraction, found.lift),
+            given.edges,
+            given.start.length,
+            self.domain,
+        )
 
     def tangent(self, dfilm: Array, dvelocity: Array, daround: Array | None = None) -> Array:
         """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.

@@ -160,39 +160,31 @@ def gradients(pressure: Array, area: Array, lower: float, upper: float, dy: floa
     return gradient
 
 
-def shear_forces(inputs: ShearInputs) -> ShearForces:
-    """Viscous and asperity force of each cell, Eqs. (F1), (F2).
+@compiled
+def boundary_force(inputs: ShearInputs, turning: Array):
+    """Axial asperity force of each cell, Eq. (F2), or Eq. (F7) of `circumferential`.
 
     Parameters
     ----------
     inputs : ShearInputs
-
-    Returns
-    -------
-    ShearForces
+    turning : ndarray, shape (n_c, n_a)
+        W [m/s], 0 on a skirt.
     """
-    return ShearForces(_viscous_force(inputs), boundary_force(inputs, inputs.boundary_stress))
-
-
-def boundary_force(inputs: ShearInputs, boundary_stress: Array) -> Array:
-    """Asperity force of each cell for a boundary stress, or its derivatives, Eq. (F2)."""
-    speed = np.sqrt(inputs.velocity**2 + inputs.constants.rounding_velocity**2)
-    return -inputs.area * boundary_stress * inputs.velocity / speed  # Eq. (F2)
-
-
-def rubbing_power(inputs: ShearInputs) -> float:
-    """Heat that shear by sliding makes in the film, asperities apart [W].
-
-    Eq. (F5):  P = sum over cells of  A f c V^2
-
-    The part of - force x velocity by Eq. (F1) that is heat whatever the pressure does.
-    """
-    couette = inputs.film[COUETTE]
-    return float(np.vdot(inputs.area * inputs.shearing * couette, inputs.velocity**2))  # Eq. (F5)
+    n_c, n_a = turning.shape
+    rounding = inputs.constants.rounding_velocity
+    force = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            v = inputs.velocity[i, j]
+            w = turning[i, j]
+            speed = np.sqrt(v * v + w * w + rounding * rounding)
+            # Eq. (F2), Eq. (F7)
+            force[i, j] = -inputs.area[i, j] * inputs.boundary_stress[i, j] * v / speed
+    return force
 
 
 @compiled
-def _viscous_force(inputs):
+def viscous_force(inputs: ShearInputs):
     """Viscous force of each cell, Eq. (F1)."""
     pressure, shearing, velocity, film, _, area, constants = inputs
     lower, upper, dy, _ = constants
@@ -218,7 +210,7 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
     Parameters
     ----------
     inputs : ShearInputs
-        As in `shear_forces`.
+        As in `viscous_force`.
     film_slopes : films.FilmSlopes
         Of `inputs.film`.
     by_pressure : ndarray, shape (n_c, n_a)

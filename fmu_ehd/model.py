@@ -5,25 +5,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, circumferential, coating, friction, storage, transport
+from . import asperity, cavitation, circumferential, coating, friction, openings
+from . import step_parts as parts
 from .asperity import ContactConstants
 from .cavitation import NotConverged
 from .circumferential import Changes, Turning, TurningSlopes
 from .coating import PressureTangent, Softness
 from .contact import Contact, contact_changes
 from .contact import contact as cell_contact
-from .film_step import FilmSolution, FilmStep
+from .faults import none_yet, raise_noted
+from .film_step import HARD, NO_LIFT, FilmSolution, FilmStep, film_slopes, lift_along
 from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
-from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
+from .friction import ForceSlopes
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .oil_layer import Bore, OilLayer, Passed
 from .parameters import FULL_TURN, Parameters
 from .reynolds import BY_FILM, Filling
 from .roughness import factor_table
-from .storage import EulerStep, Past
-from .summary import halves, summarise
+from .storage import EulerStep
+from .summary import halves
 from .surroundings import Surroundings, surroundings
-from .transport import Lift, Pace, PastTransport
+from .transport import Lift
 
 # where oil outside the film is not followed
 NOTHING = np.zeros((0, 0))
@@ -78,9 +80,25 @@ class State:
     volume: float
 
     @property
-    def past(self) -> Past:
-        """What the storage term remembers."""
-        return Past(self.content, self.growth, self.growth_before, self.step_before)
+    def before(self) -> parts.Before:
+        """What the film remembers."""
+        return parts.Before(
+            self.unknown,
+            self.unknown_before,
+            self.content,
+            self.growth,
+            self.growth_before,
+            self.film,
+            self.film_before,
+            self.passed,
+            self.travel,
+            self.step_before,
+        )
+
+    @property
+    def totals(self) -> parts.Totals:
+        """Sums that go on."""
+        return parts.Totals(self.friction_work, self.boundary_work, self.stored, self.volume)
 
 
 class Inputs(NamedTuple):
@@ -140,17 +158,11 @@ class Film:
 
 
 class Last(NamedTuple):
-    """What the tangent needs of the last step: film, asperity contact, what friction depends on,
-    along and around (None on a skirt); and the power of asperity friction [W], and of all rubbing,
-    `friction.rubbing_power` [W].
-    """
+    """What the tangent needs of the last step; turning : None on a skirt."""
 
     film: Film
-    contact: Contact
-    shear: ShearInputs
+    forces: parts.Forces
     turning: Turning | None
-    boundary_power: float
-    rubbing_power: float
 
 
 class Linear(NamedTuple):
@@ -160,7 +172,7 @@ class Linear(NamedTuple):
     touching : whether any cell is in contact;
     contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
     the contact's forces to the film thickness of a cell and its neighbours, as of
-    `contact.Contact` [N/m].
+    `contact.Contact` [N/m]; none where nothing touches.
     """
 
     film: ForceSlopes
@@ -195,8 +207,11 @@ class LubricationModel:
         self.grid = Grid(p.shape, p.sector_angle * p.bore_radius, p.skirt_length, ring)
         self._bearing = p.surface == "bearing"
         self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
-        self.area = np.where(self.film_step.open_cells, 0.0, self.grid.cell_area)
-        self._has_openings = bool(self.film_step.open_cells.any())
+        self._open_cells = self.film_step.domain.open_cells
+        self._has_openings = self.film_step.domain.has_openings
+        cells = self.grid.cells
+        self._beside = openings.nearest(self._open_cells, cells.dx, cells.dy)
+        self.area = np.where(self._open_cells, 0.0, self.grid.cell_area)
         self._contact_constants = ContactConstants(
             p.roughness_rms,
             asperity.pressure_scale(p.asperity_product, p.asperity_slope, p.contact_modulus),
@@ -221,7 +236,15 @@ class LubricationModel:
         share = np.full(p.shape, self._share)
         self._dentrainment = Entrainment(self._zero, share)
         self._dentrainment_around = Entrainment(share, self._zero)
-        self._halves = halves(n_circumferential)
+        self._surfaces = parts.Surfaces(
+            self.area,
+            self._contact_constants,
+            halves(n_circumferential),
+            self._compliance,
+            p.cavitation_pressure,
+            p.friction_rounding_velocity,
+            p.cavity_shear == "film_fraction",
+        )
         self._bore = Bore(p, self.grid) if p.oil_supply != "edges" else None
         self._given = surroundings(p, {})
         # of the last step: what the tangent needs
@@ -269,11 +292,9 @@ class LubricationModel:
         unknown = np.where(fraction < 1.0, fraction - 1.0, pressure)
         flow = self._flow_film(inputs)
         film = self._film(inputs, flow, pressure, fraction)
-        last, outputs = self._outputs(film)
-        stored = self._stored(last)
-        volume = float(np.vdot(self.area, film_thickness))
+        last, _, outputs = self._outputs(film)
         outputs |= dict(
-            stored_energy=stored,
+            stored_energy=last.forces.stored,
             energy_gain=0.0,
             flow_lower_edge=0.0,
             flow_upper_edge=0.0,
@@ -284,7 +305,7 @@ class LubricationModel:
         )
         content = fraction * flow.quantities[STORED]
         layer = NO_LAYER if self._bore is None else self._bore.start(float(sliding_velocity.mean()))
-        outputs |= self._oil(content, layer)
+        outputs |= self._oil(parts.oil_in(content, self.area), layer)
         still = self._zero
         no_flow = np.zeros((shape[0], n_axial + 1))
         state = State(
@@ -302,8 +323,8 @@ class LubricationModel:
             layer,
             0.0,
             0.0,
-            stored,
-            volume,
+            last.forces.stored,
+            last.forces.volume,
         )
         return state, outputs
 
@@ -346,85 +367,77 @@ class LubricationModel:
         self._linear = None
         film_thickness = self._filled(film_thickness)
         sliding_velocity = self._filled(sliding_velocity)
-        if not film_thickness.max() > 0.0:
-            i, j = np.unravel_index(np.argmax(film_thickness), film_thickness.shape)
-            raise NotConverged(
-                f"film_thickness[{i + 1},{j + 1}] = {film_thickness[i, j]:g} m, and nowhere above "
-                "0 m: there is no film"
-            )
+        faults = none_yet()
+        parts.check_film(film_thickness, faults)
+        raise_noted(faults)
         around = self._surroundings(conditions) if conditions else self._given
-        ratio = step / state.step_before if state.step_before > 0.0 else 0.0
-        guess = state.unknown + ratio * (state.unknown - state.unknown_before) > 0.0
-        begin = storage.euler_step(state.past, step)
-        step_film = self._coated if self._compliance > 0.0 else self._bare
-        pace = transport.pace(step, state.step_before, begin.length)
-        carried = pace.share * state.passed
+        before = state.before
+        begun = parts.begin(before, step)
+        begin = begun.start
+        pace = begun.pace
         layer = state.layer
         covered = layer
         if self._bore is not None:
             covered = self._bore.covered(
                 layer, step, state.step_before, around.ring_layer, around.splash
             )
-            limit = self._bore.limit(covered, self._bore.inflow(carried), begin)
+            limit = self._bore.limit(covered, self._bore.inflow(pace.share * state.passed), begin)
             around = replace(around, edges=around.edges._replace(limit=limit))
         turning = self._turning(circumferential_velocity)
         inputs = Inputs(film_thickness, self._zero, sliding_velocity, turning, around)
-        # around a bearing oil is carried on without
-        lift = None if self._bearing else self._lift(state, pace, around, step)
-        inputs, flow, solution, deflection = step_film(state, begin, inputs, guess, lift)
+        lift = NO_LIFT  # around a bearing oil is carried on without
+        if not self._bearing:
+            lift = parts.lift(before, pace, around.edges, step, self.film_step.domain)
+        step_film = self._coated if self._compliance > 0.0 else self._bare
+        inputs, flow, solution, deflection = step_film(state, begin, inputs, begun.guess, lift)
         film = self._film(inputs, flow, solution.pressure, solution.film_fraction)
-        self._last, outputs = self._outputs(film)
-        friction_work = state.friction_work + step * outputs["friction_power"]
-        boundary_work = state.boundary_work + step * self._last.boundary_power
+        self._last, powers, outputs = self._outputs(film)
+        axial = self._entrainment(inputs).axial
+        went = parts.passage(before, begun, solution, axial, step, self.film_step.domain)
+        outside = parts.Outside(
+            self.parameters.cavitation_pressure, around.lower, around.upper, around.opening
+        )
+        acted = self._last.forces
+        account = parts.account(state.totals, acted, powers, solution, went.passed, outside, step)
+        totals = account.totals
         lower, upper = solution.edge_flow[BOTH_AXIAL_EDGES]
         outputs |= dict(
             flow_lower_edge=float(lower),
             flow_upper_edge=float(upper),
-            flow_openings=self.film_step.flow_from_openings(),
+            flow_openings=solution.from_openings,
             mass_imbalance=solution.mass_imbalance,
             solver_iterations=solution.iterations,
-            boundary_friction_share=boundary_work / friction_work if friction_work > 0.0 else 0.0,
-        )
-        passed = carried + begin.length * solution.axial_flow
-        stored = self._stored(self._last)
-        volume = float(np.vdot(self.area, inputs.film_thickness))
-        gain = stored - state.stored + step * self._last.rubbing_power
-        outputs |= dict(
-            stored_energy=stored,
-            energy_gain=gain - self._work_around(around, volume - state.volume, passed, step),
+            boundary_friction_share=account.boundary_share,
+            stored_energy=totals.stored,
+            energy_gain=account.energy_gain,
         )
         if self._bore is not None:
             spilled = pace.share * layer.spilled  # Eq. (T28)
             if self._has_openings:
-                spilled = spilled + begin.length * self.film_step.spilled()
+                spilled = spilled + begin.length * solution.spilled
             layer = self._bore.left(
                 covered,
                 layer,
-                Passed(self._bore.inflow(passed), spilled),
+                Passed(self._bore.inflow(went.passed), spilled),
                 self._bore.gaps(inputs.film_thickness),
                 float(sliding_velocity.mean()),
                 step,
             )
-        outputs |= self._oil(solution.content, layer)
-        growth = (solution.content - state.content) / step
-        growth[self.film_step.open_cells] = 0.0
+        outputs |= self._oil(account.oil, layer)
         state = State(
             solution.unknown,
             state.unknown,
             solution.content,
-            growth,
+            went.growth,
             state.growth,
             deflection,
             step,
             flow.quantities,
             state.film,
-            passed,
-            transport.travelled(state.travel, pace, self._entrainment(inputs).axial, begin.length),
+            went.passed,
+            went.travel,
             layer,
-            friction_work,
-            boundary_work,
-            stored,
-            volume,
+            *totals,
         )
         return state, outputs
 
@@ -485,8 +498,9 @@ class LubricationModel:
                 linear.film, film, dvelocity[some], unknown, normal[some], shear[some]
             )
             if linear.touching:
-                normal[some] += contact_changes(linear.contact_pressure, hard, deflection)
-                shear[some] += contact_changes(linear.contact_shear, hard, deflection)
+                add = parts.add_contact_changes
+                add(linear.contact_pressure, hard, deflection, normal[some])
+                add(linear.contact_shear, hard, deflection, shear[some])
             if linear.around is None or last.turning is None:
                 continue
             turned = np.zeros_like(film) if turning is None else turning
@@ -495,7 +509,7 @@ class LubricationModel:
                 linear.around, linear.film, last.turning, changes, shear[some]
             )
             if linear.touching:
-                forces[2, some] += contact_changes(linear.contact_around, hard, deflection)
+                parts.add_contact_changes(linear.contact_around, hard, deflection, forces[2, some])
         shape = np.shape(dfilm_thickness)
         return tuple(forces[k].reshape(shape) for k in range(len(forces)))
 
@@ -508,14 +522,18 @@ class LubricationModel:
         if not self._compliance:
             unknown = self.film_step.tangent(dfilm, dvelocity, dturning)
             return self._no_deflection[: len(dfilm)], unknown
-        weight = self._compliance * coating.yielding(self._compliance, last.contact)
-        by_contact = contact_changes(last.contact.pressure_slope, dfilm, np.zeros_like(dfilm))
+        weight = self._compliance * coating.yielding(self._compliance, last.forces.contact)
+        by_contact = contact_changes(
+            last.forces.contact.pressure_slope, dfilm, np.zeros_like(dfilm)
+        )
         dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity, dturning)
         return weight * (by_contact + linear.film.pressure_share * dunknown), dunknown
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
-        film, contact, shear, turning, *_ = last
+        film, acted, turning = last
+        shear = acted.shear
+        contact = acted.contact
         slopes = film.flow.slopes
         slopes_around = film.flow.slopes_around
         to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
@@ -534,23 +552,24 @@ class LubricationModel:
             slopes = _raised_slopes(slopes, film.ratio)
             slopes_around = _raised_slopes(slopes_around, film.ratio)
             to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
-        if self.parameters.cavity_shear == "full_film":
+        if not self._surfaces.by_oil:
             to_fraction = self._zero
-        touching = bool(contact.area_fraction.any())
-        if turning is None:
-            to_stress = friction.boundary_force(shear, contact.shear_stress_slope)
-            to_stress_around = NOTHING
-            of_around = None
-            along = shear
-        else:
+        contact_pressure = contact_shear = contact_around = NOTHING
+        if acted.touching:
+            contact_pressure, contact_shear = parts.contact_slopes(
+                shear, contact.pressure_slope, contact.shear_stress_slope
+            )
+        around = None
+        along = shear
+        if turning is not None:
             axial, across = circumferential.boundary_shares(shear, turning)
-            to_stress = axial * contact.shear_stress_slope
-            to_stress_around = across * contact.shear_stress_slope
-            of_around = circumferential.force_slopes(
+            contact_shear = axial * contact.shear_stress_slope
+            contact_around = across * contact.shear_stress_slope
+            around = circumferential.force_slopes(
                 shear, turning, (slopes, slopes_around), by_pressure_around
             )
-            along = shear._replace(boundary_stress=self._zero)  # stands in `of_around`
-        forces = ForceSlopes(
+            along = shear._replace(boundary_stress=self._zero)  # stands in `around`
+        of_film = ForceSlopes(
             friction.shear_slopes(along, slopes, by_pressure),
             self.area,
             to_pressure,
@@ -558,12 +577,7 @@ class LubricationModel:
             self.grid.cells.dy,
         )
         return Linear(
-            forces,
-            of_around,
-            touching,
-            self.area * contact.pressure_slope,
-            to_stress,
-            to_stress_around,
+            of_film, around, acted.touching, contact_pressure, contact_shear, contact_around
         )
 
     # ---- ways to a film
@@ -581,21 +595,8 @@ class LubricationModel:
             return self._zero
         return self._filled(circumferential_velocity)
 
-    def _lift(self, state: State, pace: Pace, around: Surroundings, step: float) -> Lift:
-        """Lift of the film fraction at the axial faces, from the past alone."""
-        past = PastTransport(
-            state.film,
-            state.film_before,
-            state.content,
-            (state.unknown > 0.0) | self.film_step.open_cells,
-            state.growth * state.step_before + np.diff(state.passed, axis=1) / self.grid.cell_area,
-            state.passed,
-            state.travel,
-        )
-        return transport.lift(past, pace, around.edges, step, self.grid.cells)
-
     def _bare(
-        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift | None
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
     ) -> StepFilm:
         """Film of hard surfaces."""
         flow = self._flow_film(inputs)
@@ -605,12 +606,13 @@ class LubricationModel:
             inputs.surroundings.edges,
             begin,
             guess,
-            lift=lift,
+            HARD,
+            lift,
         )
         return StepFilm(inputs, flow, solution, state.deflection)
 
     def _coated(
-        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift | None
+        self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
     ) -> StepFilm:
         """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
         edges = inputs.surroundings.edges
@@ -623,10 +625,11 @@ class LubricationModel:
         for _ in range(coating.LIMIT):
             inputs = inputs._replace(deflection=deflection)
             flow = self._flow_film(inputs)
-            reduced, deficit = self.film_step.model.interpret(unknown, full)
-            lift_a = self.film_step.lift_along(lift, entrainment)
+            model = self.film_step.domain.model
+            reduced, deficit = cavitation.interpret(model, unknown, full)
+            lift_a = lift_along(lift, entrainment.axial, model)
             filling = Filling(reduced, 1.0 + deficit, lift_a)
-            slopes = self.film_step.slopes(
+            slopes = film_slopes(
                 flow.quantities,
                 flow.slopes,
                 entrainment,
@@ -634,6 +637,7 @@ class LubricationModel:
                 filling,
                 edges,
                 begin.length,
+                self.film_step.domain,
             )
             weight, offset = coating.linear_deflection(
                 self._compliance,
@@ -648,7 +652,7 @@ class LubricationModel:
             factorisations += solution.iterations
             change = weight * solution.pressure + offset
             if coating.has_converged(change, deflection):
-                solution = replace(solution, iterations=factorisations)
+                solution = solution._replace(iterations=factorisations)
                 return StepFilm(inputs, flow, solution, deflection)
             film = np.maximum(inputs.film_thickness, self.parameters.minimum_flow_film)
             deflection = deflection + coating.limited(change, film)
@@ -663,42 +667,14 @@ class LubricationModel:
 
     # ---- parts of a step
 
-    def _oil(self, content: Array, layer: OilLayer) -> dict[str, float]:
+    def _oil(self, in_film: float, layer: OilLayer) -> dict[str, float]:
         """Where the oil is."""
         # the three terms of Eq. (T27)
         return dict(
-            oil_in_film=float((content * self.area).sum()),
+            oil_in_film=in_film,
             oil_on_bore=self._bore.volume(layer) if self._bore is not None else 0.0,
             oil_supplied=layer.supplied,
         )
-
-    def _stored(self, last: Last) -> float:
-        """Elastic energy of asperities and coating [J].
-
-        Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
-
-        e by area, Eq. (A9), delta deflection of the coating and C its compliance.
-        """
-        energy = last.contact.energy
-        if self._compliance > 0.0:
-            energy = energy + last.film.inputs.deflection**2 / (2.0 * self._compliance)
-        return float(np.vdot(self.area, energy))  # Eq. (A10)
-
-    def _work_around(
-        self, around: Surroundings, opened: float, passed: Array, step: float
-    ) -> float:
-        """Work that the pressure around the film did on it over a step [J].
-
-        Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
-
-        p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
-        surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
-        """
-        inflow, outflow = passed[:, 0].sum(), passed[:, -1].sum()
-        work = self.parameters.cavitation_pressure * opened
-        work += around.opening * step * self.film_step.flow_from_openings()
-        # Eq. (A11); pressures around are above p_c
-        return float(work + around.lower * inflow - around.upper * outflow)
 
     def _flow_film(self, inputs: Inputs) -> FlowFilm:
         """Film seen by flow and shear."""
@@ -751,20 +727,18 @@ class LubricationModel:
 
     def _filled(self, field: Array) -> Array:
         """A field (..., n_c, n_a), whatever it says in cells without a film."""
-        return self.film_step.openings.filled(field) if self._has_openings else field
-
-    def _where_film(self, film_thickness: Array) -> Array:
-        """Film thickness, inf in cells without a film."""
         if not self._has_openings:
-            return film_thickness
-        return np.where(self.film_step.open_cells, np.inf, film_thickness)
+            return field
+        given = np.ascontiguousarray(field, dtype=float)
+        stacked = given.reshape(-1, *self.grid.shape)
+        return openings.filled(self._beside, stacked).reshape(given.shape)
 
     def _contact(self, inputs: Inputs) -> Contact:
         """Asperity contact; none in cells without a film."""
         return cell_contact(
             inputs.hard_film,
             inputs.deflection,
-            self.film_step.open_cells,
+            self._open_cells,
             self._contact_constants,
             self.grid.ring,
         )
@@ -778,61 +752,36 @@ class LubricationModel:
         ratio, dratio = law.ratio(pressure)
         return Film(inputs, flow, pressure, fraction, ratio, dratio)
 
-    def _outputs(self, film: Film) -> tuple[Last, dict[str, Any]]:
-        """What the tangent needs, and fields and scalars that every lubrication FMU has, except
-        flows and counters.
+    def _outputs(self, film: Film) -> tuple[Last, parts.Powers, dict[str, Any]]:
+        """What the tangent needs, powers, and fields and scalars that every lubrication FMU has,
+        except flows and counters.
         """
         p = self.parameters
-        film_thickness = film.inputs.film_thickness
-        sliding_velocity = film.inputs.sliding_velocity
-        around = film.inputs.surroundings
-        contact = self._contact(film.inputs)
+        inputs = film.inputs
+        around = inputs.surroundings
         quantities = film.flow.quantities
         if film.ratio is not None:
             quantities = _raised(quantities, film.ratio)
-        by_oil = p.cavity_shear == "film_fraction"
-        shear = ShearInputs(
-            film.pressure,
-            film.fraction if by_oil else np.ones_like(film.fraction),
-            sliding_velocity,
+        seen = parts.Film(
+            inputs.hard_film,
+            inputs.deflection,
+            inputs.sliding_velocity,
+            inputs.circumferential_velocity,
             quantities,
-            contact.shear_stress,
-            self.area,
-            ShearConstants(
-                around.lower, around.upper, self.grid.cells.dy, p.friction_rounding_velocity
-            ),
+            film.pressure,
+            film.fraction,
+            around.lower,
+            around.upper,
         )
-        forces: ShearForces = friction.shear_forces(shear)
-        turning = None
-        if self._bearing:
-            cells = self.grid.cells
-            velocity = film.inputs.circumferential_velocity
-            turning = Turning(velocity, around.opening, cells.dx, cells.ring)
-            axial, _ = circumferential.boundary_shares(shear, turning)
-            forces = forces._replace(boundary=axial * contact.shear_stress)
-        absolute = film.pressure + p.cavitation_pressure
-        pressure_force = (absolute + contact.pressure) * self.area
-        summary = summarise(
-            self._where_film(film_thickness),
-            sliding_velocity,
-            absolute,
-            pressure_force,
-            forces,
-            contact.area_fraction,
-            self._halves,
-        )
-        friction_force = forces.viscous + forces.boundary
-        if not np.isfinite(sum(summary.radial) + sum(summary.friction)):
-            i, j = np.argwhere(~np.isfinite(pressure_force + friction_force))[0]
-            raise NotConverged(
-                f"forces are not finite at [{i + 1},{j + 1}], film_thickness "
-                f"{film_thickness[i, j]:g} m, sliding_velocity {sliding_velocity[i, j]:g} m/s"
-            )
+        faults = none_yet()
+        acted = parts.forces(seen, self._surfaces, self.film_step.domain, faults)
+        raise_noted(faults)
+        summary = acted.summary
         outputs = dict(
-            nodal_pressure_force=pressure_force,
-            nodal_friction_force=friction_force,
-            pressure=absolute,
-            asperity_pressure=contact.pressure,
+            nodal_pressure_force=acted.pressure,
+            nodal_friction_force=acted.friction,
+            pressure=acted.absolute,
+            asperity_pressure=acted.contact.pressure,
             film_fraction=film.fraction,
             minimum_film_thickness=min(summary.thinnest),
             maximum_pressure=summary.highest,
@@ -841,9 +790,10 @@ class LubricationModel:
             friction_power=summary.power,
             contact_area_fraction=summary.contact_area,
         )
-        boundary_power = -float(np.vdot(forces.boundary, sliding_velocity))  # Eq. (F3)
-        rubbing_power = friction.rubbing_power(shear)
-        if turning is None:
+        boundary_power = acted.boundary_power
+        rubbing_power = acted.rubbing_power
+        turning = None
+        if not self._bearing:
             outputs |= dict(
                 minimum_film_thickness_thrust_side=summary.thinnest.thrust,
                 radial_force_thrust_side=summary.radial.thrust,
@@ -853,9 +803,12 @@ class LubricationModel:
                 friction_force_anti_thrust_side=summary.friction.anti_thrust,
             )
         else:
+            cells = self.grid.cells
+            shear = acted.shear
+            turning = Turning(inputs.circumferential_velocity, around.opening, cells.dx, cells.ring)
             around_forces = circumferential.shear_forces(shear, turning)
             turned = around_forces.viscous + around_forces.boundary
-            thickness = np.maximum(film_thickness, p.minimum_flow_film)
+            thickness = np.maximum(inputs.film_thickness, p.minimum_flow_film)
             carried = circumferential.carried_power(shear, turning, thickness)
             boundary_power -= float(np.vdot(around_forces.boundary, turning.velocity))
             rubbing_power += circumferential.rubbing_power(shear, turning) + carried
@@ -865,8 +818,10 @@ class LubricationModel:
                 # Eq. (F8)
                 friction_power=summary.power - float(np.vdot(turned, turning.velocity)) + carried,
             )
-        rubbing_power += boundary_power
-        return Last(film, contact, shear, turning, boundary_power, rubbing_power), outputs
+        powers = parts.Powers(
+            outputs["friction_power"], boundary_power, rubbing_power + boundary_power
+        )
+        return Last(film, acted, turning), powers, outputs
 
 
 def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:

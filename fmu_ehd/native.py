@@ -16,12 +16,12 @@ from ..master.fmi.native_parts import Entry, NativePart
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from . import native_step
 from .asperity import CONTACT_LAWS, contact_table
+from .faults import FAULTS, ROOM
 from .grid import Array
 from .native_step import (
     CHOSEN,
     COLUMNS,
     COUNTERS,
-    FAULTS,
     FIELD_INPUTS,
     FIELD_OUTPUTS,
     FILM_THICKNESS,
@@ -29,9 +29,7 @@ from .native_step import (
     LAST_FIELDS,
     LAST_NUMBERS,
     LINEAR_FIELDS,
-    MOST_FAULTS,
     NUMBERS,
-    OF_A_FAULT,
     OIL_TEMPERATURE,
     ROWS,
     SCALARS,
@@ -129,8 +127,8 @@ def whole_size(n_c: int, n_a: int):
     """Length of a block."""
     first, length = _state(n_c, n_a)
     fields = (LAST_FIELDS + LINEAR_FIELDS) * n_c * n_a + n_c * (n_a + 1) + LAST_NUMBERS
-    factors = n_a * n_c * (n_c + 2) + n_a
-    return first + length + fields + factors + 1 + OF_A_FAULT * MOST_FAULTS
+    factors = n_a * n_c * (n_c + 2) + n_a + 1
+    return first + length + fields + factors + ROOM
 
 
 @compiled
@@ -177,7 +175,9 @@ def block_of(memory: Array):
     a += n
     sizes = memory[a : a + n_a]
     a += n_a
-    faults = memory[a : a + 1 + OF_A_FAULT * MOST_FAULTS]
+    direction = memory[a : a + 1]
+    a += 1
+    faults = memory[a : a + ROOM]
     tables = memory[TABLES:HALVES].reshape((2, TABLE[0], TABLE[1]))
     return Block(
         numbers,
@@ -200,6 +200,7 @@ def block_of(memory: Array):
         diagonals,
         orders,
         sizes,
+        direction,
     )
 
 
@@ -290,7 +291,7 @@ def size(real: Array, integer: Array, memory: Array, numbers: Array):
     numbers[WHOLE] = whole_size(n_c, n_a)
     numbers[FIRST_STATE] = first
     numbers[STATES] = length
-    numbers[FIRST_FAULT] = whole_size(n_c, n_a) - 1 - OF_A_FAULT * MOST_FAULTS
+    numbers[FIRST_FAULT] = whole_size(n_c, n_a) - ROOM
 
 
 @compiled
@@ -298,7 +299,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
     block = block_of(memory)
     block.faults[0] = 0.0
-    block.last_numbers[native_step.AREA_PER_STEP] = 0.0
+    block.last_numbers[native_step.EULER_LENGTH] = 0.0
     take_numbers(real, integer, memory, block, True)
     shape = block.viscosity.shape
     outputs = new_outputs(shape)

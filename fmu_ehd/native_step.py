@@ -1,9 +1,8 @@
-"""A whole step of the film as kernels: what `model` does, for a library that needs no Python.
+"""A step of the film on one flat block of numbers, for a library that needs no Python.
 
-One flat block of numbers holds all of a slave; `Block` names its parts. The kernels called here are
-those of the model, unchanged; what the model says in numpy between them is said again in loops. The
-fields and all that goes on into the next step have the same bits, sums over the whole film differ
-by the order of summation, viscosities by the last bit of exp and log.
+`Block` names the parts of the block, which holds all of a slave. What is done with them are the
+kernels of the model (`step_parts`, `film_step`), so every number has the same bits; viscosities
+differ by the last bit of exp and log where the C library does.
 
 Covered is the film that `native.COVERED` describes: a skirt, cut-outs or none, with oil in plenty,
 cavitation that conserves oil, hard surfaces with or without asperity contact, any viscosity by
@@ -18,39 +17,53 @@ from ..master.fmi.compiled import compiled
 from . import (
     blocks,
     cavitation,
-    contact,
+    film_step,
     films,
     friction,
     openings,
     reynolds,
-    storage,
-    summary,
-    transport,
+    step_parts,
 )
 from .asperity import ContactConstants, pressure_scale
 from .blocks import Factors
-from .film_step import REFINE_ABOVE
-from .films import COUETTE, QUANTITIES, STORED, FilmSlopes
+from .coating import Softness
+from .faults import (
+    LOWER_BELOW_CAVITATION,
+    LOWER_PARTLY_FILLED,
+    NO_TANGENT,
+    OPENINGS_BELOW_CAVITATION,
+    OPENINGS_PARTLY_FILLED,
+    OPENINGS_WITHOUT_EFFECT,
+    UPPER_BELOW_CAVITATION,
+    UPPER_PARTLY_FILLED,
+    VISCOSITIES_REVERSED,
+    refuse,
+)
+from .film_step import Domain, Given
+from .films import QUANTITIES, STORED, FilmSlopes
 from .friction import ForceSlopes, ShearConstants, ShearInputs, ShearSlopes
 from .grid import (
     FIRST,
     LAST,
     LOWER,
-    NORTH,
     OPENINGS,
-    SOUTH,
     UPPER,
     Array,
     Cells,
     Edges,
     Entrainment,
-    Flags,
 )
 from .oil import ZERO_CELSIUS, walther_viscosity
-from .reynolds import Filling, Storage
-from .storage import Past
+from .reynolds import Filling
+from .step_parts import (
+    Before,
+    Film,
+    Outside,
+    Powers,
+    Surfaces,
+    Totals,
+)
 from .summary import Halves
-from .transport import PastTransport
 
 # ---- numbers that a slave is given: parameters in SI, choices by their number from 1 on
 
@@ -136,6 +149,9 @@ FIELD_OUTPUTS = (
     "asperity_pressure",
     "film_fraction",
 )
+OF_PRESSURE_FORCE, OF_FRICTION_FORCE, OF_PRESSURE, OF_ASPERITY_PRESSURE, OF_FILM_FRACTION = range(
+    len(FIELD_OUTPUTS)
+)
 SCALARS = (
     "minimum_film_thickness",
     "maximum_pressure",
@@ -162,48 +178,6 @@ SCALARS = (
 )
 COUNTERS = ("solver_iterations",)
 
-# ---- what it refuses
-
-FAULTS = (
-    "film_thickness[{i},{j}] = {a} m, and nowhere above 0 m: there is no film",
-    "the film solution is not finite, first at [{i},{j}]: film thickness or viscosity out of all "
-    "proportion",
-    "cavitation did not converge in {a} iterations: {b} cells still switch, first [{i},{j}] with "
-    "u = {c}",
-    "forces are not finite at [{i},{j}], film_thickness {a} m, sliding_velocity {b} m/s",
-    "viscosity_40 = {a} Pa.s: must be above viscosity_100 = {b} Pa.s",
-    "pressure_lower_edge = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_lower_edge = {c} (unit 1) at pressure_lower_edge = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-    "pressure_upper_edge = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_upper_edge = {c} (unit 1) at pressure_upper_edge = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-    "film_fraction_openings = {a} (unit 1), pressure_openings = {b} Pa with opening_supply = "
-    "lower_edge: without effect, leave them at 1 and 0 Pa or choose opening_supply = own",
-    "the last step was refused, or there was none: it has no directional derivative",
-    "pressure_openings = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_openings = {c} (unit 1) at pressure_openings = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-)
-"""Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
-(
-    NO_FILM,
-    NOT_FINITE,
-    STILL_SWITCHING,
-    FORCES_NOT_FINITE,
-    VISCOSITIES_REVERSED,
-    LOWER_BELOW_CAVITATION,
-    LOWER_PARTLY_FILLED,
-    UPPER_BELOW_CAVITATION,
-    UPPER_PARTLY_FILLED,
-    OPENINGS_WITHOUT_EFFECT,
-    NO_TANGENT,
-    OPENINGS_BELOW_CAVITATION,
-    OPENINGS_PARTLY_FILLED,
-) = range(len(FAULTS))
-MOST_FAULTS = 8
-OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c
-
 # ---- the block: what is given, and what the entries make of it
 
 TABLE = (513, 6)  # of `asperity.contact_table`
@@ -227,15 +201,16 @@ STATE_NUMBERS = 5
     FULL_NOW,
     SHEARING_NOW,
     STRESS_NOW,
+    UNKNOWN_NOW,
     FILM_NOW,
-) = range(8)
+) = range(9)
 SLOPES_NOW = FILM_NOW + QUANTITIES
 PRESSURE_SLOPE_NOW = SLOPES_NOW + QUANTITIES
 STRESS_SLOPE_NOW = PRESSURE_SLOPE_NOW + 5
 MATRIX_NOW = STRESS_SLOPE_NOW + 5
 LAST_FIELDS = MATRIX_NOW + 5
-AREA_PER_STEP, TOUCHING, ASCENDING, LINEAR = range(4)
-LAST_NUMBERS = 4
+EULER_LENGTH, TOUCHING, LINEAR = range(3)
+LAST_NUMBERS = 3
 
 # fields that every direction of a tangent shares: the stencils, then these
 TO_FILM, TO_VELOCITY, TO_SHEARING, TO_GRADIENT, TO_PRESSURE, PRESSURE_SHARE, FRACTION_SHARE = range(
@@ -257,8 +232,9 @@ class Block(NamedTuple):
     beside : shape (n_c, n_a), of `openings.nearest`;
     viscosity : shape (n_c, n_a) [Pa s];
     fields, faces, counts : the state, shapes (18, n_c, n_a), (2, n_c, n_a + 1), (5,);
-    last, last_faces, last_numbers : of the last step, shapes (.., n_c, n_a), (n_c, n_a + 1), (4,);
-    linear : what directions share; columns, diagonals, orders, sizes : of `blocks.Factors`.
+    last, last_faces, last_numbers : of the last step, shapes (.., n_c, n_a), (n_c, n_a + 1), (3,);
+    linear : what directions share;
+    columns, diagonals, orders, sizes, direction : of `blocks.Factors`.
     """
 
     numbers: Array
@@ -281,6 +257,7 @@ class Block(NamedTuple):
     diagonals: Array
     orders: Array
     sizes: Array
+    direction: Array
 
 
 class Inputs(NamedTuple):
@@ -290,6 +267,16 @@ class Inputs(NamedTuple):
     sliding_velocity: Array
 
 
+class Solved(NamedTuple):
+    """A solved film: quantities of `films`, pressure above cavitation pressure [Pa], film
+    fraction [-].
+    """
+
+    quantities: Array
+    pressure: Array
+    fraction: Array
+
+
 class Outputs(NamedTuple):
     """fields : ndarray, shape (5, n_c, n_a), `FIELD_OUTPUTS`; scalars : `SCALARS`."""
 
@@ -297,8 +284,7 @@ class Outputs(NamedTuple):
     scalars: Array
 
 
-_pace = compiled(transport.pace)
-_boundary_force = compiled(friction.boundary_force)
+CONSERVING = cavitation.CAVITATION["jfo"]
 _pressure_scale = compiled(pressure_scale)
 _walther_viscosity = compiled(walther_viscosity)
 (
@@ -338,31 +324,6 @@ def keep(place: Array, values: np.ndarray):
     for value in values.flat:
         to[k] = value
         k += 1
-
-
-@compiled
-def refuse(faults: Array, number: int, i: int, j: int, a: float, b: float, c: float):
-    """Note a fault."""
-    count = int(faults[0])
-    if count < MOST_FAULTS:
-        first = 1 + OF_A_FAULT * count
-        faults[first] = number
-        faults[first + 1] = i + 1
-        faults[first + 2] = j + 1
-        faults[first + 3] = a
-        faults[first + 4] = b
-        faults[first + 5] = c
-        faults[0] = count + 1
-
-
-@compiled
-def dot(a: Array, b: Array):
-    """Sum of the products of two fields."""
-    total = 0.0
-    for i in range(a.shape[0]):
-        for j in range(a.shape[1]):
-            total += a[i, j] * b[i, j]
-    return total
 
 
 @compiled
@@ -410,30 +371,13 @@ def area_of(block: Block):
 def filled(block: Block, field: Array):
     """A field whose cut-outs show the nearest cell with a film."""
     n_c, n_a = field.shape
-    whole = np.empty((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            k = int(block.beside[i, j])
-            whole[i, j] = field[k // n_a, k % n_a]
-    return whole
+    return openings.filled(block.beside, field.reshape((1, n_c, n_a)))[0]
 
 
 @compiled
 def filled_inputs(block: Block, inputs):
     """`filled` fields of a step."""
     return Inputs(filled(block, inputs.film_thickness), filled(block, inputs.sliding_velocity))
-
-
-@compiled
-def flow_from_openings(open_cells, filling, faces, flow):
-    """Flow into the film from all cut-outs [m3/s]."""
-    into = openings.spilled(open_cells, filling, faces)
-    total = 0.0
-    for i in range(open_cells.shape[0]):
-        for j in range(open_cells.shape[1]):
-            if open_cells[i, j]:
-                total += flow[i, j + 1] - flow[i, j] - into[i, j]
-    return total
 
 
 # ---- what is around
@@ -533,116 +477,38 @@ def warm_by_field(block: Block, temperature: Array):
             block.viscosity[i, j] = viscosity_at(block, temperature[i, j])
 
 
-# ---- linear solver and cavitation, as `blocks.BlockTridiagonal` and `cavitation.full_cells`
-
-
-class Solved(NamedTuple):
-    """Outcome of `full_cells`; solved : False where the step is refused, the fault noted;
-    stencil, ascending : of the factorisation at hand.
-    """
-
-    solved: bool
-    unknown: Array
-    full: Flags
-    iterations: int
-    stencil: Array
-    ascending: bool
+@compiled
+def domain_of(block: Block):
+    """`film_step.Domain` of the skirt, in which oil is conserved."""
+    n_c, n_a = block.mask.shape
+    open_cells = open_of(block)
+    has_openings = False
+    for i in range(n_c):
+        for j in range(n_a):
+            has_openings = has_openings or open_cells[i, j]
+    cells = cells_of(block, block.mask.shape)
+    together = cavitation.at_once(n_c, n_a)
+    return Domain(cells, open_cells, has_openings, CONSERVING, together)
 
 
 @compiled
-def goes_up(stencil: Array):
-    """Whether stations are eliminated with ascending j: downstream, for cavitated cells see
-    nothing ahead.
-    """
-    ahead = 0
-    behind = 0
-    for i in range(stencil.shape[1]):
-        for j in range(stencil.shape[2]):
-            if stencil[NORTH, i, j] != 0.0:
-                ahead += 1
-            if stencil[SOUTH, i, j] != 0.0:
-                behind += 1
-    return ahead <= behind
+def factors_of(block: Block):
+    """`blocks.Factors` in the block."""
+    return Factors(
+        block.columns,
+        block.diagonals,
+        block.orders.view(np.int64),
+        block.sizes.view(np.int64),
+        block.direction,
+    )
+
+
+# ---- what of a step stands in the block
 
 
 @compiled
-def solve(factors: Factors, stencil: Array, ascending: bool, right: Array):
-    """Solution for one right-hand side, shape (n_c, n_a), in its place."""
-    blocks.substitute(factors, stencil, ascending, right.reshape((1, *right.shape)))
-
-
-@compiled
-def full_cells(block, factors, faces, lift, held, edges, guess, open_cells):
-    """Pattern of full cells and signed unknown of one step, Eq. (C1)."""
-    full = guess
-    supply = edges.film_fraction[OPENINGS]
-    in_openings = edges.pressure[OPENINGS] if supply >= 1.0 else supply - 1.0
-    iteration = 0
-    first = 0
-    was_up = False
-    lowest = 0
-    highest = 0
-    while True:
-        stencil, unknown = reynolds.assemble(full, faces, lift, held, edges, True)
-        reynolds.hold(open_cells, in_openings, stencil, unknown)
-        ascending = goes_up(stencil)
-        first = 0
-        if iteration > 0 and ascending == was_up:
-            first = lowest if ascending else guess.shape[1] - 1 - highest
-        was_up = ascending
-        blocks.factorise(stencil, ascending, first, factors)
-        solve(factors, stencil, ascending, unknown)
-        one = iteration >= cavitation.at_once(guess.shape[0], guess.shape[1])
-        found = cavitation._switch(full, unknown, open_cells, True, one)
-        if found.switched < 0:
-            refuse(block.faults, NOT_FINITE, found.i, found.j, 0.0, 0.0, 0.0)
-            return Solved(False, unknown, full, iteration + 1, stencil, ascending)
-        if found.switched == 0:  # Eq. (C1)
-            return Solved(True, unknown, full, iteration + 1, stencil, ascending)
-        iteration += 1
-        if iteration == cavitation.LIMIT:
-            u = unknown[found.i, found.j]
-            refuse(
-                block.faults,
-                STILL_SWITCHING,
-                found.i,
-                found.j,
-                float(cavitation.LIMIT),
-                float(found.switched),
-                u,
-            )
-            return Solved(False, unknown, full, iteration, stencil, ascending)
-        lowest = found.lowest
-        highest = found.highest
-        full = found.pattern
-
-
-@compiled
-def give_up_lift(lift: Array, unknown: Array, full: Flags):
-    """Take the lift from rows in which a cell would owe oil; whether there was any."""
-    owing = transport.owing(unknown, full)
-    found = False
-    for i in range(lift.shape[0]):
-        if owing[i]:
-            for j in range(lift.shape[1]):
-                found = found or lift[i, j] != 0.0
-                lift[i, j] = 0.0
-    return found
-
-
-# ---- forces
-
-
-class Shear(NamedTuple):
-    """What friction depends on, its forces, and the contact."""
-
-    inputs: ShearInputs
-    contact: contact.Contact
-
-
-@compiled
-def contact_of(block: Block, film_thickness: Array):
-    """Asperity contact of hard surfaces."""
+def surfaces_of(block: Block):
+    """`step_parts.Surfaces` of hard surfaces."""
     x = block.numbers
     exact = block.chosen[CONTACT_LAW] == GREENWOOD_TRIPP_1970
     constants = ContactConstants(
@@ -653,81 +519,62 @@ def contact_of(block: Block, film_thickness: Array):
         x[BOUNDARY_SHEAR_STRENGTH],
         block.tables[0 if exact else 1],
     )
-    none = np.zeros(film_thickness.shape)
-    return contact.contact(film_thickness, none, open_of(block), constants, True)
-
-
-@compiled
-def shear_of(block, inputs, quantities, pressure, fraction, edges):
-    """What friction depends on."""
-    x = block.numbers
-    cells = cells_of(block, pressure.shape)
-    touching = contact_of(block, inputs.film_thickness)
-    shearing = fraction
-    if block.chosen[OF_CAVITY_SHEAR] != FILM_FRACTION:
-        shearing = np.ones(fraction.shape)
-    constants = ShearConstants(
-        edges.pressure[LOWER], edges.pressure[UPPER], cells.dy, x[FRICTION_ROUNDING_VELOCITY]
-    )
-    return Shear(
-        ShearInputs(
-            pressure,
-            shearing,
-            inputs.sliding_velocity,
-            quantities,
-            touching.shear_stress,
-            area_of(block),
-            constants,
-        ),
-        touching,
-    )
-
-
-class Powers(NamedTuple):
-    """Power of asperity friction and of all rubbing [W], elastic energy [J]."""
-
-    boundary: float
-    rubbing: float
-    stored: float
-
-
-@compiled
-def give_forces(block, shear, film_thickness, fraction, outputs):
-    """Fields and scalars that a film alone says, into `outputs`; `Powers`. A fault is noted where
-    forces are not finite.
-    """
-    inputs, touching = shear
-    velocity = inputs.velocity
-    n_c, n_a = velocity.shape
-    viscous = friction._viscous_force(inputs)
-    boundary = _boundary_force(inputs, inputs.boundary_stress)
-    normal = np.empty((n_c, n_a))
-    absolute = np.empty((n_c, n_a))
-    thickness = np.empty((n_c, n_a))
-    rubbing = 0.0
-    for i in range(n_c):
-        for j in range(n_a):
-            thickness[i, j] = film_thickness[i, j] if block.mask[i, j] != 0.0 else np.inf
-            absolute[i, j] = inputs.pressure[i, j] + block.numbers[CAVITATION_PRESSURE]
-            normal[i, j] = (absolute[i, j] + touching.pressure[i, j]) * inputs.area[i, j]
-            couette = inputs.film[COUETTE, i, j]
-            v = velocity[i, j]
-            rubbing += inputs.area[i, j] * inputs.shearing[i, j] * couette * (v * v)  # Eq. (F5)
-            outputs.fields[0, i, j] = normal[i, j]
-            outputs.fields[1, i, j] = viscous[i, j] + boundary[i, j]
-            outputs.fields[2, i, j] = absolute[i, j]
-            outputs.fields[3, i, j] = touching.pressure[i, j]
-            outputs.fields[4, i, j] = fraction[i, j]
-    whole = summary.summarise(
-        thickness,
-        velocity,
-        absolute,
-        normal,
-        friction.ShearForces(viscous, boundary),
-        touching.area_fraction,
+    return Surfaces(
+        area_of(block),
+        constants,
         Halves(block.share, block.sine),
+        0.0,
+        x[CAVITATION_PRESSURE],
+        x[FRICTION_ROUNDING_VELOCITY],
+        block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION,
     )
+
+
+@compiled
+def before_of(block: Block):
+    """`step_parts.Before` in the block."""
+    fields = block.fields
+    return Before(
+        fields[UNKNOWN],
+        fields[UNKNOWN_BEFORE],
+        fields[CONTENT],
+        fields[GROWTH],
+        fields[GROWTH_BEFORE],
+        fields[FILM:FILM_BEFORE],
+        fields[FILM_BEFORE:],
+        block.faces[PASSED],
+        block.faces[TRAVEL],
+        block.counts[STEP_BEFORE],
+    )
+
+
+@compiled
+def forces_of(block: Block, inputs: Inputs, solved: Solved, edges: Edges, outputs: Outputs):
+    """`step_parts.Forces` of a solved film; fields and scalars that it alone says, into `outputs`.
+    A fault is noted where forces are not finite.
+    """
+    none = np.zeros(solved.pressure.shape)
+    film = Film(
+        inputs.film_thickness,
+        none,
+        inputs.sliding_velocity,
+        none,
+        solved.quantities,
+        solved.pressure,
+        solved.fraction,
+        edges.pressure[LOWER],
+        edges.pressure[UPPER],
+    )
+    acted = step_parts.forces(film, surfaces_of(block), domain_of(block), block.faults)
+    keep(outputs.fields[OF_PRESSURE_FORCE], acted.pressure)
+    keep(outputs.fields[OF_FRICTION_FORCE], acted.friction)
+    keep(outputs.fields[OF_PRESSURE], acted.absolute)
+    keep(outputs.fields[OF_ASPERITY_PRESSURE], acted.contact.pressure)
+    keep(outputs.fields[OF_FILM_FRACTION], solved.fraction)
+    whole = acted.summary
     to = outputs.scalars
+    for k in range(to.size):
+        to[k] = 0.0
     to[MINIMUM] = min(whole.thinnest.thrust, whole.thinnest.anti_thrust)
     to[HIGHEST] = whole.highest
     to[HYDRODYNAMIC] = whole.hydrodynamic
@@ -740,36 +587,17 @@ def give_forces(block, shear, film_thickness, fraction, outputs):
     to[THINNEST_ANTI] = whole.thinnest.anti_thrust
     to[RADIAL_ANTI] = whole.radial.anti_thrust
     to[FRICTION_ANTI] = whole.friction.anti_thrust
-    sums = whole.radial.thrust + whole.radial.anti_thrust
-    sums += whole.friction.thrust + whole.friction.anti_thrust
-    if not np.isfinite(sums):
-        note_not_finite(block.faults, outputs.fields, film_thickness, velocity)
-    boundary_power = -dot(boundary, velocity)  # Eq. (F3)
-    stored = dot(inputs.area, touching.energy)  # Eq. (A10)
-    return Powers(boundary_power, rubbing + boundary_power, stored)
+    to[STORED_ENERGY] = acted.stored
+    return acted
 
 
 @compiled
-def note_not_finite(faults, fields, film_thickness, velocity):
-    """Note the first cell whose forces are not finite."""
-    for i in range(film_thickness.shape[0]):
-        for j in range(film_thickness.shape[1]):
-            if not np.isfinite(fields[0, i, j] + fields[1, i, j]):
-                h = film_thickness[i, j]
-                refuse(faults, FORCES_NOT_FINITE, i, j, h, velocity[i, j], 0.0)
-                return
-
-
-@compiled
-def give_oil(content, area, scalars):
-    """Where the oil is."""
-    total = 0.0
-    for i in range(content.shape[0]):
-        for j in range(content.shape[1]):
-            total += content[i, j] * area[i, j]
-    scalars[OIL_IN_FILM] = total
-    scalars[OIL_ON_BORE] = 0.0
-    scalars[OIL_SUPPLIED] = 0.0
+def keep_totals(block: Block, totals: Totals):
+    """Sums that go on, into the block."""
+    block.counts[FRICTION_WORK] = totals.friction_work
+    block.counts[BOUNDARY_WORK] = totals.boundary_work
+    block.counts[ENERGY] = totals.stored
+    block.counts[VOLUME] = totals.volume
 
 
 # ---- entries: start, a step, what directions share, one direction
@@ -809,13 +637,10 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
             for j in range(n_a):
                 pressure[i, j] = lower + (upper - lower) * ((j + 0.5) / n_a)
                 unknown[i, j] = pressure[i, j]
-    shear = shear_of(block, inputs, quantities, pressure, fraction, edges)
-    for k in range(outputs.scalars.size):
-        outputs.scalars[k] = 0.0
-    powers = give_forces(block, shear, film_thickness, fraction, outputs)
+    solved = Solved(quantities, pressure, fraction)
+    acted = forces_of(block, inputs, solved, edges, outputs)
     if block.faults[0] > 0.0:
         return
-    outputs.scalars[STORED_ENERGY] = powers.stored
     for part in (block.fields, block.faces):
         for k in range(part.shape[0]):
             for i in range(n_c):
@@ -826,75 +651,9 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     keep(block.fields[CONTENT], fraction * quantities[STORED])
     keep(block.fields[FILM:FILM_BEFORE], quantities)
     keep(block.fields[FILM_BEFORE:], quantities)
-    area = shear.inputs.area
-    give_oil(block.fields[CONTENT], area, outputs.scalars)
-    volume = dot(area, film_thickness)
+    outputs.scalars[OIL_IN_FILM] = step_parts.oil_in(block.fields[CONTENT], acted.shear.area)
     block.counts[STEP_BEFORE] = 0.0
-    block.counts[FRICTION_WORK] = 0.0
-    block.counts[BOUNDARY_WORK] = 0.0
-    block.counts[ENERGY] = powers.stored
-    block.counts[VOLUME] = volume
-
-
-@compiled
-def lift_of(block, pace, edges, step, cells):
-    """Lift of the film fraction at the axial faces, from the past alone."""
-    fields = block.fields
-    n_c, n_a = block.viscosity.shape
-    area = cells.dx * cells.dy
-    before = block.counts[STEP_BEFORE]
-    open_cells = open_of(block)
-    resting = np.empty((n_c, n_a), np.bool_)
-    gained = np.empty((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            resting[i, j] = fields[UNKNOWN, i, j] > 0.0 or open_cells[i, j]
-            passing = block.faces[PASSED, i, j + 1] - block.faces[PASSED, i, j]
-            gained[i, j] = fields[GROWTH, i, j] * before + passing / area
-    past = PastTransport(
-        fields[FILM:FILM_BEFORE],
-        fields[FILM_BEFORE:],
-        fields[CONTENT],
-        resting,
-        gained,
-        block.faces[PASSED],
-        block.faces[TRAVEL],
-    )
-    return transport.lift(past, pace, edges, step, cells)
-
-
-@compiled
-def guess_of(block, edges, step):
-    """Full cells where the unknown goes on as it did; cut-outs by their supply."""
-    before = block.counts[STEP_BEFORE]
-    ratio = step / before if before > 0.0 else 0.0
-    n_c, n_a = block.viscosity.shape
-    guess = np.empty((n_c, n_a), np.bool_)
-    for i in range(n_c):
-        for j in range(n_a):
-            if block.mask[i, j] == 0.0:
-                guess[i, j] = edges.film_fraction[OPENINGS] >= 1.0
-                continue
-            u = block.fields[UNKNOWN, i, j]
-            guess[i, j] = u + ratio * (u - block.fields[UNKNOWN_BEFORE, i, j]) > 0.0
-    return guess
-
-
-@compiled
-def there_is_a_film(block, film_thickness):
-    """Whether surfaces are apart anywhere; a fault is noted if not."""
-    best_i = 0
-    best_j = 0
-    for i in range(film_thickness.shape[0]):
-        for j in range(film_thickness.shape[1]):
-            if film_thickness[i, j] > film_thickness[best_i, best_j]:
-                best_i = i
-                best_j = j
-    widest = film_thickness[best_i, best_j]
-    if widest > 0.0:
-        return True
-    refuse(block.faults, NO_FILM, best_i, best_j, widest, 0.0, 0.0)
-    return False
+    keep_totals(block, Totals(0.0, 0.0, acted.stored, acted.volume))
 
 
 @compiled
@@ -920,127 +679,86 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     inputs = filled_inputs(block, inputs)
     film_thickness, velocity = inputs
     shape = film_thickness.shape
-    n_c, n_a = shape
-    block.last_numbers[AREA_PER_STEP] = 0.0  # a refused step has no tangent
-    if block.faults[0] > 0.0 or not there_is_a_film(block, film_thickness):
+    block.last_numbers[EULER_LENGTH] = 0.0  # a refused step has no tangent
+    step_parts.check_film(film_thickness, block.faults)
+    if block.faults[0] > 0.0:
         return 0
+    x = block.numbers
     fields = block.fields
-    counts = block.counts
-    factors = Factors(
-        block.columns, block.diagonals, block.orders.view(np.int64), block.sizes.view(np.int64)
-    )
     edges = edges_of(block, shape)
-    cells = cells_of(block, shape)
-    cell_area = cells.dx * cells.dy
-    open_cells = open_of(block)
-    guess = guess_of(block, edges, step)
-    past = Past(fields[CONTENT], fields[GROWTH], fields[GROWTH_BEFORE], counts[STEP_BEFORE])
-    begin = storage.euler_step(past, step)
-    pace = _pace(step, counts[STEP_BEFORE], begin.length)
-    lift = lift_of(block, pace, edges, step, cells)
-    quantities, by_film = films.smooth_film(
-        film_thickness, block.viscosity, block.numbers[MINIMUM_FLOW_FILM]
-    )
-    none = np.zeros(shape)
-    entrainment = Entrainment(none, -0.5 * velocity)
-    free = openings.freed(open_cells, quantities)
-    faces = reynolds.faces(free, entrainment, cells)
-    openings.close(open_cells, faces)
-    lift_a = transport.along(lift, entrainment.axial)
-    held = Storage(quantities[STORED], begin.content, cell_area / begin.length)
-    found = full_cells(block, factors, faces, lift_a, held, edges, guess, open_cells)
-    iterations = found.iterations
-    while found.solved and give_up_lift(lift_a, found.unknown, found.full):
-        found = full_cells(block, factors, faces, lift_a, held, edges, found.full, open_cells)
-        iterations += found.iterations
-    if not found.solved:
+    domain = domain_of(block)
+    before = before_of(block)
+    begun = step_parts.begin(before, step)
+    lift = step_parts.lift(before, begun.pace, edges, step, domain)
+    quantities, by_film = films.smooth_film(film_thickness, block.viscosity, x[MINIMUM_FLOW_FILM])
+    entrainment = Entrainment(np.zeros(shape), -0.5 * velocity)
+    hard = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+    given = Given(quantities, entrainment, edges, begun.start, begun.guess, hard, lift)
+    found = film_step.solve(given, domain, factors_of(block), block.faults)
+    if block.faults[0] > 0.0:
         return 0
-    unknown = found.unknown
-    pressure, deficit = cavitation.split(unknown, found.full)
-    balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, open_cells, True)
-    if balance.imbalance > REFINE_ABOVE:
-        solve(factors, found.stencil, found.ascending, balance.residual)
-        unknown = unknown + balance.residual
-        pressure, deficit = cavitation.split(unknown, found.full)
-        balance = reynolds.balance(pressure, deficit, faces, lift_a, held, edges, open_cells, True)
-    fraction = balance.film_fraction
-    filling = Filling(pressure, fraction, lift_a)
-    flow = reynolds.axial_flow(filling, faces, edges)
-    shear = shear_of(block, inputs, quantities, pressure, fraction, edges)
-    powers = give_forces(block, shear, film_thickness, fraction, outputs)
+    solved = Solved(quantities, found.pressure, found.film_fraction)
+    acted = forces_of(block, inputs, solved, edges, outputs)
     if block.faults[0] > 0.0:
         return 0
 
     # ---- from here on nothing is refused
     to = outputs.scalars
-    friction_work = counts[FRICTION_WORK] + step * to[POWER]
-    boundary_work = counts[BOUNDARY_WORK] + step * powers.boundary
-    to[BOUNDARY_SHARE] = boundary_work / friction_work if friction_work > 0.0 else 0.0
-    to[FLOW_LOWER] = balance.edge_flow[LOWER]
-    to[FLOW_UPPER] = balance.edge_flow[UPPER]
-    from_openings = flow_from_openings(open_cells, filling, faces, flow)
-    to[FLOW_OPENINGS] = from_openings
-    to[MASS_IMBALANCE] = balance.imbalance
-    to[STORED_ENERGY] = powers.stored
-    area = shear.inputs.area
-    give_oil(balance.content, area, to)
-    volume = dot(area, film_thickness)
-    travelled = transport.travelled(block.faces[TRAVEL], pace, entrainment.axial, begin.length)
-    inflow = 0.0
-    outflow = 0.0
-    for i in range(n_c):
-        for j in range(n_a + 1):
-            block.faces[PASSED, i, j] = (
-                pace.share * block.faces[PASSED, i, j] + begin.length * flow[i, j]
-            )
-            block.faces[TRAVEL, i, j] = travelled[i, j]
-        inflow += block.faces[PASSED, i, 0]
-        outflow += block.faces[PASSED, i, n_a]
-        for j in range(n_a):
-            fields[UNKNOWN_BEFORE, i, j] = fields[UNKNOWN, i, j]
-            fields[UNKNOWN, i, j] = unknown[i, j]
-            fields[GROWTH_BEFORE, i, j] = fields[GROWTH, i, j]
-            content = balance.content[i, j]
-            growth = (content - fields[CONTENT, i, j]) / step
-            fields[GROWTH, i, j] = 0.0 if open_cells[i, j] else growth
-            fields[CONTENT, i, j] = content
-    # Eq. (A11)
-    work = block.numbers[CAVITATION_PRESSURE] * (volume - counts[VOLUME])
-    work += edges.pressure[OPENINGS] * step * from_openings
-    work += edges.pressure[LOWER] * inflow - edges.pressure[UPPER] * outflow
-    to[ENERGY_GAIN] = powers.stored - counts[ENERGY] + step * powers.rubbing - work
+    went = step_parts.passage(before, begun, found, entrainment.axial, step, domain)
+    powers = Powers(to[POWER], acted.boundary_power, acted.rubbing_power + acted.boundary_power)
+    outside = Outside(
+        x[CAVITATION_PRESSURE],
+        edges.pressure[LOWER],
+        edges.pressure[UPPER],
+        edges.pressure[OPENINGS],
+    )
+    totals = Totals(
+        block.counts[FRICTION_WORK],
+        block.counts[BOUNDARY_WORK],
+        block.counts[ENERGY],
+        block.counts[VOLUME],
+    )
+    account = step_parts.account(totals, acted, powers, found, went.passed, outside, step)
+    to[BOUNDARY_SHARE] = account.boundary_share
+    to[ENERGY_GAIN] = account.energy_gain
+    to[OIL_IN_FILM] = account.oil
+    to[FLOW_LOWER] = found.edge_flow[LOWER]
+    to[FLOW_UPPER] = found.edge_flow[UPPER]
+    to[FLOW_OPENINGS] = found.from_openings
+    to[MASS_IMBALANCE] = found.mass_imbalance
+    keep_totals(block, account.totals)
+    block.counts[STEP_BEFORE] = step
+    keep(fields[UNKNOWN_BEFORE], fields[UNKNOWN])
+    keep(fields[UNKNOWN], found.unknown)
+    keep(fields[GROWTH_BEFORE], fields[GROWTH])
+    keep(fields[GROWTH], went.growth)
+    keep(fields[CONTENT], found.content)
     keep(fields[FILM_BEFORE:], fields[FILM:FILM_BEFORE])
     keep(fields[FILM:FILM_BEFORE], quantities)
-    counts[STEP_BEFORE] = step
-    counts[FRICTION_WORK] = friction_work
-    counts[BOUNDARY_WORK] = boundary_work
-    counts[ENERGY] = powers.stored
-    counts[VOLUME] = volume
+    keep(block.faces[PASSED], went.passed)
+    keep(block.faces[TRAVEL], went.travel)
 
     last = block.last
     keep(last[THICKNESS_NOW], film_thickness)
     keep(last[VELOCITY_NOW], velocity)
-    keep(last[PRESSURE_NOW], pressure)
-    keep(last[FRACTION_NOW], fraction)
-    keep(last[SHEARING_NOW], shear.inputs.shearing)
-    keep(last[STRESS_NOW], shear.contact.shear_stress)
-    keep(last[FILM_NOW:SLOPES_NOW], free)
+    keep(last[PRESSURE_NOW], found.pressure)
+    keep(last[FRACTION_NOW], found.film_fraction)
+    keep(last[UNKNOWN_NOW], found.unknown)
+    keep(last[SHEARING_NOW], acted.shear.shearing)
+    keep(last[STRESS_NOW], acted.contact.shear_stress)
+    keep(last[FILM_NOW:SLOPES_NOW], quantities)
     keep(last[SLOPES_NOW:PRESSURE_SLOPE_NOW], by_film)
-    keep(last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW], shear.contact.pressure_slope)
-    keep(last[STRESS_SLOPE_NOW:MATRIX_NOW], shear.contact.shear_stress_slope)
+    keep(last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW], acted.contact.pressure_slope)
+    keep(last[STRESS_SLOPE_NOW:MATRIX_NOW], acted.contact.shear_stress_slope)
     keep(last[MATRIX_NOW:], found.stencil)
-    keep(block.last_faces, lift_a)
-    touching = 0.0
-    for i in range(n_c):
-        for j in range(n_a):
+    keep(block.last_faces, found.lift)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
             last[FULL_NOW, i, j] = 1.0 if found.full[i, j] else 0.0
-            if shear.contact.area_fraction[i, j] != 0.0:
-                touching = 1.0
-    block.last_numbers[AREA_PER_STEP] = held.area_per_step
-    block.last_numbers[TOUCHING] = touching
-    block.last_numbers[ASCENDING] = 1.0 if found.ascending else 0.0
+    block.last_numbers[EULER_LENGTH] = begun.start.length
+    block.last_numbers[TOUCHING] = 1.0 if acted.touching else 0.0
     block.last_numbers[LINEAR] = 0.0
-    return iterations
+    return found.iterations
 
 
 @compiled
@@ -1054,41 +772,39 @@ def linearise(block: Block):
     n_c, n_a = shape
     edges = edges_of(block, shape)
     cells = cells_of(block, shape)
-    cell_area = cells.dx * cells.dy
-    length = cell_area / block.last_numbers[AREA_PER_STEP]
     velocity = last[VELOCITY_NOW]
     quantities = last[FILM_NOW:SLOPES_NOW]
     none = np.zeros(shape)
     slopes = FilmSlopes(last[SLOPES_NOW:PRESSURE_SLOPE_NOW], np.zeros((0, n_c, n_a)))
-    stencil = reynolds.linearise(
+    stencil = film_step.film_slopes(
         quantities,
         slopes,
         Entrainment(none, -0.5 * velocity),
         Entrainment(none, np.full(shape, -0.5)),
         Filling(last[PRESSURE_NOW], last[FRACTION_NOW], block.last_faces),
         edges,
-        cells,
-        cell_area / length,
+        block.last_numbers[EULER_LENGTH],
+        domain_of(block),
     )
-    area = area_of(block)
-    open_cells = open_of(block)
-    for m in range(2):
-        for k in range(5):
-            for i in range(n_c):
-                for j in range(n_a):
-                    if open_cells[i, j]:
-                        stencil[m, k, i, j] = 0.0
-    rounding = block.numbers[FRICTION_ROUNDING_VELOCITY]
-    constants = ShearConstants(edges.pressure[LOWER], edges.pressure[UPPER], cells.dy, rounding)
     shear = ShearInputs(
         last[PRESSURE_NOW],
         last[SHEARING_NOW],
         velocity,
         quantities,
         last[STRESS_NOW],
-        area,
-        constants,
+        area_of(block),
+        ShearConstants(
+            edges.pressure[LOWER],
+            edges.pressure[UPPER],
+            cells.dy,
+            block.numbers[FRICTION_ROUNDING_VELOCITY],
+        ),
     )
+    full = np.empty(shape, np.bool_)
+    for i in range(n_c):
+        for j in range(n_a):
+            full[i, j] = last[FULL_NOW, i, j] != 0.0
+    of_pressure, of_fraction = cavitation.shares(CONSERVING, last[UNKNOWN_NOW], full)
     by = friction.shear_slopes(shear, slopes, none)
     keep(linear[:TO_FILM], stencil.reshape((10, n_c, n_a)))
     keep(linear[TO_FILM], by.film)
@@ -1096,20 +812,17 @@ def linearise(block: Block):
     keep(linear[TO_SHEARING], by.shearing)
     keep(linear[TO_GRADIENT], by.gradient)
     keep(linear[TO_PRESSURE], by.pressure)
-    sheared = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
-    for i in range(n_c):
-        for j in range(n_a):
-            full = last[FULL_NOW, i, j]
-            linear[PRESSURE_SHARE, i, j] = full
-            linear[FRACTION_SHARE, i, j] = 1.0 - full if sheared else 0.0
-            v = velocity[i, j]
-            speed = np.sqrt(v * v + rounding * rounding)
-            for k in range(5):
-                slope = last[PRESSURE_SLOPE_NOW + k, i, j]
-                linear[CONTACT_PRESSURE + k, i, j] = area[i, j] * slope
-                # Eq. (F2)
-                slope = last[STRESS_SLOPE_NOW + k, i, j]
-                linear[CONTACT_SHEAR + k, i, j] = -area[i, j] * slope * v / speed
+    keep(linear[PRESSURE_SHARE], of_pressure)
+    by_oil = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
+    keep(linear[FRACTION_SHARE], of_fraction if by_oil else none)
+    if block.last_numbers[TOUCHING] != 0.0:
+        normal, along = step_parts.contact_slopes(
+            shear,
+            last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW],
+            last[STRESS_SLOPE_NOW:MATRIX_NOW],
+        )
+        keep(linear[CONTACT_PRESSURE:CONTACT_SHEAR], normal)
+        keep(linear[CONTACT_SHEAR:], along)
     block.last_numbers[LINEAR] = 1.0
 
 
@@ -1126,7 +839,7 @@ def tangent(block: Block, seeds: Array, products: Array):
     products : ndarray, shape (2, 1, n_c, n_a)
         Overwritten: change of pressure and friction force [N].
     """
-    if block.last_numbers[AREA_PER_STEP] == 0.0:
+    if block.last_numbers[EULER_LENGTH] == 0.0:
         refuse(block.faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
         return
     if block.last_numbers[LINEAR] == 0.0:
@@ -1134,36 +847,27 @@ def tangent(block: Block, seeds: Array, products: Array):
     linear = block.linear
     n_c, n_a = block.viscosity.shape
     cells = cells_of(block, block.viscosity.shape)
-    factors = Factors(
-        block.columns, block.diagonals, block.orders.view(np.int64), block.sizes.view(np.int64)
-    )
+    factors = factors_of(block)
     film = filled(block, seeds[0, 0]).reshape((1, n_c, n_a))
     velocity = filled(block, seeds[1, 0]).reshape((1, n_c, n_a))
     unknown = np.empty((1, n_c, n_a))
     stencil = linear[:TO_FILM].reshape((2, 5, n_c, n_a))
     reynolds.apply_stencils(stencil, film, velocity, unknown)
-    ascending = block.last_numbers[ASCENDING] != 0.0
+    ascending = factors.direction[0] > 0.0
     blocks.substitute(factors, block.last[MATRIX_NOW:], ascending, unknown)  # Eq. (E6)
+    by = ShearSlopes(
+        linear[TO_FILM],
+        linear[TO_VELOCITY],
+        linear[TO_SHEARING],
+        linear[TO_GRADIENT],
+        linear[TO_PRESSURE],
+    )
     slopes = ForceSlopes(
-        ShearSlopes(
-            linear[TO_FILM],
-            linear[TO_VELOCITY],
-            linear[TO_SHEARING],
-            linear[TO_GRADIENT],
-            linear[TO_PRESSURE],
-        ),
-        area_of(block),
-        linear[PRESSURE_SHARE],
-        linear[FRACTION_SHARE],
-        cells.dy,
+        by, area_of(block), linear[PRESSURE_SHARE], linear[FRACTION_SHARE], cells.dy
     )
     friction.force_changes(slopes, film, velocity, unknown, products[0], products[1])
     if block.last_numbers[TOUCHING] == 0.0:
         return
     none = np.zeros((1, n_c, n_a))
-    normal = contact.contact_changes(linear[CONTACT_PRESSURE:CONTACT_SHEAR], film, none)
-    along = contact.contact_changes(linear[CONTACT_SHEAR:], film, none)
-    for i in range(n_c):
-        for j in range(n_a):
-            products[0, 0, i, j] += normal[0, i, j]
-            products[1, 0, i, j] += along[0, i, j]
+    step_parts.add_contact_changes(linear[CONTACT_PRESSURE:CONTACT_SHEAR], film, none, products[0])
+    step_parts.add_contact_changes(linear[CONTACT_SHEAR:], film, none, products[1])

@@ -8,14 +8,11 @@ looked at nowhere. Where oil is not in plenty, what sliding drags in from an ope
 over an edge, Eq. (E12).
 """
 
-from functools import cached_property
-from typing import Any
-
 import numpy as np
 
 from ..master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
-from .grid import Array, Cells, Flags
+from .grid import Array, Flags
 from .reynolds import Faces, Filling
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
@@ -118,48 +115,70 @@ def spilled(open_cells: Flags, filling: Filling, faces: Faces):
     return into
 
 
-class Openings:
-    """Cells without a film on a ring.
+@compiled
+def given(open_cells: Flags, axial_flow: Array, into: Array):
+    """Flow into the film from all openings [m3/s].
 
     Parameters
     ----------
     open_cells : ndarray of bool, shape (n_c, n_a)
-    cells : grid.Cells
+    axial_flow : ndarray, shape (n_c, n_a + 1)
+        Through the axial faces [m3/s].
+    into : ndarray, shape (n_c, n_a)
+        From `spilled`.
     """
+    total = 0.0
+    for i in range(open_cells.shape[0]):
+        for j in range(open_cells.shape[1]):
+            if open_cells[i, j]:
+                total += axial_flow[i, j + 1] - axial_flow[i, j] - into[i, j]
+    return total
 
-    def __init__(self, open_cells: Flags, cells: Cells):
-        self.open_cells = open_cells
-        self._size_of_cell = cells.dx, cells.dy
-        # 1 where sliding drags oil in from an opening with ascending j, -1 with descending j
-        self._inward = -np.diff(open_cells.astype(int), axis=1)
 
-    @cached_property
-    def _beside(self) -> tuple[Any, Any]:
-        """Indices around and along of the nearest cells with a film."""
-        return np.divmod(nearest(self.open_cells, *self._size_of_cell), self.open_cells.shape[1])
+@compiled
+def starve(open_cells: Flags, faces: Faces, limit: Array):
+    """Bound what sliding drags in from openings, Eq. (E12); in place.
 
-    def filled(self, field: Array) -> Array:
-        """A field (..., n_c, n_a) whose openings show the nearest cell with a film."""
-        i, j = self._beside
-        return np.ascontiguousarray(field[..., i, j])
+    Parameters
+    ----------
+    open_cells : ndarray of bool, shape (n_c, n_a)
+    faces : reynolds.Faces
+    limit : ndarray, shape (n_c, n_a + 1)
+        S [m3/s], `grid.Edges`.
 
-    def starve(self, faces: Faces, limit: Array) -> Flags:
-        """Bound what sliding drags in from openings, Eq. (E12); in place.
+    Returns
+    -------
+    ndarray of bool, shape (n_c, n_a + 1)
+        Faces where it is bounded.
+    """
+    n_c, n_a = open_cells.shape
+    bounded = np.zeros((n_c, n_a + 1), np.bool_)
+    for i in range(n_c):
+        for j in range(1, n_a):
+            if open_cells[i, j - 1] == open_cells[i, j]:
+                continue
+            inward = 1.0 if open_cells[i, j - 1] else -1.0  # with ascending j, or descending
+            if inward * faces.transport_a[i, j] > limit[i, j]:
+                faces.transport_a[i, j] = inward * limit[i, j]  # Eq. (E12)
+                bounded[i, j] = True
+    return bounded
 
-        Parameters
-        ----------
-        faces : reynolds.Faces
-        limit : ndarray, shape (n_c, n_a + 1)
-            S [m3/s], `grid.Edges`.
 
-        Returns
-        -------
-        ndarray of bool, shape (n_c, n_a + 1)
-            Faces where it is bounded.
-        """
-        wanted = self._inward * faces.transport_a[:, 1:-1]
-        bounded = np.pad(wanted > limit[:, 1:-1], ((0, 0), (1, 1)))
-        between = bounded[:, 1:-1]
-        # Eq. (E12)
-        faces.transport_a[bounded] = self._inward[between] * limit[bounded]
-        return bounded
+@compiled
+def filled(beside: np.ndarray, fields: Array):
+    """Fields whose openings show the nearest cell with a film.
+
+    Parameters
+    ----------
+    beside : ndarray, shape (n_c, n_a)
+        From `nearest`.
+    fields : ndarray, shape (m, n_c, n_a)
+    """
+    m, n_c, n_a = fields.shape
+    whole = np.empty((m, n_c, n_a))
+    for q in range(m):
+        for i in range(n_c):
+            for j in range(n_a):
+                k = int(beside[i, j])
+                whole[q, i, j] = fields[q, k // n_a, k % n_a]
+    return whole

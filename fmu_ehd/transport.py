@@ -53,7 +53,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Edges, Flags
 
@@ -110,6 +110,7 @@ class Lift(NamedTuple):
     travel: Array
 
 
+@compilable
 def pace(step: float, step_before: float, length: float) -> Pace:
     """`Pace` of a step.
 

@@ -16,7 +16,7 @@ from . import asperity, bearing_verification, oil, roughness, storage
 from .cavitation import NotConverged
 from .film_step import FilmSolution, FilmStep
 from .films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
-from .friction import ShearConstants, ShearInputs, shear_forces
+from .friction import ShearConstants, ShearInputs, viscous_force
 from .grid import LOWER, Array, Edges, Entrainment, Grid, flooded_edges, in_plenty
 from .motored import DEGREE, motored, motored_until, physics, tangent_error
 from .parameters import Parameters
@@ -132,7 +132,7 @@ def inclined_pad(cells: int, ratio: float = 1.0) -> Pad:
     grid = Grid((1, cells), 1.0, 1.0)
     h = 1.0 + ratio * (1.0 - centres(cells)[None])
     film = steady(grid, h, 1.0, 1.0)
-    forces = shear_forces(
+    viscous = viscous_force(
         ShearInputs(
             film.pressure,
             film.film_fraction,
@@ -147,7 +147,7 @@ def inclined_pad(cells: int, ratio: float = 1.0) -> Pad:
     peak = p.argmax()
     # parabola through the three highest cells
     square, slope, value = np.polyfit([-1.0, 0.0, 1.0], p[peak - 1 : peak + 2], 2)
-    return Pad(p.mean(), forces.viscous.sum(), value - slope**2 / (4.0 * square))
+    return Pad(p.mean(), viscous.sum(), value - slope**2 / (4.0 * square))
 
 
 def inclined_pad_checks() -> Checks:

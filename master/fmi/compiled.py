@@ -38,6 +38,13 @@ def compilable(function):
     return KERNELS[-1]
 
 
+def standing_for(kernel):
+    """A function that Python runs as written, and in whose place kernels call `kernel`: of the same
+    arguments, some of which are objects in Python.
+    """
+    return partial(StandIn, kernel=kernel)
+
+
 class Kernel:
     """A function that is compiled at its first call; in the code of another kernel, and so to
     numba, it is its `dispatcher`.
@@ -86,6 +93,22 @@ class WithinKernels(Kernel):
 
     def __call__(self, *arguments, **named):
         return self.py_func(*arguments, **named)
+
+
+class StandIn:
+    """A function of Python's, to kernels another."""
+
+    def __init__(self, function, kernel: Kernel):
+        update_wrapper(self, function)
+        self.function = function
+        self.kernel = kernel
+
+    def __call__(self, *arguments):
+        return self.function(*arguments)
+
+    @property
+    def _numba_type_(self):
+        return self.kernel._numba_type_
 
 
 def first_start() -> str:

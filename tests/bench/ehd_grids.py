@@ -24,6 +24,21 @@ from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU
 STEPS = 8
 
 
+class Recorder:
+    """A solver that keeps every matrix it factorises."""
+
+    def __init__(self, solver):
+        self.solver = solver
+        self.matrices = []
+
+    def factorise(self, stencil, stations=None):
+        self.matrices.append(stencil)
+        self.solver.factorise(stencil, stations)
+
+    def solve(self, right):
+        return self.solver.solve(right)
+
+
 def measure(cells, solver):
     """Step [s], factorisations a step, one factorisation [s], highest pressure [Pa]; means over the
     steps after the first.
@@ -31,12 +46,6 @@ def measure(cells, solver):
     shape = cells, cells
     model = LubricationModel(Parameters(shape, roughness_rms=5e-7))
     model.film_step.solver = solver
-    matrices, factorise = [], solver.factorise
-
-    def recorded(stencil, stations=None):
-        matrices.append(stencil)
-        factorise(stencil, stations)
-
     inputs = [motored_film(shape, k * DEGREE) for k in range(STEPS + 1)]
     start, _ = model.start(*inputs[0])
     start, _ = model.advance(start, *inputs[1], DEGREE)
@@ -51,11 +60,12 @@ def measure(cells, solver):
             times.append(perf_counter() - begin)
             counts.append(outputs["solver_iterations"])
         passes.append(times)
-    solver.factorise = recorded
+    recorder = model.film_step.solver = Recorder(solver)
     for film, velocity in inputs[2:]:
         start, _ = model.advance(start, film, velocity, DEGREE)
     ones = [
-        shortest(lambda m=matrix: factorise(m), 1 + 200 // cells) for matrix in matrices
+        shortest(lambda m=matrix: solver.factorise(m), 1 + 200 // cells)
+        for matrix in recorder.matrices
     ]  # all stations
     return (
         np.min(passes, axis=0).mean(),

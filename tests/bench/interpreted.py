@@ -21,7 +21,9 @@ def as_numba_has_it(value):
 
 
 def interpreted(kernel=None, **options):
-    """Stands in for `compiled`; a kernel that is to be inlined gets what its caller has already."""
+    """Stands in for `compiled` and `compilable`; one that is to be inlined gets what its
+    caller has already.
+    """
     if kernel is None:
         return functools.partial(interpreted, **options)
     if options:
@@ -31,8 +33,9 @@ def interpreted(kernel=None, **options):
     def call(*values, **named):
         return kernel(*map(as_numba_has_it, values), **named)
 
+    call.dispatcher = call  # pyright: ignore[reportAttributeAccessIssue]
     return call
 
 
-module.compiled = interpreted
+module.compiled = module.compilable = interpreted
 np.seterr(all="ignore")  # kernels do not warn

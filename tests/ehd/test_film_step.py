@@ -2,13 +2,12 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd import cavitation, reynolds
-from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.film_step import FilmStep
 from piston_cosim.fmu_ehd.films import FilmSlopes, smooth_film
 from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid, in_plenty
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.reynolds import Filling, Storage
+from piston_cosim.fmu_ehd.reynolds import Filling
 from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
 
@@ -93,18 +92,15 @@ def test_tangent_is_the_central_difference(ring):
 
 def test_switching_singly_finds_the_same_film():
     grid, edges, film, entrainment, content = problem(True)
-    faces = reynolds.faces(flow_film(film, 0.01), entrainment, grid.cells)
-    storage = Storage(film, content, grid.cell_area / 1e-4)
-
-    def assemble(pattern):
-        return reynolds.assemble(pattern, faces, NO_LIFT, storage, edges, True)
-
     start = np.ones(grid.shape, dtype=bool)
-    jfo, free = cavitation.CAVITATION["jfo"], np.zeros(grid.shape, dtype=bool)
-    together = cavitation.full_cells(jfo, assemble, BlockTridiagonal(grid.shape), start, free)
-    singly = cavitation.full_cells(
-        jfo, assemble, BlockTridiagonal(grid.shape), start, free, all_at_once=0
-    )
+    found = []
+    for switches_singly in (False, True):
+        step = FilmStep(grid)
+        if switches_singly:
+            step.domain = step.domain._replace(together=0)
+        flow = flow_film(film, 0.01)
+        found.append(step.solve(flow, entrainment, edges, EulerStep(content, 1e-4), start))
+    together, singly = found
     assert singly.iterations > together.iterations
     assert np.array_equal(singly.full, together.full)
     assert np.allclose(singly.unknown, together.unknown, rtol=1e-9)

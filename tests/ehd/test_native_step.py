@@ -125,15 +125,7 @@ def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
     )
     assert done.returncode == 0, done.stderr
     off, iterations, emptiest, touched, from_openings = json.loads(done.stdout)
-    # sums over the whole film are added in another order
-    assert set(off) <= {
-        "stored_energy",
-        "energy_gain",
-        "oil_in_film",
-        "boundary_friction_share",
-        "flow_openings",
-    }
+    assert off == {}
     assert bool(from_openings) == bool(mask)
-    assert max(off.values(), default=0.0) <= 1e-12
     assert iterations > 2 and emptiest < 0.9  # cells did switch, and the film ruptured
     assert touched > 0.0 or "roughness_rms" not in changes

@@ -1,0 +1,485 @@
+"""The parts of a step, as the model in Python and the native FMU call them: what it starts from,
+its forces, what it hands on, and the derivatives of its forces.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compiled
+from . import friction, storage, transport
+from .asperity import ContactConstants
+from .contact import Contact, contact, contact_changes
+from .faults import FORCES_NOT_FINITE, NO_FILM, refuse
+from .film_step import Domain, FilmSolution
+from .films import COUETTE
+from .friction import ShearConstants, ShearForces, ShearInputs
+from .grid import Array, Edges, Flags
+from .storage import EulerStep, Past
+from .summary import Halves, Summary, summarise
+from .transport import Pace, PastTransport
+
+# ---- what a step starts from
+
+
+class Before(NamedTuple):
+    """What the film at the beginning of a step remembers, as in `model.State`; step : H_n [s]."""
+
+    unknown: Array
+    unknown_before: Array
+    content: Array
+    growth: Array
+    growth_before: Array
+    film: Array
+    film_before: Array
+    passed: Array
+    travel: Array
+    step: float
+
+
+class Begin(NamedTuple):
+    """How a step begins.
+
+    pace : transport.Pace; start : storage.EulerStep;
+    guess : ndarray of bool, shape (n_c, n_a), cells that will be full if the unknown goes on as it
+    did.
+    """
+
+    pace: Pace
+    start: EulerStep
+    guess: Flags
+
+
+@compiled
+def begin(before: Before, step: float):
+    """How a step of length `step` [s] begins."""
+    past = Past(before.content, before.growth, before.growth_before, before.step)
+    start = storage.euler_step(past, step)
+    n_c, n_a = before.unknown.shape
+    ratio = step / before.step if before.step > 0.0 else 0.0
+    guess = np.empty((n_c, n_a), np.bool_)
+    for i in range(n_c):
+        for j in range(n_a):
+            u = before.unknown[i, j]
+            guess[i, j] = u + ratio * (u - before.unknown_before[i, j]) > 0.0
+    return Begin(transport.pace(step, before.step, start.length), start, guess)
+
+
+@compiled
+def lift(before: Before, pace: Pace, edges: Edges, step: float, domain: Domain):
+    """Lift of the film fraction at the axial faces, `transport.lift`, from the past alone."""
+    n_c, n_a = before.unknown.shape
+    area = domain.cells.dx * domain.cells.dy
+    resting = np.empty((n_c, n_a), np.bool_)
+    gained = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            resting[i, j] = before.unknown[i, j] > 0.0 or domain.open_cells[i, j]
+            passing = before.passed[i, j + 1] - before.passed[i, j]
+            gained[i, j] = before.growth[i, j] * before.step + passing / area
+    past = PastTransport(
+        before.film,
+        before.film_before,
+        before.content,
+        resting,
+        gained,
+        before.passed,
+        before.travel,
+    )
+    return transport.lift(past, pace, edges, step, domain.cells)
+
+
+@compiled
+def check_film(film_thickness: Array, faults: Array):
+    """Note a fault where surfaces are apart nowhere."""
+    best_i = 0
+    best_j = 0
+    for i in range(film_thickness.shape[0]):
+        for j in range(film_thickness.shape[1]):
+            if film_thickness[i, j] > film_thickness[best_i, best_j]:
+                best_i = i
+                best_j = j
+    widest = film_thickness[best_i, best_j]
+    if not widest > 0.0:
+        refuse(faults, NO_FILM, best_i, best_j, widest, 0.0, 0.0)
+
+
+# ---- forces
+
+
+class Surfaces(NamedTuple):
+    """What stays of the surfaces from step to step.
+
+    area : ndarray, shape (n_c, n_a), lubricated area of each cell, 0 in cut-outs [m2];
+    contact : asperity.ContactConstants; halves : summary.Halves;
+    compliance : of a coating [m/Pa], 0 without;
+    cavitation_pressure [Pa]; rounding_velocity : v0 of `friction` [m/s];
+    by_oil : whether the oil alone shears in cavities.
+    """
+
+    area: Array
+    contact: ContactConstants
+    halves: Halves
+    compliance: float
+    cavitation_pressure: float
+    rounding_velocity: float
+    by_oil: bool
+
+
+class Film(NamedTuple):
+    """A solved film, as its forces see it; arrays of shape (n_c, n_a).
+
+    hard_film, deflection : film thickness without the deflection of a coating, and that [m];
+    velocity, turning : V and W, 0 on a skirt [m/s];
+    quantities : ndarray, shape (6, n_c, n_a), of `films`, with the viscosity of shear under
+    pressure;
+    pressure, fraction : above cavitation pressure [Pa], film fraction [-];
+    lower, upper : pressure at both edges, above cavitation pressure [Pa].
+    """
+
+    hard_film: Array
+    deflection: Array
+    velocity: Array
+    turning: Array
+    quantities: Array
+    pressure: Array
+    fraction: Array
+    lower: float
+    upper: float
+
+
+class Forces(NamedTuple):
+    """What a film does to the skirt, and what that costs.
+
+    pressure, friction : ndarray, shape (n_c, n_a), nodal forces [N];
+    absolute : ndarray, shape (n_c, n_a), film pressure [Pa];
+    contact : contact.Contact; touching : whether any cell is in contact;
+    shear : friction.ShearInputs; summary : summary.Summary;
+    boundary_power : of asperity friction along the axis [W];
+    rubbing_power : heat that shear by sliding makes in the film, asperities apart [W];
+    stored : elastic energy of asperities and coating [J];
+    volume : between the surfaces [m3].
+    """
+
+    pressure: Array
+    friction: Array
+    absolute: Array
+    contact: Contact
+    touching: bool
+    shear: ShearInputs
+    summary: Summary
+    boundary_power: float
+    rubbing_power: float
+    stored: float
+    volume: float
+
+
+@compiled
+def shear_inputs(film: Film, touching: Contact, surfaces: Surfaces, domain: Domain):
+    """What friction depends on."""
+    shearing = film.fraction
+    if not surfaces.by_oil:
+        shearing = np.ones(film.fraction.shape)
+    constants = ShearConstants(film.lower, film.upper, domain.cells.dy, surfaces.rounding_velocity)
+    return ShearInputs(
+        film.pressure,
+        shearing,
+        film.velocity,
+        film.quantities,
+        touching.shear_stress,
+        surfaces.area,
+        constants,
+    )
+
+
+@compiled
+def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
+    """Contact, forces and sums of a solved film; a fault is noted where they are not finite.
+
+    Eq. (F5):  P = sum over cells of  A f c V^2
+    Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
+
+    The part of - force x velocity by Eq. (F1) that is heat whatever the pressure does, and what is
+    stored: e by area, Eq. (A9), delta deflection of the coating and C its compliance.
+
+    Returns
+    -------
+    Forces
+    """
+    area = surfaces.area
+    velocity = film.velocity
+    n_c, n_a = velocity.shape
+    ring = domain.cells.ring
+    touching = contact(film.hard_film, film.deflection, domain.open_cells, surfaces.contact, ring)
+    shear = shear_inputs(film, touching, surfaces, domain)
+    viscous = friction.viscous_force(shear)
+    boundary = friction.boundary_force(shear, film.turning)
+    normal = np.empty((n_c, n_a))
+    along = np.empty((n_c, n_a))
+    absolute = np.empty((n_c, n_a))
+    thickness = np.empty((n_c, n_a))
+    boundary_power = 0.0
+    rubbing = 0.0
+    stored = 0.0
+    volume = 0.0
+    touches = False
+    for i in range(n_c):
+        for j in range(n_a):
+            h = film.hard_film[i, j] + film.deflection[i, j]
+            thickness[i, j] = np.inf if domain.open_cells[i, j] else h
+            absolute[i, j] = film.pressure[i, j] + surfaces.cavitation_pressure
+            normal[i, j] = (absolute[i, j] + touching.pressure[i, j]) * area[i, j]
+            along[i, j] = viscous[i, j] + boundary[i, j]
+            v = velocity[i, j]
+            couette = film.quantities[COUETTE, i, j]
+            rubbing += area[i, j] * shear.shearing[i, j] * couette * (v * v)  # Eq. (F5)
+            boundary_power -= boundary[i, j] * v  # Eq. (F3)
+            energy = touching.energy[i, j]
+            if surfaces.compliance > 0.0:
+                delta = film.deflection[i, j]
+                energy += delta * delta / (2.0 * surfaces.compliance)
+            stored += area[i, j] * energy  # Eq. (A10)
+            volume += area[i, j] * h
+            touches = touches or touching.area_fraction[i, j] != 0.0
+    whole = summarise(
+        thickness,
+        velocity,
+        absolute,
+        normal,
+        ShearForces(viscous, boundary),
+        touching.area_fraction,
+        surfaces.halves,
+    )
+    sums = whole.radial.thrust + whole.radial.anti_thrust
+    if not np.isfinite(sums + whole.friction.thrust + whole.friction.anti_thrust):
+        refuse_forces(normal, along, film, faults)
+    return Forces(
+        normal,
+        along,
+        absolute,
+        touching,
+        touches,
+        shear,
+        whole,
+        boundary_power,
+        rubbing,
+        stored,
+        volume,
+    )
+
+
+@compiled
+def refuse_forces(normal: Array, along: Array, film: Film, faults: Array):
+    """Note the first cell whose forces are not finite."""
+    for i in range(normal.shape[0]):
+        for j in range(normal.shape[1]):
+            if not np.isfinite(normal[i, j] + along[i, j]):
+                h = film.hard_film[i, j] + film.deflection[i, j]
+                refuse(faults, FORCES_NOT_FINITE, i, j, h, film.velocity[i, j], 0.0)
+                return
+
+
+# ---- what a step hands on
+
+
+class Passage(NamedTuple):
+    """Where oil went in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
+
+    growth : of the content [m/s]; passed, travel : as in `transport.PastTransport`.
+    """
+
+    growth: Array
+    passed: Array
+    travel: Array
+
+
+@compiled
+def passage(
+    before: Before,
+    begun: Begin,
+    found: FilmSolution,
+    axial_velocity: Array,
+    step: float,
+    domain: Domain,
+):
+    """Where oil went in a step.
+
+    Parameters
+    ----------
+    before : Before
+    begun : Begin
+    found : film_step.FilmSolution
+    axial_velocity : ndarray, shape (n_c, n_a)
+        Entrainment velocity at the end of the step [m/s].
+    step : float
+        [s].
+    domain : film_step.Domain
+
+    Returns
+    -------
+    Passage
+    """
+    n_c, n_a = before.content.shape
+    pace = begun.pace
+    length = begun.start.length
+    growth = np.empty((n_c, n_a))
+    passed = np.empty((n_c, n_a + 1))
+    for i in range(n_c):
+        for j in range(n_a):
+            grown = (found.content[i, j] - before.content[i, j]) / step
+            growth[i, j] = 0.0 if domain.open_cells[i, j] else grown
+        for j in range(n_a + 1):
+            passed[i, j] = pace.share * before.passed[i, j] + length * found.axial_flow[i, j]
+    travel = transport.travelled(before.travel, pace, axial_velocity, length)
+    return Passage(growth, passed, travel)
+
+
+class Powers(NamedTuple):
+    """Power that sliding costs, the asperities' part of it, and all that is heat [W]."""
+
+    friction: float
+    boundary: float
+    rubbing: float
+
+
+class Totals(NamedTuple):
+    """Sums that go on from step to step.
+
+    friction_work, boundary_work : what sliding has cost since the start, and the asperities' part
+    of it [J]; stored, volume : as in `Forces`.
+    """
+
+    friction_work: float
+    boundary_work: float
+    stored: float
+    volume: float
+
+
+class Account(NamedTuple):
+    """Sums at the end of a step.
+
+    totals : Totals; boundary_share : of the friction work, the asperities' [-]; oil : in the film
+    [m3]; energy_gain : of the film over the step, beyond what came in [J].
+    """
+
+    totals: Totals
+    boundary_share: float
+    oil: float
+    energy_gain: float
+
+
+class Outside(NamedTuple):
+    """Pressures around a film: cavitation pressure p_c, and above it that at lower edge, upper
+    edge and openings [Pa].
+    """
+
+    cavitation: float
+    lower: float
+    upper: float
+    opening: float
+
+
+@compiled
+def oil_in(content: Array, area: Array):
+    """Oil in the film [m3]."""
+    total = 0.0
+    for i in range(content.shape[0]):
+        for j in range(content.shape[1]):
+            total += content[i, j] * area[i, j]
+    return total
+
+
+@compiled
+def account(
+    before: Totals,
+    acted: Forces,
+    powers: Powers,
+    found: FilmSolution,
+    passed: Array,
+    outside: Outside,
+    step: float,
+):
+    """Sums at the end of a step, with the work that the pressure around the film did on it.
+
+    Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
+
+    p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
+    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
+
+    Parameters
+    ----------
+    before : Totals
+    acted : Forces
+    powers : Powers
+    found : film_step.FilmSolution
+    passed : ndarray, shape (n_c, n_a + 1)
+        Of `Passage`.
+    outside : Outside
+    step : float
+        [s].
+
+    Returns
+    -------
+    Account
+    """
+    friction_work = before.friction_work + step * powers.friction
+    boundary_work = before.boundary_work + step * powers.boundary
+    share = boundary_work / friction_work if friction_work > 0.0 else 0.0
+    inflow = 0.0
+    outflow = 0.0
+    for i in range(passed.shape[0]):
+        inflow += passed[i, 0]
+        outflow += passed[i, passed.shape[1] - 1]
+    # Eq. (A11)
+    work = outside.cavitation * (acted.volume - before.volume)
+    work += outside.opening * step * found.from_openings
+    work += outside.lower * inflow - outside.upper * outflow
+    gain = acted.stored - before.stored + step * powers.rubbing - work
+    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume)
+    return Account(totals, share, oil_in(found.content, acted.shear.area), gain)
+
+
+# ---- derivatives of the contact's forces, where surfaces touch
+
+
+@compiled
+def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Array):
+    """Derivatives of the contact's forces to the film thickness of a cell and its neighbours.
+
+    Parameters
+    ----------
+    shear : friction.ShearInputs
+    pressure_slope, stress_slope : ndarray, shape (5, n_c, n_a)
+        Of `contact.Contact` [Pa/m].
+
+    Returns
+    -------
+    normal, along : ndarray, shape (5, n_c, n_a)
+        [N/m].
+    """
+    _, n_c, n_a = pressure_slope.shape
+    rounding = shear.constants.rounding_velocity
+    normal = np.empty((5, n_c, n_a))
+    along = np.empty((5, n_c, n_a))
+    for k in range(5):
+        for i in range(n_c):
+            for j in range(n_a):
+                area = shear.area[i, j]
+                v = shear.velocity[i, j]
+                speed = np.sqrt(v * v + rounding * rounding)
+                normal[k, i, j] = area * pressure_slope[k, i, j]
+                # Eq. (F2)
+                along[k, i, j] = -area * stress_slope[k, i, j] * v / speed
+    return normal, along
+
+
+@compiled
+def add_contact_changes(slope: Array, film_thickness: Array, deflection: Array, force: Array):
+    """Add the changes of a contact's force, as by `contact.contact_changes`, shape (m, n_c, n_a);
+    in place.
+    """
+    changes = contact_changes(slope, film_thickness, deflection)
+    for q in range(force.shape[0]):
+        for i in range(force.shape[1]):
+            for j in range(force.shape[2]):
+                force[q, i, j] += changes[q, i, j]
