@@ -790,6 +790,7 @@ class LubricationModel:
             friction_power=summary.power,
             contact_area_fraction=summary.contact_area,
         )
+        power = summary.power
         boundary_power = acted.boundary_power
         rubbing_power = acted.rubbing_power
         turning = None
@@ -812,15 +813,13 @@ class LubricationModel:
             carried = circumferential.carried_power(shear, turning, thickness)
             boundary_power -= float(np.vdot(around_forces.boundary, turning.velocity))
             rubbing_power += circumferential.rubbing_power(shear, turning) + carried
+            power = power - float(np.vdot(turned, turning.velocity)) + carried  # Eq. (F8)
             outputs |= dict(
                 nodal_circumferential_force=turned,
                 friction_torque=p.bore_radius * float(turned.sum()),
-                # Eq. (F8)
-                friction_power=summary.power - float(np.vdot(turned, turning.velocity)) + carried,
+                friction_power=power,
             )
-        powers = parts.Powers(
-            outputs["friction_power"], boundary_power, rubbing_power + boundary_power
-        )
+        powers = parts.Powers(power, boundary_power, rubbing_power + boundary_power)
         return Last(film, acted, turning), powers, outputs
 
 
