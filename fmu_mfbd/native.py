@@ -183,6 +183,8 @@ OPTIONS = {
     "film_surfaces": "several film surfaces",
     "surfaces": "several film surfaces",
     "mounted": "a mounted block",
+    "motion_in_space": "a piston that moves in space",
+    "in_space": "a piston that moves in space",
 }
 """Build options, as a case gives them and as build.json holds them, that are not covered."""
 
