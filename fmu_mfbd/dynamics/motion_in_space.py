@@ -284,13 +284,16 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
 
     Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
                 angle:  M_z - M - (moment + guided x_A) = 0
-                z:      F_z + m_pin z'' - (roll T_y - yaw T_x) - load_z + K_z = 0
+                z:      F_z + m_pin z'' - roll (T_y - guided) + yaw T_x - load_z + K_z = 0
                 roll:   M_x - z (T_y - guided) - load_roll + K_roll = 0
                 yaw:    M_y + z T_x - load_yaw + K_yaw = 0
                 G = R F - load,   T = G + m_pin A''
     F, M of Eq. (D26), of piston and pin; G: force of the pin on the piston; T: that of the rod on
     the pin, square to it, in the rod's plane; M: friction of the pin (Eq. (K7)); K: what stops and
-    dampers hold (Eq. (K17)). With z = roll = yaw = 0 the first two are Eq. (D5).
+    dampers hold (Eq. (K17)). With z = roll = yaw = 0 the first two are Eq. (D5). Gas stays on the
+    bore's axis and leans with the crown: left upright, it would not balance the rod's force under a
+    pin that has rolled with the piston, however fast or slow. What its leaning has for a moment
+    about A, by the height of the rings, is left out, as it is in the plane (Eq. (D8)).
 
     Parameters
     ----------
@@ -315,7 +318,7 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
     along, about_x, about_y = np.concatenate([one.force for one in stopped])
     load_z, load_roll, load_yaw = load.across
     rod_force = at.link.rod_force + friction * at.rod.slope
-    square = roll * pull_y - yaw * pull_x
+    square = roll * (pull_y - load.guided) - yaw * pull_x
     z = q[SHIFT]
     residual = np.array(
         [
@@ -390,13 +393,14 @@ def tangent(
     bent += link.rod_force_by_acceleration + c1 * link.rod_force_by_velocity
     bent += c2 * link.rod_force_by_position
     z = now.position[SHIFT]
-    square = roll_now * pull[1] - yaw_now * pull[0] + c2 * (pull_y * roll - pull_x * yaw)
+    free = pull_y - load.guided
+    square = roll_now * pull[1] - yaw_now * pull[0] + c2 * (free * roll - pull_x * yaw)
     out = np.array(
         [
             pull[0] + link.slope * pull[1] + bent * lateral + rod.slope * rubbing,
             by_moment[2] - rubbing - c2 * load.guided * lateral,
             by_force[2] + mechanism.pin_mass * shift - square,
-            by_moment[0] - z * pull[1] - c2 * (pull_y - load.guided) * shift,
+            by_moment[0] - z * pull[1] - c2 * free * shift,
             by_moment[1] + z * pull[0] + c2 * pull_x * shift,
         ]
     )
@@ -423,7 +427,7 @@ def pushed(
         [
             pull_x + at.link.slope * pull_y + at.rod.slope * rubbing,
             -rubbing - turning,
-            yaw * pull_x - roll * pull_y,
+            yaw * pull_x - roll * (pull_y - change.guided),
             -z * (pull_y - change.guided),
             z * pull_x,
         ]

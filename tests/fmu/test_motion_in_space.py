@@ -70,8 +70,8 @@ def test_work_and_oil_of_a_lopsided_piston(lopsided):
 
 
 def test_a_tilted_pin_moves_and_pushes_its_piston_along(lopsided):
-    """Half a mrad under 55 kN of gas is 28 N along the pin, on a film that gives way there, where
-    the skirt is oval; roll leaves where the eye holds it by what its play allows.
+    """The pin's inertia forces and its film's, of kilonewtons, lean by half a mrad, on a film that
+    gives way where the skirt is oval; roll leaves where the eye holds it by what its play allows.
     """
     shift, roll, yaw = (lopsided.series(f"bodies.{name}").values for name in ACROSS)
     print([(one.min(), one.max()) for one in (shift, roll, yaw)])

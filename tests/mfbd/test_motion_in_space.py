@@ -56,6 +56,7 @@ S = MASS * np.array([*CENTRE, 2e-3])
 J = np.array([[4.1e-3, -2e-4, 3e-4], [-2e-4, 3.7e-3, -1.5e-4], [3e-4, -1.5e-4, 3.98e-3]])
 SYMMETRIC = InSpace(0.0, np.diag([4.1e-3, 3.7e-3, 0.003 + MASS * float(CENTRE @ CENTRE)]))
 SKEWED = InSpace(S[2], J)
+NO_DAMPER = dict(pin_axial_damping=0.0, pin_tilt_damping=0.0)
 RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.02)
 
 
@@ -73,11 +74,6 @@ def space_model(space=SKEWED, orders=(), parameters=RUBBING, **own):
 
 def flat_model(orders=()):
     return assemble(*flat_bodies(), options(None, orders), RUBBING)
-
-
-def free(bodies):
-    """The same held by nothing across its plane."""
-    return bodies._replace(along=Stop(1.0, 0.0, 0.0), askew=Stop(1.0, 0.0, 0.0))
 
 
 # ---- the film
@@ -289,19 +285,43 @@ def test_tangent_and_pushed_against_differences():
 
 
 def test_an_instant_by_hand():
-    """Crank at rest, piston turned by roll alone and shifted: gas of 20 kN on the bore's axis, the
-    rod square to a pin that is tilted by 1 mrad pushes with 20 N along it; A is 10 um beside the
-    bore's axis and so is the gas, but so is the rod.
+    """Crank at rest at the top, no motion, the piston shifted by 10 um, rolled by 1 mrad, yawed by
+    2; gas of 20 kN, 3 kN upwards of the film. The rod carries 17 kN, square to a pin that leans:
+    17 N along z, where gas takes 20 with its crown; 4 kN from the side are 8 N along z by yaw.
+    About A the rod has 10 um of lever, and so has the gas on the bore's axis.
     """
-    model = space_model(SYMMETRIC)
-    bodies = free(model.bodies)._replace(mechanism=model.bodies.mechanism)
-    position = np.array([0.0, 0.0, 10e-6, 1e-3, 0.0])
+    model = space_model(SYMMETRIC, pin_axial_play=8e-6, pin_axial_stiffness=1e6, pin_tilt_play=1.0)
+    position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
     now = Motion(position, np.zeros(5), np.zeros(5))
-    load = SpaceLoad(0.0, -20e3, 0.0, 20e3, np.zeros(3))
+    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.array([0.5, 0.25, 0.125]))
+    bodies = model.bodies._replace(mechanism=model.bodies.mechanism._replace(offset=0.0))
     lack = imbalance(bodies, load, now, CrankMotion(0.0, 0.0, 0.0))
-    assert lack.from_rod[1] == pytest.approx(20e3, rel=1e-12)
-    assert lack.residual[2] == pytest.approx(-20.0, rel=1e-12)
-    assert lack.residual[3] == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
+    wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 - 0.125]
+    np.testing.assert_allclose(lack.residual[2:], wanted, rtol=1e-9)
+    np.testing.assert_allclose(lack.held, [-2.0, 0.0, 0.0], atol=1e-9)
+
+
+def test_what_rod_gas_and_eye_do_has_a_potential():
+    """A standing crank, gas, stops in touch, no damper: what moves the piston across the plane
+    derives from an energy, that is, its slopes by position are symmetric.
+    """
+    model = space_model(SYMMETRIC, **NO_DAMPER, pin_tilt_play=2e-4, pin_axial_play=5e-6)
+    mechanism = model.bodies.mechanism
+    bodies = model.bodies._replace(
+        mechanism=mechanism._replace(friction=PinFriction(0.0, 1.0, 0.0))
+    )
+    position = np.array([0.0, 0.0, 10e-6, 4e-4, -3e-4])
+    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.zeros(3))
+
+    def lack(q):
+        now = Motion(q, np.zeros(5), np.zeros(5))
+        return imbalance(bodies, load, now, CrankMotion(0.4, 0.0, 0.0)).residual[2:]
+
+    h = 1e-8
+    slope = [(lack(position + h * e) - lack(position - h * e)) / (2 * h) for e in np.eye(5)[2:]]
+    np.testing.assert_allclose(slope, np.transpose(slope), rtol=1e-6, atol=1e-3)
+    assert abs(slope[0][1]) > 1e3 and abs(slope[0][2]) > 1e3
 
 
 def rough_inputs(seed, symmetric, size=50.0):
@@ -440,7 +460,6 @@ def standing(parameters=PARAMETERS, space=SYMMETRIC, **own):
 
 
 FLAT = InSpace(0.0, np.diag([4.1e-3, 3.7e-3, 3.98e-3]))
-NO_DAMPER = dict(pin_axial_damping=0.0, pin_tilt_damping=0.0)
 
 
 def test_free_flight_under_a_force_at_the_skirt():
@@ -580,7 +599,7 @@ class Points:
         force = -masses * bias / (2 * h)
         force[-5:-1] += -self.push[:, None] * normal
         force[-5:-1, 1] += self.drag
-        force[-1, 1] -= self.gas
+        force[-1] -= self.gas * np.array([0.0, 1.0, axes[2, 1]])  # leans with the crown
         M = [[np.sum(masses * a * b) for a in ways] for b in ways]
         Q = np.array([np.sum(force * a) for a in ways])
         # the eye's spring on the angle between pin and z
@@ -759,7 +778,13 @@ def exudyn_motion(of, size):
         return list(np.array([-z * of.gas, 0.0, x * of.gas]) + spring)
 
     middle = at(piston, [0, 0, 0])
-    system.AddLoad(item.Force(markerNumber=middle, loadVector=[0, -of.gas, 0]))
+
+    def leaning(system, t, load):
+        return [0.0, -of.gas, -of.gas * told(kinds.RotationMatrix)[7]]
+
+    system.AddLoad(
+        item.Force(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=leaning)
+    )
     system.AddLoad(
         item.Torque(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=turned)
     )
