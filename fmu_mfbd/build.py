@@ -190,7 +190,8 @@ def in_space(build: Build, piston: Path) -> InSpace:
         about_centre = build.motion_in_space.tensor(sheet.inertia)
     # Eq. (J22)
     steiner = mass * (float(centre @ centre) * np.eye(3) - np.outer(centre, centre))
-    return InSpace(float(mass * centre[2]), about_centre + steiner)
+    *_, z = centre
+    return InSpace(float(mass * z), about_centre + steiner)
 
 
 def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:

@@ -179,6 +179,7 @@ def assemble_in_space(
         mechanism=planar.system.mechanism,
         pin_inertia=space.pin_cross_inertia or solid,
         tilt=parameters.pin_tilt,
+        pin_offset=options.piston.pin_offset,
         along=Stop(space.pin_axial_play, space.pin_axial_stiffness, space.pin_axial_damping),
         askew=Stop(space.pin_tilt_play, space.pin_tilt_stiffness, space.pin_tilt_damping),
     )

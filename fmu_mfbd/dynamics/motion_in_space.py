@@ -68,6 +68,8 @@ class Bodies(NamedTuple):
         Of the pin about a diameter, at A [kg m2].
     tilt : float
         Held roll of the rod's eye [rad]: the coordinate roll counts from it.
+    pin_offset : float
+        x of A from the skirt's axis [m].
     along, askew : Stop
         Of rod and bosses along the pin; of the pin in the rod's eye, about any axis across it.
     """
@@ -76,6 +78,7 @@ class Bodies(NamedTuple):
     mechanism: Mechanism
     pin_inertia: float
     tilt: float
+    pin_offset: float
     along: Stop
     askew: Stop
 
@@ -286,14 +289,14 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
                 angle:  M_z - M - (moment + guided x_A) = 0
                 z:      F_z + m_pin z'' - roll (T_y - guided) + yaw T_x - load_z + K_z = 0
                 roll:   M_x - z (T_y - guided) - load_roll + K_roll = 0
-                yaw:    M_y + z T_x - load_yaw + K_yaw = 0
+                yaw:    M_y + z T_x + roll guided (p + x_A) - load_yaw + K_yaw = 0
                 G = R F - load,   T = G + m_pin A''
     F, M of Eq. (D26), of piston and pin; G: force of the pin on the piston; T: that of the rod on
     the pin, square to it, in the rod's plane; M: friction of the pin (Eq. (K7)); K: what stops and
-    dampers hold (Eq. (K17)). With z = roll = yaw = 0 the first two are Eq. (D5). Gas stays on the
-    bore's axis and leans with the crown: left upright, it would not balance the rod's force under a
-    pin that has rolled with the piston, however fast or slow. What its leaning has for a moment
-    about A, by the height of the rings, is left out, as it is in the plane (Eq. (D8)).
+    dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw = 0 the first two are Eq. (D5).
+    Gas stays on the bore's axis and leans with the crown: upright, it would not balance the rod's
+    force under a pin that has rolled with the piston. The moment about A that leaning has by the
+    height of the rings is left out, as it is in the plane (Eq. (D8)).
 
     Parameters
     ----------
@@ -306,8 +309,10 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
     mechanism = bodies.mechanism
     at = place_of(bodies, now, crank)
     force, moment = needed(at.together, at.spin)
+    *in_plane, force_z = force
+    moment_x, moment_y, moment_z = moment
     # Eq. (D27)
-    on_piston = at.axes @ force[:2] - [load.lateral, load.axial]
+    on_piston = at.axes @ in_plane - [load.lateral, load.axial]
     pull = on_piston + mechanism.pin_mass * at.of_A
     slip = now.velocity[ROCKING] - at.rod.velocity
     friction = friction_moment(mechanism.friction, *on_piston.tolist(), slip).moment
@@ -320,13 +325,14 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
     rod_force = at.link.rod_force + friction * at.rod.slope
     square = roll * (pull_y - load.guided) - yaw * pull_x
     z = q[SHIFT]
+    arm = bodies.pin_offset + q[LATERAL]
     residual = np.array(
         [
             pull_x + at.link.slope * pull_y + rod_force,
-            moment[2] - friction - (load.moment + load.guided * q[LATERAL]),
-            force[2] + mechanism.pin_mass * now.acceleration[SHIFT] - square - load_z + along,
-            moment[0] - z * (pull_y - load.guided) - load_roll + about_x,
-            moment[1] + z * pull_x - load_yaw + about_y,
+            moment_z - friction - (load.moment + load.guided * q[LATERAL]),
+            force_z + mechanism.pin_mass * now.acceleration[SHIFT] - square - load_z + along,
+            moment_x - z * (pull_y - load.guided) - load_roll + about_x,
+            moment_y + z * pull_x + roll * load.guided * arm - load_yaw + about_y,
         ]
     )
     lever = at.link.slope * mechanism.crank_radius * np.cos(crank.angle)
@@ -362,24 +368,26 @@ def tangent(
     unit = np.eye(COORDINATES)
     lateral, rocking, shift, roll, yaw = unit
     roll_now, yaw_now, _ = at.spin.tilt
-    turning = at.spin.velocity
+    turning_x, turning_y, turning_z = at.spin.velocity
 
     axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
     by_A = np.array([lateral, axial * lateral])
     # A's acceleration in axes that turn
     in_axes = at.axes.T @ by_A - np.outer(across(at.axes.T @ at.of_A), c2 * rocking)
     none = np.zeros(COORDINATES)
-    about_x = roll - c1 * (turning[2] * yaw + turning[1] * rocking)
-    about_y = yaw + c1 * (turning[2] * roll + turning[0] * rocking)
+    changed_x = roll - c1 * (turning_z * yaw + turning_y * rocking)
+    changed_y = yaw + c1 * (turning_z * roll + turning_x * rocking)
     by = Spin(
         acceleration=np.vstack([in_axes, shift]),
         tilt=c2 * np.array([roll, yaw, none]),
         velocity=c1 * np.array([roll, yaw, rocking]),
-        change=np.array([about_x, about_y, rocking]),
+        change=np.array([changed_x, changed_y, rocking]),
     )
     force, _ = needed(at.together, at.spin)
     by_force, by_moment = needed_change(at.together, at.spin, by)
-    on_piston = at.axes @ by_force[:2]
+    by_x, by_y, by_z = by_force
+    about_x, about_y, about_z = by_moment
+    on_piston = at.axes @ [by_x, by_y]
     on_piston = on_piston + np.outer(across(at.axes @ force[:2]), c2 * rocking)
     pull = on_piston + mechanism.pin_mass * by_A
     lack = imbalance(bodies, load, now, crank)
@@ -394,14 +402,16 @@ def tangent(
     bent += c2 * link.rod_force_by_position
     z = now.position[SHIFT]
     free = pull_y - load.guided
+    arm = bodies.pin_offset + now.position[LATERAL]
+    leaning = load.guided * (arm * roll + roll_now * lateral)
     square = roll_now * pull[1] - yaw_now * pull[0] + c2 * (free * roll - pull_x * yaw)
     out = np.array(
         [
             pull[0] + link.slope * pull[1] + bent * lateral + rod.slope * rubbing,
-            by_moment[2] - rubbing - c2 * load.guided * lateral,
-            by_force[2] + mechanism.pin_mass * shift - square,
-            by_moment[0] - z * pull[1] - c2 * free * shift,
-            by_moment[1] + z * pull[0] + c2 * pull_x * shift,
+            about_z - rubbing - c2 * load.guided * lateral,
+            by_z + mechanism.pin_mass * shift - square,
+            about_x - z * pull[1] - c2 * free * shift,
+            about_y + z * pull[0] + c2 * (pull_x * shift + leaning),
         ]
     )
     along, askew = (c2 * one.by_position + c1 * one.by_velocity for one in _held(bodies, now))
@@ -423,13 +433,14 @@ def pushed(
     pull_x, pull_y = -change.lateral, -change.axial
     rubbing = friction.by_x * pull_x + friction.by_y * pull_y
     turning = change.moment + change.guided * now.position[LATERAL]
+    arm = bodies.pin_offset + now.position[LATERAL]
     out = np.array(
         [
             pull_x + at.link.slope * pull_y + at.rod.slope * rubbing,
             -rubbing - turning,
             yaw * pull_x - roll * (pull_y - change.guided),
             -z * (pull_y - change.guided),
-            z * pull_x,
+            z * pull_x + roll * arm * change.guided,
         ]
     )
     out[IN_SPACE] -= change.across

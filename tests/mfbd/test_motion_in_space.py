@@ -228,7 +228,7 @@ def test_inertia_matrix_is_the_kinetic_energy():
     mechanism = Mechanism(0.07, 0.22, 0.0, 1.0, 0.01, 0.3, 0.7)
     body = SpaceBody(float(masses.sum()), first, tensor)
     stop = Stop(0.0, 0.0, 0.0)
-    M = inertia(Bodies(body, mechanism, 0.2, 0.0, stop, stop))
+    M = inertia(Bodies(body, mechanism, 0.2, 0.0, 0.0, stop, stop))
     q = rng.standard_normal(5)
     V, W = np.array([q[0], 0.0, q[2]]), np.array([q[3], q[4], q[1]])
     energy = sum(m * np.sum((V + np.cross(W, r)) ** 2) for m, r in zip(masses, points))
@@ -288,7 +288,7 @@ def test_an_instant_by_hand():
     """Crank at rest at the top, no motion, the piston shifted by 10 um, rolled by 1 mrad, yawed by
     2; gas of 20 kN, 3 kN upwards of the film. The rod carries 17 kN, square to a pin that leans:
     17 N along z, where gas takes 20 with its crown; 4 kN from the side are 8 N along z by yaw.
-    About A the rod has 10 um of lever, and so has the gas on the bore's axis.
+    About A the rod has 10 um of lever, and so has the gas on the bore's axis, 1 mm in x besides.
     """
     model = space_model(SYMMETRIC, pin_axial_play=8e-6, pin_axial_stiffness=1e6, pin_tilt_play=1.0)
     position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
@@ -297,7 +297,7 @@ def test_an_instant_by_hand():
     bodies = model.bodies._replace(mechanism=model.bodies.mechanism._replace(offset=0.0))
     lack = imbalance(bodies, load, now, CrankMotion(0.0, 0.0, 0.0))
     np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
-    wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 - 0.125]
+    wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 + 20e-3 - 0.125]
     np.testing.assert_allclose(lack.residual[2:], wanted, rtol=1e-9)
     np.testing.assert_allclose(lack.held, [-2.0, 0.0, 0.0], atol=1e-9)
 
@@ -309,7 +309,7 @@ def test_what_rod_gas_and_eye_do_has_a_potential():
     model = space_model(SYMMETRIC, **NO_DAMPER, pin_tilt_play=2e-4, pin_axial_play=5e-6)
     mechanism = model.bodies.mechanism
     bodies = model.bodies._replace(
-        mechanism=mechanism._replace(friction=PinFriction(0.0, 1.0, 0.0))
+        mechanism=mechanism._replace(friction=PinFriction(0.0, 1.0, 0.0)), pin_offset=0.0
     )
     position = np.array([0.0, 0.0, 10e-6, 4e-4, -3e-4])
     load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.zeros(3))
@@ -635,7 +635,7 @@ def space_bodies(of):
     pin = 0.5 * 30e-3**2
     stop = Stop(0.0, of.stiffness, 0.0)
     body = SpaceBody(MASS, masses @ points, tensor)
-    return Bodies(body, mechanism, pin, 0.0, Stop(0.0, 0.0, 0.0), stop)
+    return Bodies(body, mechanism, pin, 0.0, of.offset, Stop(0.0, 0.0, 0.0), stop)
 
 
 def load_on(of):
@@ -775,7 +775,8 @@ def exudyn_motion(of, size):
         x, _, z = A + [of.offset, 0, 0]
         askew = np.cross(axes[:, 2], [0, 0, 1])
         spring = of.stiffness * askew  # the sine for the angle: 1e-7 of it
-        return list(np.array([-z * of.gas, 0.0, x * of.gas]) + spring)
+        lean = axes[2, 1]
+        return list(of.gas * np.array([-z, -lean * x, x]) + spring)
 
     middle = at(piston, [0, 0, 0])
 
