@@ -94,7 +94,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
         mounted=build.mounted,
-        in_space=InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None,
+        in_space=in_space_ahead(build),
     )
     return signals(ahead)
 
@@ -164,6 +164,11 @@ def prepare(
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
     return prepared.to_json(), files
+
+
+def in_space_ahead(build: Build) -> InSpace | None:
+    """Whether a piston moves in space, before its inertia is known."""
+    return InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None
 
 
 def in_space(build: Build, piston: Path) -> InSpace:
