@@ -315,7 +315,8 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
     on_piston = at.axes @ in_plane - [load.lateral, load.axial]
     pull = on_piston + mechanism.pin_mass * at.of_A
     slip = now.velocity[ROCKING] - at.rod.velocity
-    friction = friction_moment(mechanism.friction, *on_piston.tolist(), slip).moment
+    pin_x, pin_y = on_piston
+    friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip).moment
     q = now.position
     roll, yaw, _ = at.spin.tilt
     pull_x, pull_y = pull
@@ -392,7 +393,8 @@ def tangent(
     pull = on_piston + mechanism.pin_mass * by_A
     lack = imbalance(bodies, load, now, crank)
     slip = now.velocity[ROCKING] - rod.velocity
-    friction = friction_moment(mechanism.friction, *lack.on_piston.tolist(), slip)
+    pin_x, pin_y = lack.on_piston
+    friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip)
     by_slip = c1 * rocking - (c1 * rod.slope + c2 * rod.velocity_slope) * lateral
     rubbing = friction.by_x * on_piston[0] + friction.by_y * on_piston[1]
     rubbing = rubbing + friction.by_slip * by_slip
@@ -427,7 +429,8 @@ def pushed(
     at = place_of(bodies, now, crank)
     lack = imbalance(bodies, load, now, crank)
     slip = now.velocity[ROCKING] - at.rod.velocity
-    friction = friction_moment(bodies.mechanism.friction, *lack.on_piston.tolist(), slip)
+    pin_x, pin_y = lack.on_piston
+    friction = friction_moment(bodies.mechanism.friction, float(pin_x), float(pin_y), slip)
     roll, yaw, _ = at.spin.tilt
     z = now.position[SHIFT]
     pull_x, pull_y = -change.lateral, -change.axial

@@ -265,8 +265,11 @@ class PistonInSpace(PistonInBore):
         across = Inertia(mass, -body.S[1], body.J[0, 0])
         stopped = False
         for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
-            ends = (Motion(*(part[pair] for part in one)) for one in (before, kept))
-            stopped |= bool(limit_memory(rigid, *ends, carried[pair], step))
+            begun, ended = (
+                Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
+                for one in (before, kept)
+            )
+            stopped |= bool(limit_memory(rigid, begun, ended, carried[pair], step))
         return stopped
 
     def _ledger(

@@ -36,18 +36,18 @@ def computed(tree, path):
 
 
 def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):
-    """60 deg: what is solved to 1e-11 and iterated to 1 nm, in as many iterations, is the same to
-    1e-8 of its range; the film is even about z = 0 to round-off, and so shift, roll and yaw are
-    nothing: 1e-12 m or rad, where sums over 288 cells of 1e4 N in all have 1e-12 N of it.
+    """60 deg, in as many iterations: accelerations are solved to 1e-11, and a film makes 1e-7 of a
+    force of what that is of its thickness; 5e-7 of each range. The film is even about z = 0 to some
+    1e-4 N of a thousand, so that shift, roll and yaw stay within 2e-12 m or rad; allowed 2e-11.
     """
     flat = computed(small(stop="60 deg"), tmp_path / "flat.h5")
     space = computed(small((SPACE, MOMENTS), stop="60 deg"), tmp_path / "space.h5")
     assert flat.summary["mean_iterations"] == space.summary["mean_iterations"]
     for name in ("lateral_displacement", "rocking_angle", "side_force", "crank_torque"):
         one, other = (each.series(f"bodies.{name}").values for each in (flat, space))
-        np.testing.assert_allclose(other, one, rtol=0, atol=1e-8 * np.ptp(one), err_msg=name)
+        np.testing.assert_allclose(other, one, rtol=0, atol=5e-7 * np.ptp(one), err_msg=name)
     for name in ACROSS:
-        assert np.abs(space.series(f"bodies.{name}").values).max() < 1e-12
+        assert np.abs(space.series(f"bodies.{name}").values).max() < 2e-11
 
 
 @pytest.fixture(scope="module")

@@ -582,7 +582,7 @@ class Points:
 
     def velocity(self, q, dq, t):
         h = 1e-30
-        return self.all(q + 1j * h * dq, t + 1j * h).imag / h
+        return np.imag(self.all(q + 1j * h * dq, t + 1j * h)) / h
 
     def rates(self, t, state):
         q, dq = state[:5], state[5:]
@@ -593,7 +593,7 @@ class Points:
         # the material point that is on the bore's axis now
         self.gas_at = axes.T @ (np.array([-self.offset, A[1], 0.0]) - A)
         masses = np.array([*self.masses, 0.25, 0.25, 0.85, 0.85, *[0.0] * 5])[:, None]
-        ways = [self.all(q + 1e-30j * one, t).imag / 1e-30 for one in np.eye(5)]
+        ways = [np.imag(self.all(q + 1e-30j * one, t)) / 1e-30 for one in np.eye(5)]
         h = 1e-6
         bias = self.velocity(q + h * dq, dq, t + h) - self.velocity(q - h * dq, dq, t - h)
         force = -masses * bias / (2 * h)
