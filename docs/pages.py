@@ -231,12 +231,16 @@ def parameters():
     skirt = of_film(grid)
     known = {variable.name for variable in skirt}
     bearing = [v for v in of_film(grid, surface="bearing") if v.name not in known]
+    told = {variable.name for variable in bodies}
+    own = [*of_bodies.space_outputs(), *of_bodies.parameters(in_space=True)]
+    space = [variable for variable in own if variable.name not in told]
     heads = ("name", "causality", "unit", "start", "allowed", "meaning")
     lines = ["# Variables of the FMUs", "", "On 40 x 40 cells, 120 modes; values in SI.", ""]
     for title, rows in (
         ("Lubrication, `fmu_ehd`", skirt),
         ('Besides, of a bearing (`surface = "bearing"`)', bearing),
         ("Bodies, `fmu_mfbd`", bodies),
+        ("Besides, of a piston in space (`motion_in_space`)", space),
     ):
         lines += [f"## {title}", "", *table(heads, map(row_of, rows))]
     return "\n".join(lines)

@@ -20,6 +20,7 @@ from .dynamics.build_options import (
     DampingBand,
     FilmGrid,
     FloatingPin,
+    InSpace,
     PistonOptions,
     SurfaceOptions,
 )
@@ -39,6 +40,7 @@ from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
 from .reduction.bosses import BossFilms
 from .reduction.film_loads import Training, recorded_loads
+from .reduction.mode_tables import mass_properties
 from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import (
     Anatomy,
@@ -92,6 +94,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
         mounted=build.mounted,
+        in_space=in_space_ahead(build),
     )
     return signals(ahead)
 
@@ -158,8 +161,42 @@ def prepare(
         surfaces=film_surfaces(build),
         floating_pin=pin,
         mounted=build.mounted,
+        in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
     return prepared.to_json(), files
+
+
+def in_space_ahead(build: Build) -> InSpace | None:
+    """Whether a piston moves in space, before its inertia is known."""
+    return InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None
+
+
+def in_space(build: Build, piston: Path) -> InSpace:
+    """Inertia of a piston that moves in space, of its data sheet or of its mesh in an .npz.
+
+    Eq. (J22):  S_z = m c_z,   J = J_c + m (|c|^2 1 - c c^T)      c from A, J_c about the centre
+
+    Raises
+    ------
+    BadInput
+        No mesh is known of an .npz.
+    """
+    sheet = build.piston.rigid
+    if sheet is None:
+        try:
+            mass, centre, about_centre = mass_properties(load(Anatomy, piston))
+        except ValueError as error:
+            raise BadInput([f"motion_in_space: {error}"]) from None
+    else:
+        assert build.motion_in_space
+        x, y = sheet.centre
+        mass = sheet.mass
+        centre = np.array([x - build.piston.pin_offset, y, build.motion_in_space.centre_z])
+        about_centre = build.motion_in_space.tensor(sheet.inertia)
+    # Eq. (J22)
+    steiner = mass * (float(centre @ centre) * np.eye(3) - np.outer(centre, centre))
+    *_, z = centre
+    return InSpace(float(mass * z), about_centre + steiner)
 
 
 def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:

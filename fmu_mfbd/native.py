@@ -183,6 +183,8 @@ OPTIONS = {
     "film_surfaces": "several film surfaces",
     "surfaces": "several film surfaces",
     "mounted": "a mounted block",
+    "motion_in_space": "a motion in space",
+    "in_space": "a motion in space",
 }
 """Build options, as a case gives them and as build.json holds them, that are not covered."""
 
@@ -190,7 +192,7 @@ OPTIONS = {
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Sentences on build options that the library does not cover."""
     for name, what in OPTIONS.items():
-        if options.get(name):
+        if options.get(name) or options.get(name) == {}:
             yield f"{name}: a native FMU has no {what.split(' ', 1)[1]}"
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ..master.fmi.errors import BadInput
@@ -341,6 +342,32 @@ class FloatingPin(BaseModel):
     """How many of the piston's modes are chosen for its bosses, which yield to their films then."""
 
 
+class MotionInSpace(BaseModel):
+    """A rigid piston that moves along its pin, rolls (about x) and yaws (about y) besides; what its
+    data sheet has to say for it, about the centre of mass. A mesh says it itself.
+    """
+
+    model_config = STRICT
+    inertia_x: Annotated[Inertia, Field(gt=0)] | None = None
+    """Moment of inertia about the direction x."""
+    inertia_y: Annotated[Inertia, Field(gt=0)] | None = None
+    """Moment of inertia about the direction y."""
+    product_xy: Inertia = 0.0
+    """Product of inertia, the integral of x y dm."""
+    product_yz: Inertia = 0.0
+    """Product of inertia, the integral of y z dm."""
+    product_zx: Inertia = 0.0
+    """Product of inertia, the integral of z x dm."""
+    centre_z: Length = 0.0
+    """z of the centre of mass."""
+
+    def tensor(self, inertia_z: float) -> np.ndarray:
+        """Tensor of inertia of a data sheet about its centre of mass, (3, 3) [kg m2]."""
+        xy, yz, zx = -self.product_xy, -self.product_yz, -self.product_zx
+        x, y = self.inertia_x, self.inertia_y
+        return np.array([[x, xy, zx], [xy, y, yz], [zx, yz, inertia_z]], dtype=float)
+
+
 LEAST_ROWS = 4
 """As few as a film grid may have along the skirt."""
 
@@ -364,6 +391,9 @@ class Common(BaseModel):
     floating_pin: FloatingPin | None = None
     """Films between pin, bosses and rod in place of a pin that is tied to the piston; the block is
     rigid beside it, and so is the piston without boss_modes.
+    """
+    motion_in_space: MotionInSpace | None = None
+    """The piston moves along its tied pin, rolls and yaws besides; both bodies are rigid then.
     """
     mounted: bool = False
     """The block stands on mounts: another participant says how it moves (block_acceleration_x
@@ -442,6 +472,14 @@ class Build(Common):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
 
     @model_validator(mode="after")
+    def _beside_motion_in_space(self):
+        if self.motion_in_space:
+            faults = _faults_in_space(self, self.motion_in_space)
+            if faults:
+                raise ValueError("motion_in_space: " + "; ".join(faults))
+        return self
+
+    @model_validator(mode="after")
     def _beside_a_floating_pin(self):
         if not self.floating_pin:
             return self
@@ -455,6 +493,37 @@ class Build(Common):
         if faults:
             raise ValueError("floating_pin: " + "; ".join(faults))
         return self
+
+
+def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
+    """What keeps a piston from moving in space."""
+    faults = []
+    for name, body in (("piston", build.piston), ("block", build.block)):
+        if not body.rigid and body.modes:
+            faults.append(f"the {name} must be rigid (rigid = .., or modes = 0)")
+    beside = {
+        "floating_pin": build.floating_pin,
+        "mounted": build.mounted,
+        "start": build.start,
+    }
+    faults += [f"not with {name}" for name, given in beside.items() if given]
+    sheet = build.piston.rigid
+    moments = {"inertia_x": space.inertia_x, "inertia_y": space.inertia_y}
+    if sheet is None:
+        if space.model_fields_set:
+            given = ", ".join(sorted(space.model_fields_set))
+            faults.append(f"{given}: of a data sheet alone, the mesh has its own")
+        return faults
+    missing = [name for name, value in moments.items() if value is None]
+    if missing:
+        return [*faults, f"a data sheet needs {', '.join(missing)}"]
+    low, middle, high = np.linalg.eigvalsh(space.tensor(sheet.inertia))
+    if low <= 0.0 or high > (1 + 1e-9) * (low + middle):
+        faults.append(
+            f"principal moments of inertia {low:.4g}, {middle:.4g}, {high:.4g} kg.m2: no body has "
+            "them, each is positive and at most the sum of the other two"
+        )
+    return faults
 
 
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:

@@ -11,7 +11,14 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
-from .build import Tables, boss_films, film_surfaces, floating_pin, read_tables
+from .build import (
+    Tables,
+    boss_films,
+    film_surfaces,
+    floating_pin,
+    in_space_ahead,
+    read_tables,
+)
 from .dynamics.assembly import bore_shape, faults, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import Parameters
@@ -246,6 +253,7 @@ def _prepared(build: Build, tables: Tables) -> BuildOptions:
         speed=tables.speed,
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        in_space=in_space_ahead(build),
     )
 
 

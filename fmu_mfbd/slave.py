@@ -11,12 +11,12 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import assemble, assemble_floating, faults
+from .dynamics.assembly import assemble, assemble_floating, assemble_in_space, faults
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
 from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged, PistonInBore, State
-from .dynamics.parameters import Parameters, PinParameters
+from .dynamics.parameters import Parameters, PinParameters, SpaceParameters
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
 from .reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, load
@@ -90,6 +90,9 @@ class Mfbd(FieldSlave):
         if pin:
             own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
             self.model = assemble_floating(piston, block, options, parameters, own, bosses)
+        elif options.in_space:
+            own = SpaceParameters(**{one.name: values[one.name] for one in fields(SpaceParameters)})
+            self.model = assemble_in_space(piston, block, options, parameters, own)
         else:
             self.model = assemble(piston, block, options, parameters)
         try:

@@ -5,7 +5,7 @@ from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BuildOptions, FilmGrid
-from .dynamics.parameters import Parameters, PinParameters
+from .dynamics.parameters import Parameters, PinParameters, SpaceParameters
 
 
 def variables(options: BuildOptions) -> list[Variable]:
@@ -21,7 +21,9 @@ def signals(options: BuildOptions) -> list[Variable]:
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
     if options.mounted:
         acting, answers = acting + block_inputs(), answers + block_outputs()
-    return acting + answers + parameters(bool(pins))
+    if options.in_space:
+        answers = answers + space_outputs()
+    return acting + answers + parameters(bool(pins), options.in_space is not None)
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
@@ -354,12 +356,35 @@ def block_outputs() -> list[Variable]:
     ]
 
 
-def parameters(floating: bool = False) -> list[Variable]:
-    """What a user may set, as `Parameters` declares it, and `PinParameters` of a floating pin."""
-    defaults = vars(Parameters()) | vars(PinParameters())
+def space_outputs() -> list[Variable]:
+    """Motion of a piston out of the plane of the crank, and what holds it."""
+    return [
+        output_variable("pin_axis_displacement", "m", "Displacement of A along the pin, +z", 1e-5),
+        output_variable(
+            "roll_angle", "rad", "Rotation of the piston about +x, held pin_tilt included", 1e-3
+        ),
+        output_variable("yaw_angle", "rad", "Rotation of the piston about +y", 1e-3),
+        output_variable("pin_axis_velocity", "m/s", "Velocity of A along the pin", 1e-2),
+        output_variable("roll_velocity", "rad/s", "Angular velocity about +x", 1.0),
+        output_variable("yaw_velocity", "rad/s", "Angular velocity about +y", 1.0),
+        output_variable(
+            "pin_axis_side_force", "N", "Force of the piston on the bore through the film, +z", 1e2
+        ),
+        output_variable("rod_force_z", "N", "Stop and damper of the rod on the pin, along z", 10.0),
+        output_variable("rod_moment_x", "N.m", "Of the rod's eye on the pin about +x", 1.0),
+        output_variable("rod_moment_y", "N.m", "Of the rod's eye on the pin about +y", 1.0),
+    ]
+
+
+def parameters(floating: bool = False, in_space: bool = False) -> list[Variable]:
+    """What a user may set, as `Parameters` declares it, `PinParameters` of a floating pin and
+    `SpaceParameters` of a piston that moves in space.
+    """
+    kinds = [Parameters, *[PinParameters] * floating, *[SpaceParameters] * in_space]
+    defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     return [
         Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)
-        for kind in (Parameters, PinParameters)[: 1 + floating]
+        for kind in kinds
         for one in fields(kind)
     ]
 

@@ -14,6 +14,8 @@ account            what they took from the film over it
 model              one step after the other
 floating_pin       equations of motion of a pin on films of its own (K, D)
 pin_model          the model with them
+motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
+space_model        the model with them
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)
 start_state        start where another run stood

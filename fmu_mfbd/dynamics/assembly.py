@@ -32,15 +32,22 @@ from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
-from .parameters import Parameters, PinParameters
+from .motion_in_space import Bodies, SpaceBody, Stop
+from .parameters import Parameters, PinParameters, SpaceParameters
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
+from .space_model import PistonInSpace
 
 PIN_SHARE = 0.25
 """Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
 
+
+PIN_LENGTH = 1.5
+"""Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
+short of the skirt's two radii.
+"""
 
 TURN = 721
 """Crank angles of a turn at which the skirt has to be in the bore."""
@@ -144,6 +151,41 @@ def assemble_floating(
     )
 
 
+def assemble_in_space(
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    parameters: Parameters,
+    space: SpaceParameters,
+) -> PistonInSpace:
+    """The model of a rigid piston that moves in space; `space` are its own parameters, others as of
+    `assemble`.
+
+    Eq. (J21):  m_pin (R^2/4 + L^2/12)      of a solid pin about a diameter
+    """
+    assert options.in_space
+    planar = assemble(piston, block, options, parameters)
+    S_x, S_y = piston.S
+    body = SpaceBody(
+        piston.mass,
+        np.array([S_x, S_y, options.in_space.first_moment_z]),
+        options.in_space.inertia,
+    )
+    radius = pin_radius(piston.radius, parameters)
+    length = PIN_LENGTH * piston.radius
+    solid = parameters.pin_mass * (radius**2 / 4 + length**2 / 12)  # Eq. (J21)
+    bodies = Bodies(
+        piston=body,
+        mechanism=planar.system.mechanism,
+        pin_inertia=space.pin_cross_inertia or solid,
+        tilt=parameters.pin_tilt,
+        pin_offset=options.piston.pin_offset,
+        along=Stop(space.pin_axial_play, space.pin_axial_stiffness, space.pin_axial_damping),
+        askew=Stop(space.pin_tilt_play, space.pin_tilt_stiffness, space.pin_tilt_damping),
+    )
+    return PistonInSpace(planar, bodies)
+
+
 def damping(
     omega: np.ndarray,
     bands: Sequence[DampingBand],
@@ -239,6 +281,8 @@ def faults(
         )
     if options.floating_pin:
         out += floating_faults(piston, block, parameters, bosses)
+    if options.in_space:
+        out += space_faults(piston, block, parameters)
     height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
     lowest = height_of_A.min() + piston.skirt_lower
     highest = height_of_A.max() + piston.skirt_upper
@@ -303,6 +347,17 @@ def floating_faults(
         given = getattr(parameters, name)
         if given not in (0.0, getattr(usual, name)):
             out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
+    return out
+
+
+def space_faults(piston: ReducedPiston, block: ReducedBlock, parameters: Parameters) -> list[str]:
+    """Sentences about what does not go with motion in space."""
+    out = []
+    modes = len(block.omega) + len(piston.omega)
+    if modes:
+        out.append(f"motion_in_space: bodies must be rigid, these have {modes} modes")
+    if parameters.crank_free:
+        out.append("crank_free = 1: must be 0 with motion in space")
     return out
 
 

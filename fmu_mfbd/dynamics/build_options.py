@@ -112,6 +112,22 @@ class FloatingPin:
         return dict(zip(PIN_SURFACES, (self.boss_length, self.boss_length, self.small_end_length)))
 
 
+@dataclass(frozen=True)
+class InSpace:
+    """Inertia of a rigid piston that moves in space, beside that in its plane.
+
+    Parameters
+    ----------
+    first_moment_z : float
+        Mass times z of the centre of mass from A [kg m].
+    inertia : ndarray, shape (3, 3)
+        Tensor about A [kg m2].
+    """
+
+    first_moment_z: float
+    inertia: np.ndarray
+
+
 class FilmGrid(NamedTuple):
     """Fields of a film surface: what their names begin with, and their shape."""
 
@@ -147,6 +163,8 @@ class BuildOptions:
         None: the pin is tied.
     mounted : bool
         Whether the block moves as another participant says, and says what presses on it.
+    in_space : InSpace, optional
+        None: the piston moves in its plane.
     """
 
     grid: tuple[int, int]
@@ -160,6 +178,7 @@ class BuildOptions:
     surfaces: tuple[SurfaceOptions, ...] = ()
     floating_pin: FloatingPin | None = None
     mounted: bool = False
+    in_space: InSpace | None = None
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """All film surfaces of the skirt, at least one."""
@@ -192,6 +211,8 @@ class BuildOptions:
             del content["floating_pin"]["bosses"]
         if not self.mounted:  # an FMU with a block at rest stays the same file
             del content["mounted"]
+        if self.in_space is None:  # likewise of a piston in its plane
+            del content["in_space"]
         parts = {}
         if self.skirt is not None:
             parts = {
@@ -214,6 +235,7 @@ class BuildOptions:
         speed = content["speed"]
         start = content["start"]
         pin = content.get("floating_pin")
+        space = content.get("in_space")
         return cls(
             grid=(around, along),
             piston=PistonOptions(**piston),
@@ -226,6 +248,7 @@ class BuildOptions:
             surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
             floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
             mounted=content.get("mounted", False),
+            in_space=InSpace(**_arrays(space)) if space else None,
         )
 
 

@@ -166,3 +166,41 @@ class PinParameters:
         0.0,
         1.0,
     )
+
+
+@dataclass(frozen=True)
+class SpaceParameters:
+    """Those of a body FMU whose piston moves in space, beside `Parameters`, in SI; what holds the
+    piston across its plane beside the film is our own choice (`motion_in_space`).
+    """
+
+    pin_axial_play: float = _declared(
+        "m",
+        "Way of the piston along the pin to either side before boss meets rod",
+        0.5e-3,
+        0.0,
+        0.1,
+    )
+    pin_axial_stiffness: float = _declared(
+        "N/m", "Of boss against rod along the pin, beyond the play", 1e7, 0.0, 1e12
+    )
+    pin_axial_damping: float = _declared(
+        "N.s/m", "Of the motion along the pin in the rod's eye", 10.0, 0.0, 1e6
+    )
+    pin_tilt_play: float = _declared(
+        "rad", "Tilt of the pin in the rod's eye before both its ends bear", 1e-3, 0.0, 0.1
+    )
+    pin_tilt_stiffness: float = _declared(
+        "N.m/rad", "Of rod and eye against roll and yaw, beyond the play", 3e4, 0.0, 1e9
+    )
+    pin_tilt_damping: float = _declared(
+        "N.m.s/rad", "Of roll and yaw in the rod's eye", 1.0, 0.0, 1e6
+    )
+    pin_cross_inertia: float = _declared(
+        "kg.m2",
+        "Of the pin about a diameter, at its middle; 0: that of a solid cylinder of its mass and "
+        "radius, 1.5 skirt radii long",
+        0.0,
+        0.0,
+        10.0,
+    )

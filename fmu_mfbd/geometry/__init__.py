@@ -2,6 +2,7 @@
 
 film         thickness, sliding, forces back
 pin          films of a pin in its shells
+space        shift along the pin, roll and yaw
 profile      machined, measured, heated shapes (I)
 grid         cell centres on the developed skirt
 modal_field  modal displacement on a grid

@@ -1,0 +1,475 @@
+"""Equations of motion of a rigid piston in space on a tied pin, in coordinates [x_A, rocking angle,
+z, roll, yaw].
+
+z is the shift of A along the pin, +z; roll and yaw are rotations about x and y of the axes that
+turn with the rocking angle. They are small, and the equations of first order in them; the motion in
+the plane is that of `piston_motion`. The rod stays in its plane: its eye slides along the pin, and
+holds it square by what `Stop` says.
+
+How stiff rod and eye are. The rod's bending across its plane, 3 E I/L = 95 kN m/rad for a web of
+15 000 mm^4 and 100 mm, the eye and the big end in series with it, and the play of both in their
+bearings: 2 C/b, 0.8 mrad for an eye of 36 mm with 15 um. Stiffness, damping and play along the pin
+are our own choice; no measured ones could be found.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.pin import across, turned
+from .generalised_alpha import Motion
+from .pin_friction import friction_moment
+from .piston_motion import LATERAL, ROCKING, lateral_motion
+from .slider_crank import CrankMotion, Link, Mechanism, RodTurn, carried_mass, motion, rod_turn
+
+SHIFT, ROLL, YAW = 2, 3, 4
+"""Coordinates beside x_A and the rocking angle."""
+
+COORDINATES = 5
+
+IN_SPACE = slice(SHIFT, COORDINATES)
+"""Those that a piston in its plane has not."""
+
+
+class SpaceBody(NamedTuple):
+    """Inertia of a rigid piston: mass [kg], first moment (3,) [kg m] and tensor of inertia (3, 3)
+    [kg m2], both about A in its own axes.
+    """
+
+    mass: float
+    S: np.ndarray
+    J: np.ndarray
+
+
+class Stop(NamedTuple):
+    """What holds a motion: nothing but a damper within a play, a spring beyond it.
+
+    Parameters
+    ----------
+    play : float
+        To either side [m], [rad].
+    stiffness, damping : float
+        [N/m], [N s/m], or [N m/rad], [N m s/rad].
+    """
+
+    play: float
+    stiffness: float
+    damping: float
+
+
+class Bodies(NamedTuple):
+    """Everything that moves, and what holds it.
+
+    Parameters
+    ----------
+    piston : SpaceBody
+    mechanism : Mechanism
+    pin_inertia : float
+        Of the pin about a diameter, at A [kg m2].
+    tilt : float
+        Held roll of the rod's eye [rad]: the coordinate roll counts from it.
+    pin_offset : float
+        x of A from the skirt's axis [m].
+    along, askew : Stop
+        Of rod and bosses along the pin; of the pin in the rod's eye, about any axis across it.
+    """
+
+    piston: SpaceBody
+    mechanism: Mechanism
+    pin_inertia: float
+    tilt: float
+    pin_offset: float
+    along: Stop
+    askew: Stop
+
+
+class SpaceLoad(NamedTuple):
+    """Forces on the piston at the end of a step, all but the pin's.
+
+    Parameters
+    ----------
+    lateral, axial, moment, guided : float
+        As of `piston_motion.Load`; `guided` acts on the bore's axis in z too.
+    across : ndarray, shape (3,)
+        On [z, roll, yaw], without what `guided` adds away from z = 0 [N], [N m], [N m].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+    guided: float
+    across: np.ndarray
+
+
+class Held(NamedTuple):
+    """Force of a `Stop`, opposite to the motion, (n,), and its slopes against position and
+    velocity, (n, n).
+    """
+
+    force: np.ndarray
+    by_position: np.ndarray
+    by_velocity: np.ndarray
+
+
+class Spin(NamedTuple):
+    """How a body moves in axes that turn with the rocking angle, each (3,).
+
+    Parameters
+    ----------
+    acceleration : ndarray
+        Of A in space [m/s2].
+    tilt : ndarray
+        Rotation of the body in these axes, small [rad].
+    velocity, change : ndarray
+        Angular velocity in space [rad/s], and its change there [rad/s2].
+    """
+
+    acceleration: np.ndarray
+    tilt: np.ndarray
+    velocity: np.ndarray
+    change: np.ndarray
+
+
+class Place(NamedTuple):
+    """Where everything stands: link, rod, axes R (2, 2), acceleration of A (2,) in space, piston,
+    and the piston with the pin, which turns with it but for the rocking angle.
+    """
+
+    link: Link
+    rod: RodTurn
+    axes: np.ndarray
+    of_A: np.ndarray
+    spin: Spin
+    together: SpaceBody
+
+
+class Lack(NamedTuple):
+    """What the equations lack, and the forces between the bodies.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (5,)
+        [N], [N m], [N], [N m], [N m].
+    on_piston : ndarray, shape (2,)
+        Force of the pin on the piston, along x and y [N].
+    pin_moment : float
+        Of pin friction on the piston [N m].
+    from_rod : ndarray, shape (2,)
+        Force of the rod on the pin, along x and y [N].
+    held : ndarray, shape (3,)
+        Of the rod on the pin: force along z of stop and damper [N], moments about x and y [N m].
+    torque : float
+        Of the drive on the crank [N m].
+    """
+
+    residual: np.ndarray
+    on_piston: np.ndarray
+    pin_moment: float
+    from_rod: np.ndarray
+    held: np.ndarray
+    torque: float
+
+
+def skew(vector: np.ndarray) -> np.ndarray:
+    """Matrix, (3, 3), of v x."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> Held:
+    """What a stop does against a motion in any direction, of n coordinates.
+
+    Eq. (K17):  F = k max(0, |q| - play) q/|q| + d q'
+
+    Parameters
+    ----------
+    stop : Stop
+    position, velocity : ndarray, shape (n,)
+    """
+    unit = np.eye(len(position))
+    size = float(np.linalg.norm(position))
+    damper = stop.damping * unit
+    if size <= stop.play:
+        return Held(stop.damping * velocity, 0.0 * unit, damper)
+    # Eq. (K17)
+    share = 1 - stop.play / size if size > 0.0 else 1.0
+    along = np.outer(position, position) / size**2 if size > 0.0 else unit
+    force = stop.stiffness * share * position + stop.damping * velocity
+    return Held(force, stop.stiffness * (share * unit + (1 - share) * along), damper)
+
+
+def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
+    """Force [N] and moment about A [N m] that a motion needs, (3,) each, in the turning axes.
+
+    Eq. (D26):  F = m a + W' x S' + W x (W x S'),   M = S' x a + J' W' + W x J' W
+                S' = S + t x S,   J' = J + [t] J - J [t]
+
+    a: acceleration of A, t: tilt, W: angular velocity. Of first order in the tilt.
+
+    Parameters
+    ----------
+    body : SpaceBody
+    spin : Spin
+    """
+    t = skew(spin.tilt)
+    w = skew(spin.velocity)
+    # Eq. (D26)
+    S = body.S + t @ body.S
+    J = body.J + t @ body.J - body.J @ t
+    force = body.mass * spin.acceleration + (skew(spin.change) + w @ w) @ S
+    moment = skew(S) @ spin.acceleration + J @ spin.change + w @ (J @ spin.velocity)
+    return force, moment
+
+
+def needed_change(body: SpaceBody, spin: Spin, by: Spin) -> tuple[np.ndarray, np.ndarray]:
+    """Derivative of `needed` along n changes of the motion, `by` with arrays (3, n): both
+    (3, n).
+    """
+    t = skew(spin.tilt)
+    w = skew(spin.velocity)
+    S = body.S + t @ body.S
+    J = body.J + t @ body.J - body.J @ t
+    of_S = -skew(body.S) @ by.tilt
+
+    def turning(vector):
+        """J' v by the tilt, v held."""
+        return body.J @ skew(vector) - skew(body.J @ vector)
+
+    force = body.mass * by.acceleration - skew(S) @ by.change
+    force = force + (skew(spin.change) + w @ w) @ of_S
+    force = force - (w @ skew(S) + skew(w @ S)) @ by.velocity
+    moment = skew(S) @ by.acceleration - skew(spin.acceleration) @ of_S + J @ by.change
+    moment = moment + (w @ J - skew(J @ spin.velocity)) @ by.velocity
+    moment = moment + (turning(spin.change) + w @ turning(spin.velocity)) @ by.tilt
+    return force, moment
+
+
+def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
+    """Where everything stands.
+
+    Eq. (K18):  A'' = (x_A'', Y'', z''),   t = (roll, yaw, 0),   W = (roll', yaw', w)
+                W' = (roll'' - w yaw', yaw'' + w roll', w')        w the rocking velocity
+
+    Parameters
+    ----------
+    bodies : Bodies
+    now : Motion
+        n = 5.
+    crank : CrankMotion
+    """
+    mechanism = bodies.mechanism
+    q, dq, ddq = now
+    link = motion(mechanism, lateral_motion(now), crank)
+    rod = rod_turn(mechanism, q[LATERAL], dq[LATERAL], crank.angle, crank.speed)
+    axes = turned(q[ROCKING])
+    # Eq. (K18)
+    of_A = np.array([ddq[LATERAL], link.axial_acceleration])
+    w = dq[ROCKING]
+    spin = Spin(
+        acceleration=np.array([*(axes.T @ of_A), ddq[SHIFT]]),
+        tilt=np.array([bodies.tilt + q[ROLL], q[YAW], 0.0]),
+        velocity=np.array([dq[ROLL], dq[YAW], w]),
+        change=np.array([ddq[ROLL] - w * dq[YAW], ddq[YAW] + w * dq[ROLL], ddq[ROCKING]]),
+    )
+    return Place(link, rod, axes, of_A, spin, with_pin(bodies))
+
+
+def with_pin(bodies: Bodies) -> SpaceBody:
+    """The piston with the pin's inertia about its diameters; the pin does not turn with the rocking
+    angle, and its mass at A is counted apart.
+    """
+    thin = bodies.pin_inertia * np.diag([1.0, 1.0, 0.0])
+    return bodies.piston._replace(J=bodies.piston.J + thin)
+
+
+def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) -> Lack:
+    """Residual of the equations of motion.
+
+    Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
+                angle:  M_z - M - (moment + guided x_A) = 0
+                z:      F_z + m_pin z'' - roll (T_y - guided) + yaw T_x - load_z + K_z = 0
+                roll:   M_x - z (T_y - guided) - load_roll + K_roll = 0
+                yaw:    M_y + z T_x + roll guided (p + x_A) - load_yaw + K_yaw = 0
+                G = R F - load,   T = G + m_pin A''
+    F, M of Eq. (D26), of piston and pin; G: force of the pin on the piston; T: that of the rod on
+    the pin, square to it, in the rod's plane; M: friction of the pin (Eq. (K7)); K: what stops and
+    dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw = 0 the first two are Eq. (D5).
+    Gas stays on the bore's axis and leans with the crown: upright, it would not balance the rod's
+    force under a pin that has rolled with the piston. The moment about A that leaning has by the
+    height of the rings is left out, as it is in the plane (Eq. (D8)).
+
+    Parameters
+    ----------
+    bodies : Bodies
+    load : SpaceLoad
+    now : Motion
+        n = 5.
+    crank : CrankMotion
+    """
+    mechanism = bodies.mechanism
+    at = place_of(bodies, now, crank)
+    force, moment = needed(at.together, at.spin)
+    *in_plane, force_z = force
+    moment_x, moment_y, moment_z = moment
+    # Eq. (D27)
+    on_piston = at.axes @ in_plane - [load.lateral, load.axial]
+    pull = on_piston + mechanism.pin_mass * at.of_A
+    slip = now.velocity[ROCKING] - at.rod.velocity
+    pin_x, pin_y = on_piston
+    friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip).moment
+    q = now.position
+    roll, yaw, _ = at.spin.tilt
+    pull_x, pull_y = pull
+    stopped = _held(bodies, now)
+    along, about_x, about_y = np.concatenate([one.force for one in stopped])
+    load_z, load_roll, load_yaw = load.across
+    rod_force = at.link.rod_force + friction * at.rod.slope
+    square = roll * (pull_y - load.guided) - yaw * pull_x
+    z = q[SHIFT]
+    arm = bodies.pin_offset + q[LATERAL]
+    residual = np.array(
+        [
+            pull_x + at.link.slope * pull_y + rod_force,
+            moment_z - friction - (load.moment + load.guided * q[LATERAL]),
+            force_z + mechanism.pin_mass * now.acceleration[SHIFT] - square - load_z + along,
+            moment_x - z * (pull_y - load.guided) - load_roll + about_x,
+            moment_y + z * pull_x + roll * load.guided * arm - load_yaw + about_y,
+        ]
+    )
+    lever = at.link.slope * mechanism.crank_radius * np.cos(crank.angle)
+    lever -= mechanism.crank_radius * np.sin(crank.angle)
+    torque = pull_y * lever + at.link.rod_moment + friction * at.rod.lever
+    holding = -np.array([along, about_x, about_y])
+    return Lack(residual, on_piston, friction, pull, holding, float(torque))
+
+
+def _held(bodies, now):
+    """What holds z, and what roll and yaw."""
+    ways = (bodies.along, slice(SHIFT, ROLL)), (bodies.askew, slice(ROLL, COORDINATES))
+    return [held(stop, now.position[way], now.velocity[way]) for stop, way in ways]
+
+
+def tangent(
+    bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion, c1: float, c2: float
+) -> np.ndarray:
+    """Derivative of the residual (Eq. (D27)), (5, 5), when each end acceleration moves its velocity
+    by c1 [s] and its position by c2 [s2].
+
+    Parameters
+    ----------
+    bodies, load, now, crank
+        As for `imbalance`.
+    c1, c2 : float
+        `Coefficients.to_velocity`, `Coefficients.to_position`.
+    """
+    mechanism = bodies.mechanism
+    at = place_of(bodies, now, crank)
+    link = at.link
+    rod = at.rod
+    unit = np.eye(COORDINATES)
+    lateral, rocking, shift, roll, yaw = unit
+    roll_now, yaw_now, _ = at.spin.tilt
+    turning_x, turning_y, turning_z = at.spin.velocity
+
+    axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
+    by_A = np.array([lateral, axial * lateral])
+    # A's acceleration in axes that turn
+    in_axes = at.axes.T @ by_A - np.outer(across(at.axes.T @ at.of_A), c2 * rocking)
+    none = np.zeros(COORDINATES)
+    changed_x = roll - c1 * (turning_z * yaw + turning_y * rocking)
+    changed_y = yaw + c1 * (turning_z * roll + turning_x * rocking)
+    by = Spin(
+        acceleration=np.vstack([in_axes, shift]),
+        tilt=c2 * np.array([roll, yaw, none]),
+        velocity=c1 * np.array([roll, yaw, rocking]),
+        change=np.array([changed_x, changed_y, rocking]),
+    )
+    force, _ = needed(at.together, at.spin)
+    by_force, by_moment = needed_change(at.together, at.spin, by)
+    by_x, by_y, by_z = by_force
+    about_x, about_y, about_z = by_moment
+    on_piston = at.axes @ [by_x, by_y]
+    on_piston = on_piston + np.outer(across(at.axes @ force[:2]), c2 * rocking)
+    pull = on_piston + mechanism.pin_mass * by_A
+    lack = imbalance(bodies, load, now, crank)
+    slip = now.velocity[ROCKING] - rod.velocity
+    pin_x, pin_y = lack.on_piston
+    friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip)
+    by_slip = c1 * rocking - (c1 * rod.slope + c2 * rod.velocity_slope) * lateral
+    rubbing = friction.by_x * on_piston[0] + friction.by_y * on_piston[1]
+    rubbing = rubbing + friction.by_slip * by_slip
+    pull_x, pull_y = lack.from_rod
+    bent = c2 * (link.curvature * pull_y + friction.moment * rod.curvature)
+    bent += link.rod_force_by_acceleration + c1 * link.rod_force_by_velocity
+    bent += c2 * link.rod_force_by_position
+    z = now.position[SHIFT]
+    free = pull_y - load.guided
+    arm = bodies.pin_offset + now.position[LATERAL]
+    leaning = load.guided * (arm * roll + roll_now * lateral)
+    square = roll_now * pull[1] - yaw_now * pull[0] + c2 * (free * roll - pull_x * yaw)
+    out = np.array(
+        [
+            pull[0] + link.slope * pull[1] + bent * lateral + rod.slope * rubbing,
+            about_z - rubbing - c2 * load.guided * lateral,
+            by_z + mechanism.pin_mass * shift - square,
+            about_x - z * pull[1] - c2 * free * shift,
+            about_y + z * pull[0] + c2 * (pull_x * shift + leaning),
+        ]
+    )
+    along, askew = (c2 * one.by_position + c1 * one.by_velocity for one in _held(bodies, now))
+    out[SHIFT, SHIFT] += along[0, 0]
+    out[ROLL:, ROLL:] += askew
+    return out
+
+
+def pushed(
+    bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion, change: SpaceLoad
+) -> np.ndarray:
+    """What a change of the load adds to the residual (Eq. (D27)), shape (5,)."""
+    at = place_of(bodies, now, crank)
+    lack = imbalance(bodies, load, now, crank)
+    slip = now.velocity[ROCKING] - at.rod.velocity
+    pin_x, pin_y = lack.on_piston
+    friction = friction_moment(bodies.mechanism.friction, float(pin_x), float(pin_y), slip)
+    roll, yaw, _ = at.spin.tilt
+    z = now.position[SHIFT]
+    pull_x, pull_y = -change.lateral, -change.axial
+    rubbing = friction.by_x * pull_x + friction.by_y * pull_y
+    turning = change.moment + change.guided * now.position[LATERAL]
+    arm = bodies.pin_offset + now.position[LATERAL]
+    out = np.array(
+        [
+            pull_x + at.link.slope * pull_y + at.rod.slope * rubbing,
+            -rubbing - turning,
+            yaw * pull_x - roll * (pull_y - change.guided),
+            -z * (pull_y - change.guided),
+            z * pull_x + roll * arm * change.guided,
+        ]
+    )
+    out[IN_SPACE] -= change.across
+    return out
+
+
+def inertia(bodies: Bodies) -> np.ndarray:
+    """M, (5, 5), of the motion across the bore.
+
+    Eq. (D28):  q' . M q' = (m + m_pin) |V|^2 + 2 V . (W x S) + W . J W
+                V = (x_A', 0, z'),   W = (roll', yaw', rocking velocity)       the piston upright
+
+    Driven motion along the bore is none of it, nor is the rod, as with a piston in its plane.
+    """
+    body = with_pin(bodies)
+    lateral, rocking, shift, roll, yaw = np.eye(COORDINATES)
+    V = np.array([lateral, np.zeros(COORDINATES), shift])
+    W = np.array([roll, yaw, rocking])
+    # Eq. (D28)
+    coupled = V.T @ (-skew(body.S)) @ W
+    mass = body.mass + bodies.mechanism.pin_mass
+    return mass * V.T @ V + coupled + coupled.T + W.T @ body.J @ W
+
+
+def inertia_with_rod(bodies: Bodies) -> np.ndarray:
+    """M of `inertia` and of the rod that swings with x_A (Eq. (K12))."""
+    M = inertia(bodies)
+    M[LATERAL, LATERAL] += carried_mass(bodies.mechanism)
+    return M

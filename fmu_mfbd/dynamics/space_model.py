@@ -1,0 +1,370 @@
+"""A rigid piston that moves in space: the model of `model.PistonInBore` with shift along the pin,
+roll and yaw beside the motion in the plane of the crank. Five equations, in plain numpy.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..geometry.film import NodalForces, film_now, opening, sliding
+from ..geometry.space import Levers, levers, slope_around
+from .energy import Ledger
+from .generalised_alpha import Coefficients, Motion, predict
+from .impact import Inertia, limit_memory
+from .instant import (
+    NO_RINGS,
+    Instant,
+    OtherForces,
+    RingForce,
+    forces_by_film,
+    part_of,
+    together,
+    window_of,
+    work_error,
+)
+from .model import NOT_CARRIED, Inputs, PistonInBore
+from .motion_in_space import (
+    COORDINATES,
+    IN_SPACE,
+    ROLL,
+    SHIFT,
+    YAW,
+    Bodies,
+    Lack,
+    SpaceLoad,
+    imbalance,
+    inertia,
+    inertia_with_rod,
+    pushed,
+    tangent,
+    with_pin,
+)
+from .piston_motion import LATERAL, RIGID, ROCKING, Load, lateral_motion
+from .slider_crank import CrankMotion, height, motion, rod_turn
+
+PASSES = 60
+"""Most iterations of Newton's method; its tangent is exact, three are usual."""
+
+NO_MODES = np.zeros(0)
+"""Modal coordinates of rigid bodies."""
+
+
+class Solved(NamedTuple):
+    """The end of a step: load, motion, what the equations lack, how often they were evaluated (0:
+    not solved), and the last change of accelerations [m/s2, rad/s2].
+    """
+
+    load: SpaceLoad
+    end: Motion
+    lack: Lack
+    evaluations: int
+    change: float
+
+
+class LastInSpace(NamedTuple):
+    """What a derivative at the end of the last step starts from."""
+
+    coefficients: Coefficients
+    solved: Solved
+    crank: CrankMotion
+    guided: float
+    levers: tuple[Levers, ...]
+
+
+class PistonInSpace(PistonInBore):
+    """Rigid piston in a rigid bore, with five coordinates.
+
+    Parameters
+    ----------
+    planar : PistonInBore
+        The same in its plane, without modes.
+    bodies : motion_in_space.Bodies
+    """
+
+    def __init__(self, planar: PistonInBore, bodies: Bodies):
+        vars(self).update(vars(planar))
+        self.coordinates = COORDINATES
+        self.bodies = bodies
+        self.around = tuple(slope_around(one.bore) for one in self.system.surfaces)
+        self.inertia = inertia(bodies)
+        self.with_rod = inertia_with_rod(bodies)
+
+    def _instant(
+        self,
+        c: Coefficients,
+        before: Motion,
+        auxiliary: np.ndarray,
+        crank: CrankMotion,
+        others: OtherForces,
+        inputs: Inputs,
+    ) -> Instant:
+        """Everything at the end of a step, as `instant.end_of_step`."""
+        system = self.system
+        guided = height(system.mechanism, 0.0, crank.angle)
+        guided_velocity = guided.lever * crank.speed
+        push = np.ravel(inputs.pressure_force)
+        drag = np.ravel(inputs.friction_force)
+        nodal = self._nodal(push, drag)
+        sides = self._levers(guided.height)
+        each = [side.forces(one) for side, one in zip(sides, nodal)]
+        across = np.sum(each, axis=0)
+        parts = forces_by_film(system, guided.height, push, drag)
+        skirt = together(system, parts)
+        along_bore = others.gas - others.rings.axial
+        load = SpaceLoad(
+            lateral=skirt.lateral + others.rings.lateral,
+            axial=skirt.axial - along_bore,
+            moment=skirt.moment + system.pin_offset * along_bore + others.rings.moment,  # Eq. (D8)
+            guided=along_bore,
+            across=across,
+        )
+        solved = self._solved(c, before, auxiliary, load, crank)
+        self._space = LastInSpace(c, solved, crank, guided.height, sides)
+        end = solved.end
+        carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
+        kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+        impact = self._limit(before, kept, carried, c.step)
+
+        now = height(system.mechanism, end.position[LATERAL], crank.angle)
+        axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
+        shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
+        gaps = []
+        velocities = []
+        errors = []
+        on_slopes = 0.0  # axial force of pressure on bores that are not straight
+        for k, surface in enumerate(system.surfaces):
+            side, forces = sides[k], nodal[k]
+            film = film_now(
+                surface.skirt,
+                surface.bore,
+                window_of(surface, guided.height),
+                forces,
+                axial_velocity,
+                guided_velocity,
+                end.position[:RIGID],
+                end.velocity[:RIGID],
+            )
+            slid = side.sliding * shifting[ROLL - SHIFT]
+            gaps.append((film.film_thickness + side.opening(shift)).ravel())
+            velocities.append((film.sliding_velocity + slid).ravel())
+            on_grid = forces.pressure * side.opening(shifting) + forces.friction * slid
+            work = each[k] * shifting
+            size = np.abs(on_grid).sum() + np.abs(work).sum()
+            film = film._replace(
+                power=film.power + float(on_grid.sum() - work.sum()),
+                power_size=film.power_size + float(size),
+            )
+            part = part_of(system, parts, k)
+            in_plane = end.velocity[:RIGID]
+            errors.append(work_error(part, film, axial_velocity, guided_velocity, in_plane))
+            on_slopes += film.axial_force
+        driven = c.step * (skirt.axial * axial_velocity + on_slopes * guided_velocity)
+        films = np.array([skirt.lateral, skirt.moment, *across])
+        lack = solved.lack
+        pin_x, pin_y = lack.on_piston
+        rod = rod_turn(
+            system.mechanism,
+            end.position[LATERAL],
+            end.velocity[LATERAL],
+            crank.angle,
+            crank.speed,
+        )
+        return Instant(
+            position=end.position,
+            velocity=end.velocity,
+            acceleration=end.acceleration,
+            kept_velocity=kept.velocity,
+            kept_acceleration=kept.acceleration,
+            auxiliary=carried,
+            impact=impact,
+            ledger=self._ledger(before, kept, end, films, driven),
+            other_forces=self.with_rod @ end.acceleration - films,  # Eq. (D15)
+            guided=guided.height,
+            load=Load(load.lateral, load.axial, load.moment, load.guided, NO_MODES),
+            side_force=-skirt.lateral,
+            film_thickness=np.concatenate(gaps),
+            sliding_velocity=np.concatenate(velocities),
+            piston_position=now.height,
+            piston_velocity=axial_velocity,
+            pin_x=pin_x,
+            pin_y=pin_y - on_slopes,
+            pin_moment=lack.pin_moment,
+            torque=lack.torque - on_slopes * guided.lever,
+            pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
+            work_error=np.array(errors),
+            evaluations=solved.evaluations,
+            tangents=solved.evaluations,
+            change=solved.change,
+        )
+
+    def _nodal(self, push: np.ndarray, drag: np.ndarray) -> list[NodalForces]:
+        """Stacked forces by surface, on its grid."""
+        ends = np.cumsum([one.skirt.gap.size for one in self.system.surfaces])[:-1]
+        shapes = [one.skirt.gap.shape for one in self.system.surfaces]
+        fields = (np.split(one, ends) for one in (push, drag))
+        return [
+            NodalForces(one.reshape(shape), other.reshape(shape))
+            for one, other, shape in zip(*fields, shapes)
+        ]
+
+    def _levers(self, guided: float) -> tuple[Levers, ...]:
+        """Of all surfaces, A where it stands when x_A = 0 [m]."""
+        return tuple(
+            levers(surface, around, window_of(surface, guided))
+            for surface, around in zip(self.system.surfaces, self.around)
+        )
+
+    def _solved(
+        self,
+        c: Coefficients,
+        before: Motion,
+        auxiliary: np.ndarray,
+        load: SpaceLoad,
+        crank: CrankMotion,
+    ) -> Solved:
+        """Accelerations that fulfil Eq. (D27) at the end of a step, by Newton's method; a change
+        after which the next one is no smaller is halved, as in `piston_motion.end_accelerations`.
+        """
+        predicted = predict(c, before, auxiliary)
+        acceleration = before.acceleration.copy()
+        change = np.inf
+        step = np.zeros(COORDINATES)
+        share = 1.0
+        for evaluation in range(1, PASSES + 1):
+            end = Motion(
+                predicted.position + c.to_position * acceleration,
+                predicted.velocity + c.to_velocity * acceleration,
+                acceleration,
+            )
+            lack = imbalance(self.bodies, load, end, crank)
+            slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
+            fresh = np.linalg.solve(slope, lack.residual)
+            size = np.abs(acceleration).max()
+            left = np.abs(fresh).max()
+            # what grows again, or does not fall by ten, is round-off of forces that cancel
+            if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
+                return Solved(load, end, lack, evaluation, left)
+            if left > (1 - share / 4) * change:
+                share /= 2
+                acceleration = acceleration + share * step
+                continue
+            step = fresh
+            share = 1.0
+            change = left
+            acceleration = acceleration - step
+        return Solved(load, end, lack, 0, change)
+
+    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> bool:
+        """Bound what a step that was an impact hands on (Eq. (N7)), the motion in the plane and
+        that across it each by itself: z and roll are to one what x_A and the rocking angle are to
+        the other, the first moment with the other sign. Yaw meets no film that would stop it.
+        """
+        body = with_pin(self.bodies)
+        mass = body.mass + self.system.mechanism.pin_mass
+        in_plane = Inertia(mass, body.S[1], body.J[2, 2])
+        across = Inertia(mass, -body.S[1], body.J[0, 0])
+        stopped = False
+        for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
+            begun, ended = (
+                Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
+                for one in (before, kept)
+            )
+            stopped |= bool(limit_memory(rigid, begun, ended, carried[pair], step))
+        return stopped
+
+    def _ledger(
+        self, before: Motion, kept: Motion, end: Motion, films: np.ndarray, driven: float
+    ) -> Ledger:
+        """Energies as in `energy`, by the inertia of Eq. (D28)."""
+        M = self.with_rod
+        way = end.position - before.position
+        mean = (before.acceleration + end.acceleration) / 2
+        first = float(before.velocity @ M @ before.velocity)
+        last = float(kept.velocity @ M @ kept.velocity)
+        return Ledger(
+            kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
+            elastic=0.0,
+            film_work=float(films @ way) + driven,  # Eq. (D11)
+            error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
+            axial_work=driven,
+            accounted=last / 2,
+        )
+
+    def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
+        """Those of a piston in its plane, and those across it."""
+        position = now.position
+        velocity = now.kept_velocity
+        held_z, held_x, held_y = self._space.solved.lack.held
+        load = self._space.solved.load
+        return super()._outputs(now, crank) | {
+            "pin_axis_displacement": position[SHIFT],
+            "roll_angle": self.bodies.tilt + position[ROLL],
+            "yaw_angle": position[YAW],
+            "pin_axis_velocity": velocity[SHIFT],
+            "roll_velocity": velocity[ROLL],
+            "yaw_velocity": velocity[YAW],
+            "pin_axis_side_force": -load.across[0],
+            "rod_force_z": held_z,
+            "rod_moment_x": held_x,
+            "rod_moment_y": held_y,
+        }
+
+    def directional_derivative(
+        self,
+        pressure_force: np.ndarray,
+        friction_force: np.ndarray,
+        rings: RingForce = NO_RINGS,
+        carried: np.ndarray = NOT_CARRIED,
+    ) -> dict[str, np.ndarray | float]:
+        """Change of film and motion at the end of the last step with the forces at its end.
+
+        Eq. (D29):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D27)
+
+        Parameters
+        ----------
+        pressure_force, friction_force, rings
+            As of a piston in its plane.
+        carried : ndarray
+            Of no effect: the block stands still.
+        """
+        c, solved, crank, guided, sides = self._space
+        load, end = solved.load, solved.end
+        system = self.system
+        push = np.ravel(pressure_force)
+        drag = np.ravel(friction_force)
+        skirt = together(system, forces_by_film(system, guided, push, drag))
+        nodal = self._nodal(push, drag)
+        change = SpaceLoad(
+            lateral=skirt.lateral + rings.lateral,
+            axial=skirt.axial + rings.axial,
+            moment=skirt.moment + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
+            guided=-rings.axial,
+            across=np.sum([side.forces(one) for side, one in zip(sides, nodal)], axis=0),
+        )
+        if self._linear is None:
+            self._linear = np.linalg.inv(
+                tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
+            )
+            self.jacobian_evaluations += 1
+        acceleration = -self._linear @ pushed(self.bodies, load, end, crank, change)
+        # Eq. (D29)
+        place = c.to_position * acceleration
+        speed = c.to_velocity * acceleration
+        link = motion(system.mechanism, lateral_motion(end), crank)
+        rising = link.slope * speed[LATERAL] + link.axial_by_velocity / 2 * place[LATERAL]
+        gaps = []
+        velocities = []
+        for surface, side in zip(system.surfaces, sides):
+            window = window_of(surface, guided)
+            parts = surface.skirt, surface.bore, window
+            gap = opening(*parts, place[LATERAL], place[ROCKING], NO_MODES, NO_MODES)
+            slid = sliding(*parts, rising, speed[ROCKING], NO_MODES, NO_MODES)
+            gaps.append((gap + side.opening(place[IN_SPACE])).ravel())
+            velocities.append((slid + side.sliding * speed[ROLL]).ravel())
+        return {
+            **self._by_film("film_thickness", np.concatenate(gaps)),
+            **self._by_film("sliding_velocity", np.concatenate(velocities)),
+            "lateral_velocity": speed[LATERAL],
+            "rocking_velocity": speed[ROCKING],
+            "piston_velocity": rising,
+        }

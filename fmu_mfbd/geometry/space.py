@@ -1,0 +1,88 @@
+"""Film geometry of a piston that moves in space: what its shift along the pin (z), its roll (about
+x) and its yaw (about y) add to film thickness and sliding velocity, and forces back.
+
+Coordinates are [z, roll, yaw] of pin point A, small; arrays are (n_circumferential, n_axial) and
+the grid rides on the skirt, as in `film`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .film import Bore, FilmSurface, NodalForces, Window, on_rows
+
+SHIFT, ROLL, YAW = range(3)
+"""Coordinates beside those in the plane of the crank."""
+
+
+class Levers(NamedTuple):
+    """How the film sees them.
+
+    Parameters
+    ----------
+    thickness : ndarray, shape (3, c, a)
+        Change of film thickness by each coordinate [-], [m], [m].
+    sliding : ndarray, shape (c, a)
+        Change of sliding velocity with the velocity of roll [m].
+    """
+
+    thickness: np.ndarray
+    sliding: np.ndarray
+
+    def opening(self, coordinates: np.ndarray) -> np.ndarray:
+        """What coordinates, or their velocities, add to film thickness, or its rate, (c, a)."""
+        return np.tensordot(coordinates, self.thickness, 1)
+
+    def forces(self, film: NodalForces) -> np.ndarray:
+        """Generalised forces, (3,) [N], [N m], [N m].
+
+        Eq. (G7):  Q_k = sum F dh/dq_k + sum f dv/dq'_k        the transpose of Eqs. (H9), (H10)
+        """
+        # Eq. (G7)
+        out = np.tensordot(self.thickness, film.pressure, 2)
+        out[ROLL] += float((self.sliding * film.friction).sum())
+        return out
+
+
+def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:
+    """How a film surface sees the motion.
+
+    Eq. (H9):   h = .. - (z + roll y' + yaw p) cos theta + yaw dw/dtheta
+    Eq. (H10):  v = .. - roll' R cos theta
+                p the pin offset, w the bore's widening, R the skirt's radius; .. Eqs. (H1), (H2)
+
+    Of first order: A moves by z, the skirt turns by roll and yaw about A, which stands at p from
+    its axis; a point (R sin theta - p, y', R cos theta) from A comes outwards by
+    (z + roll y' + yaw p) cos theta. Yaw about the skirt's own axis changes nothing in a round bore:
+    barrel and ovality ride with the grid and have no part in it, and pressure on a round wall has
+    no moment about its axis. A bore that is not round is read at theta + yaw.
+
+    Parameters
+    ----------
+    surface : FilmSurface
+    around : ndarray, shape (knots, c)
+        Of its bore, by `slope_around`.
+    window : Window
+    """
+    skirt = surface.skirt
+    cosine = np.cos(skirt.angle)[:, None] * np.ones_like(skirt.gap)
+    # Eq. (H9)
+    turned = -skirt.pin_offset * cosine
+    if len(around):
+        rows = np.ascontiguousarray(around[window.first : window.first + window.knots])
+        turned = turned + on_rows(window, window.value, rows).T
+    thickness = np.array([-cosine, -skirt.height * cosine, turned])
+    return Levers(thickness, -skirt.radius * cosine)  # Eq. (H10)
+
+
+def slope_around(bore: Bore) -> np.ndarray:
+    """dw/dtheta of the undeformed bore, (knots, c) [m], as spline coefficients like `Bore.shape`.
+
+    By its Fourier series over the grid's angles: exact for orders below half of them. An order of
+    half of them has no slope on the grid.
+    """
+    count = bore.shape.shape[1]
+    orders = np.arange(count // 2 + 1.0)
+    if count % 2 == 0:
+        orders[-1] = 0.0
+    return np.fft.irfft(1j * orders * np.fft.rfft(bore.shape, axis=1), count, axis=1)

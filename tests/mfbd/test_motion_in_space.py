@@ -1,0 +1,983 @@
+"""A piston that moves in space: gap, forces and inertia by hand, the piston in its plane as the
+symmetric case, closed forms, derivatives, a free body and a whole stroke against Newton and Euler
+with large rotations.
+"""
+
+import dataclasses
+import importlib
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, assemble_in_space, faults
+from piston_cosim.fmu_mfbd.dynamics.build_options import (
+    BlockOptions,
+    BuildOptions,
+    InSpace,
+    PistonOptions,
+)
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.instant import RingForce, window_of
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
+    Bodies,
+    SpaceBody,
+    SpaceLoad,
+    Spin,
+    Stop,
+    held,
+    imbalance,
+    inertia,
+    needed,
+    needed_change,
+    pushed,
+    tangent,
+)
+from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
+from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.exudyn_reference import _settings
+from piston_cosim.fmu_mfbd.geometry.film import NodalForces
+from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
+from piston_cosim.fmu_mfbd.native import uncovered
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
+from piston_cosim.fmu_mfbd.variables import variables
+from piston_cosim.master.fmi.errors import BadInput
+
+from .test_floating_pin import CENTRE, GRID, PARAMETERS, SPEED, STEP
+from .test_floating_pin import bodies as flat_bodies
+
+OFFSET = 1e-3
+MASS = 1.39
+S = MASS * np.array([*CENTRE, 2e-3])
+J = np.array([[4.1e-3, -2e-4, 3e-4], [-2e-4, 3.7e-3, -1.5e-4], [3e-4, -1.5e-4, 3.98e-3]])
+SYMMETRIC = InSpace(0.0, np.diag([4.1e-3, 3.7e-3, 0.003 + MASS * float(CENTRE @ CENTRE)]))
+SKEWED = InSpace(S[2], J)
+NO_DAMPER = dict(pin_axial_damping=0.0, pin_tilt_damping=0.0)
+RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.02)
+
+
+def options(space=None, orders=()):
+    return BuildOptions(
+        GRID, PistonOptions("", 0, OFFSET), BlockOptions("", 0, orders), in_space=space
+    )
+
+
+def space_model(space=SKEWED, orders=(), parameters=RUBBING, **own):
+    return assemble_in_space(
+        *flat_bodies(), options(space, orders), parameters, SpaceParameters(**own)
+    )
+
+
+def flat_model(orders=()):
+    return assemble(*flat_bodies(), options(None, orders), RUBBING)
+
+
+# ---- the film
+
+
+def seen(model, coordinates, angle=0.7):
+    """Film thickness at rest with the piston out of its plane by [z, roll, yaw]."""
+    position = np.zeros(5)
+    position[2:] = coordinates
+    still = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
+    return model.start_moving(angle, position, np.zeros(5), still)[1]["film_thickness"]
+
+
+def test_film_thickness_by_hand():
+    """16 cells around: cell 0 on +z, cell 4 on +x; rows 4 and 7 from below at their own heights.
+    Shift and roll close the gap at +z, not at the thrust side; yaw moves A's offset of 1 mm.
+    """
+    model = space_model()
+    at_rest = seen(model, [0, 0, 0])
+    height = -45.5e-3 + 82.8e-3 * (np.arange(12) + 0.5) / 12
+    shifted, rolled, yawed = (seen(model, 1e-3 * one) - at_rest for one in np.eye(3))
+    half = np.sqrt(0.5)
+    for cell, cosine in ((0, 1.0), (2, half), (4, 0.0), (8, -1.0), (14, half)):
+        np.testing.assert_allclose(shifted[cell], -1e-3 * cosine, atol=1e-17)
+        np.testing.assert_allclose(rolled[cell], -1e-3 * cosine * height, atol=1e-17)
+        np.testing.assert_allclose(yawed[cell], -1e-6 * cosine, atol=1e-17)
+
+
+def test_a_distorted_bore_makes_yaw_matter_by_hand():
+    """Two lobes of 20 um, the first at 0.4 rad: dw/dtheta = -2 20 um sin(2 (theta - 0.4)) at every
+    height, and the same as the bore read at theta + yaw but for second order.
+    """
+    lobes = (BoreOrder(2, 20e-6, 0.4),)
+    model = space_model(orders=lobes)
+    theta = 2 * np.pi * np.arange(16) / 16
+    yaw = 1e-3
+    change = seen(model, [0, 0, yaw]) - seen(model, [0, 0, 0])
+    wanted = -40e-6 * np.sin(2 * (theta - 0.4)) * yaw - OFFSET * yaw * np.cos(theta)
+    np.testing.assert_allclose(change, np.repeat(wanted[:, None], 12, 1), atol=1e-15)
+    read = [fourier_bore(lobes, theta + way) for way in (0.0, yaw)]
+    np.testing.assert_allclose(
+        read[1] - read[0], change[:, 0] + OFFSET * yaw * np.cos(theta), atol=20e-6 * 4 * yaw**2
+    )
+
+
+def test_sliding_velocity_by_hand():
+    """Roll lifts the skirt at -z and lowers it at +z, by the skirt's radius."""
+    model = space_model()
+    still = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
+    velocity = np.array([0.0, 0.0, 3.0, 2.0, 5.0])
+    _, out = model.start_moving(0.7, np.zeros(5), velocity, still)
+    cosine = np.cos(2 * np.pi * np.arange(16) / 16)
+    wanted = np.repeat(-2.0 * 55e-3 * cosine[:, None], 12, 1)
+    np.testing.assert_allclose(out["sliding_velocity"], wanted, atol=1e-15)
+
+
+@pytest.mark.parametrize("cell", [(0, 2), (3, 9), (13, 11)])
+def test_forces_of_one_cell_by_hand(cell):
+    """r x F about A, which stands 1 mm off the skirt's axis: 7 N inwards and 2 N along y."""
+    model = space_model()
+    i, j = cell
+    push, drag = np.zeros(GRID), np.zeros(GRID)
+    push[cell], drag[cell] = 7.0, 2.0
+    theta = 2 * np.pi * i / 16
+    height = -45.5e-3 + 82.8e-3 * (j + 0.5) / 12
+    out = np.array([np.sin(theta), 0.0, np.cos(theta)])
+    arm = 55e-3 * out + [-OFFSET, height, 0.0]
+    force = -7.0 * out + [0.0, 2.0, 0.0]
+    (side,) = model._levers(0.28)
+    found = side.forces(NodalForces(push, drag))
+    moment = np.cross(arm, force)
+    np.testing.assert_allclose(found, [force[2], moment[0], moment[1]], atol=1e-15)
+
+
+def test_forces_are_the_transpose_of_gap_and_sliding():
+    """In a bore with lobes that change with height, random fields: to round-off."""
+    rng = np.random.default_rng(5)
+    model = space_model(orders=(BoreOrder(2, 30e-6, 0.4), BoreOrder(3, 10e-6, 1.0)))
+    (side,) = model._levers(0.28)
+    push, drag = rng.standard_normal((2, *GRID))
+    way = rng.standard_normal(3)
+    power = (push * side.opening(way) + drag * side.sliding * way[1]).sum()
+    assert side.forces(NodalForces(push, drag)) @ way == pytest.approx(power, rel=1e-12)
+    assert window_of(model.system.surfaces[0], 0.28).knots > 4
+
+
+# ---- stops
+
+
+def test_a_stop_by_hand():
+    """3, 4 from the middle: 5 away, 2 beyond the play, along (0.6, 0.8); the damper always."""
+    stop = Stop(3.0, 10.0, 0.5)
+    found = held(stop, np.array([3.0, 4.0]), np.array([1.0, -2.0]))
+    np.testing.assert_allclose(found.force, [12.5, 15.0])
+    within = held(stop, np.array([1.0, 2.0]), np.array([1.0, -2.0]))
+    np.testing.assert_allclose(within.force, [0.5, -1.0])
+    step = 1e-6
+    for k in range(2):
+        way = step * np.eye(2)[k]
+        ends = [held(stop, np.array([3.0, 4.0]) + s * way, np.zeros(2)).force for s in (1, -1)]
+        np.testing.assert_allclose(
+            found.by_position[:, k], (ends[0] - ends[1]) / (2 * step), atol=1e-8
+        )
+    np.testing.assert_allclose(held(Stop(0.0, 4.0, 0.0), np.zeros(2), np.zeros(2)).force, 0.0)
+
+
+# ---- inertia
+
+
+def exact_needed(acceleration, axes, omega, change):
+    """Newton and Euler of the skewed piston in space, rotated by `axes` (3, 3), all in space."""
+    first = axes @ S
+    tensor = axes @ J @ axes.T
+    force = MASS * acceleration + np.cross(change, first)
+    force = force + np.cross(omega, np.cross(omega, first))
+    moment = np.cross(first, acceleration) + tensor @ change
+    return force, moment + np.cross(omega, tensor @ omega)
+
+
+def test_inertia_forces_against_large_rotations():
+    """The same motion by rotation matrices: what is left falls with the square of the tilt."""
+    rng = np.random.default_rng(2)
+    acceleration, w, change = rng.standard_normal((3, 3))
+    body = SpaceBody(MASS, S, J)
+    apart = []
+    for size in (1e-2, 1e-3):
+        t = size * np.array([0.6, -0.8, 0.0])
+        found = needed(body, Spin(acceleration, t, w, change))
+        wanted = exact_needed(acceleration, Rotation.from_rotvec(t).as_matrix(), w, change)
+        apart.append([np.abs(a - b).max() for a, b in zip(found, wanted)])
+    ratio = np.array(apart[0]) / apart[1]
+    assert (np.abs(ratio - 100) < 3).all()
+
+
+def test_change_of_inertia_forces_against_differences():
+    rng = np.random.default_rng(3)
+    body = SpaceBody(MASS, S, J)
+    at, way = (Spin(*rng.standard_normal((4, 3))) for _ in range(2))
+    found = needed_change(body, at, Spin(*(one[:, None] for one in way)))
+    h = 1e-5
+    ends = [needed(body, Spin(*(a + s * b for a, b in zip(at, way)))) for s in (h, -h)]
+    for change, up, down in zip(found, *ends):
+        np.testing.assert_allclose(change[:, 0], (up - down) / (2 * h), rtol=1e-7, atol=1e-9)
+
+
+def test_inertia_matrix_is_the_kinetic_energy():
+    """Of points: eight masses with the sum, first moment and tensor that they have."""
+    rng = np.random.default_rng(9)
+    points, masses = rng.standard_normal((8, 3)), rng.random(8)
+    first = masses @ points
+    tensor = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, points))
+    mechanism = Mechanism(0.07, 0.22, 0.0, 1.0, 0.01, 0.3, 0.7)
+    body = SpaceBody(float(masses.sum()), first, tensor)
+    stop = Stop(0.0, 0.0, 0.0)
+    M = inertia(Bodies(body, mechanism, 0.2, 0.0, 0.0, stop, stop))
+    q = rng.standard_normal(5)
+    V, W = np.array([q[0], 0.0, q[2]]), np.array([q[3], q[4], q[1]])
+    energy = sum(m * np.sum((V + np.cross(W, r)) ** 2) for m, r in zip(masses, points))
+    energy += 0.7 * V @ V + 0.2 * (q[3] ** 2 + q[4] ** 2)
+    assert q @ M @ q == pytest.approx(energy, rel=1e-12)
+
+
+# ---- equations of motion
+
+
+def random_motion(rng):
+    size = np.array([4e-6, 2e-3, 8e-6, 1e-3, 1.5e-3])
+    position, velocity, acceleration = rng.standard_normal((3, 5))
+    return Motion(size * position, 300 * size * velocity, 3e5 * size * acceleration)
+
+
+LOAD = SpaceLoad(11.0, -900.0, 1.5, 800.0, np.array([30.0, 0.4, -0.3]))
+
+
+def test_tangent_and_pushed_against_differences():
+    """Central differences over a hundredth of the motion, stops in touch: 1e-6 of each column."""
+    bodies = space_model(pin_tilt_play=1e-4, pin_axial_play=1e-6).bodies
+    crank = CrankMotion(1.1, SPEED, 300.0)
+    now = random_motion(np.random.default_rng(4))
+    c1, c2 = 0.6e-4, 0.4e-8
+    found = tangent(bodies, LOAD, now, crank, c1, c2)
+    for k in range(5):
+        way = 1e-2 * np.abs(now.acceleration[k]) * np.eye(5)[k]
+        up, down = (
+            imbalance(
+                bodies,
+                LOAD,
+                Motion(
+                    now.position + s * c2 * way,
+                    now.velocity + s * c1 * way,
+                    now.acceleration + s * way,
+                ),
+                crank,
+            ).residual
+            for s in (1.0, -1.0)
+        )
+        slope = (up - down) / (2 * way[k])
+        np.testing.assert_allclose(found[:, k], slope, atol=1e-6 * np.abs(slope).max())
+    change = SpaceLoad(3.0, 5.0, 0.2, 7.0, np.array([1.0, 0.02, -0.03]))
+    for_load = pushed(bodies, LOAD, now, crank, change)
+    h = 1e-3
+    up, down = (
+        imbalance(
+            bodies, SpaceLoad(*(a + s * h * b for a, b in zip(LOAD, change))), now, crank
+        ).residual
+        for s in (1.0, -1.0)
+    )
+    np.testing.assert_allclose(for_load, (up - down) / (2 * h), rtol=1e-7, atol=1e-9)
+
+
+def test_an_instant_by_hand():
+    """Crank at rest at the top, no motion, the piston shifted by 10 um, rolled by 1 mrad, yawed by
+    2; gas of 20 kN, 3 kN upwards of the film. The rod carries 17 kN, square to a pin that leans:
+    17 N along z, where gas takes 20 with its crown; 4 kN from the side are 8 N along z by yaw.
+    About A the rod has 10 um of lever, and so has the gas on the bore's axis, 1 mm in x besides.
+    """
+    model = space_model(SYMMETRIC, pin_axial_play=8e-6, pin_axial_stiffness=1e6, pin_tilt_play=1.0)
+    position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
+    now = Motion(position, np.zeros(5), np.zeros(5))
+    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.array([0.5, 0.25, 0.125]))
+    bodies = model.bodies._replace(mechanism=model.bodies.mechanism._replace(offset=0.0))
+    lack = imbalance(bodies, load, now, CrankMotion(0.0, 0.0, 0.0))
+    np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
+    wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 + 20e-3 - 0.125]
+    np.testing.assert_allclose(lack.residual[2:], wanted, rtol=1e-9)
+    np.testing.assert_allclose(lack.held, [-2.0, 0.0, 0.0], atol=1e-9)
+
+
+def test_what_rod_gas_and_eye_do_has_a_potential():
+    """A standing crank, gas, stops in touch, no damper: what moves the piston across the plane
+    derives from an energy, that is, its slopes by position are symmetric.
+    """
+    model = space_model(SYMMETRIC, **NO_DAMPER, pin_tilt_play=2e-4, pin_axial_play=5e-6)
+    mechanism = model.bodies.mechanism
+    bodies = model.bodies._replace(
+        mechanism=mechanism._replace(friction=PinFriction(0.0, 1.0, 0.0)), pin_offset=0.0
+    )
+    position = np.array([0.0, 0.0, 10e-6, 4e-4, -3e-4])
+    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.zeros(3))
+
+    def lack(q):
+        now = Motion(q, np.zeros(5), np.zeros(5))
+        return imbalance(bodies, load, now, CrankMotion(0.4, 0.0, 0.0)).residual[2:]
+
+    h = 1e-8
+    slope = [(lack(position + h * e) - lack(position - h * e)) / (2 * h) for e in np.eye(5)[2:]]
+    np.testing.assert_allclose(slope, np.transpose(slope), rtol=1e-6, atol=1e-3)
+    assert abs(slope[0][1]) > 1e3 and abs(slope[0][2]) > 1e3
+
+
+def rough_inputs(seed, symmetric, size=50.0):
+    """Rough forces on the film's grid; even about the plane of the crank, z = 0, if symmetric."""
+    rng = np.random.default_rng(seed)
+    push, drag = size * rng.random(GRID), -0.1 * size * rng.random(GRID)
+    if symmetric:
+        mirrored = (8 - np.arange(16)) % 16  # theta -> pi - theta
+        push, drag = ((one + one[mirrored]) / 2 for one in (push, drag))
+    return Inputs(SPEED, 5e5, push, drag, RingForce(40.0, -60.0, 0.3))
+
+
+NAMES = (
+    "film_thickness",
+    "sliding_velocity",
+    "piston_position",
+    "lateral_displacement",
+    "rocking_angle",
+    "lateral_velocity",
+    "rocking_velocity",
+    "side_force",
+    "crank_torque",
+    "pin_force_x",
+    "pin_force_y",
+    "pin_friction_moment",
+    "pin_friction_power",
+    "kinetic_energy",
+    "film_work",
+    "energy_gain",
+    "energy_size",
+)
+
+
+def test_symmetric_loads_give_the_piston_in_its_plane():
+    """40 steps under rough even forces: every output to the round-off of both solvers, 1e-9 of its
+    size (accelerations are solved to 1e-11, and steps add up); nothing moves across the plane but
+    by the round-off of sums over the grid, 1e-14 of the forces.
+    """
+    lobes = (BoreOrder(2, 20e-6, 0.0),)
+    flat, space = flat_model(lobes), space_model(SYMMETRIC, lobes)
+    ends = [one.start(0.3, 2e-6, 1e-4, rough_inputs(0, True)) for one in (flat, space)]
+    most = np.zeros(3)
+    for k in range(40):
+        ends = [
+            model.advance(state, rough_inputs(k, True), STEP)
+            for model, (state, _) in zip((flat, space), ends)
+        ]
+        most = np.maximum(most, np.abs(ends[1][0].position[2:]))
+        for name in NAMES:
+            one, other = (np.asarray(out[name]) for _, out in ends)
+            np.testing.assert_allclose(
+                other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max(), err_msg=name
+            )
+    assert most.max() < 1e-14
+
+
+def rough_way(model, steps, symmetric=False):
+    state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(0, symmetric, 0.0))
+    for k in range(steps):
+        state, out = model.advance(state, rough_inputs(k, symmetric), STEP)
+    return state, out
+
+
+def test_mirrored_loads_give_the_mirrored_motion():
+    """Forces and centre of mass mirrored about the plane of the crank: z, roll and yaw change sign,
+    the motion in the plane stays.
+    """
+    mirror = np.diag([1.0, 1.0, -1.0])
+    other = InSpace(-SKEWED.first_moment_z, mirror @ J @ mirror)
+    around = (8 - np.arange(16)) % 16
+    ends = []
+    for space, rows in ((SKEWED, np.arange(16)), (other, around)):
+        model = space_model(space)
+        state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(0, False, 0.0))
+        for k in range(10):
+            one = rough_inputs(k, False)
+            given = dataclasses.replace(
+                one,
+                pressure_force=one.pressure_force[rows],
+                friction_force=one.friction_force[rows],
+            )
+            state, out = model.advance(state, given, STEP)
+        ends.append(state.position)
+    assert np.abs(ends[0][2:]).min() > 1e-9
+    sign = np.array([1, 1, -1, -1, -1])
+    np.testing.assert_allclose(ends[1] * sign, ends[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("steps", [1, 6])
+def test_derivative_against_differences(steps):
+    """Central differences of a step, once of backward Euler and once not, in a bore with lobes;
+    1e-6, as the step is not quite affine.
+    """
+    model = space_model(orders=(BoreOrder(2, 20e-6, 0.4),), pin_tilt_play=0.0)
+    state, _ = rough_way(model, steps)
+    base = rough_inputs(50, False)
+    rng = np.random.default_rng(1)
+    to_push, to_drag = rng.standard_normal((2, *GRID))
+    to_rings = RingForce(0.3, -0.2, 0.005)
+    ends = [
+        model.advance(
+            state,
+            dataclasses.replace(
+                base,
+                pressure_force=base.pressure_force + e * to_push,
+                friction_force=base.friction_force + e * to_drag,
+                rings=RingForce(*(a + e * b for a, b in zip(base.rings, to_rings))),
+            ),
+            STEP,
+        )[1]
+        for e in (1.0, -1.0)
+    ]
+    model.advance(state, base, STEP)
+    found = model.directional_derivative(to_push, to_drag, to_rings)
+    for name, change in found.items():
+        slope = (np.asarray(ends[0][name]) - ends[1][name]) / 2
+        np.testing.assert_allclose(
+            change, slope, rtol=1e-6, atol=1e-6 * np.abs(slope).max(), err_msg=name
+        )
+
+
+def test_power_on_the_grid_is_that_in_the_coordinates():
+    """In a bore with lobes and under rough forces, to round-off, and not by being nothing."""
+    model = space_model(orders=(BoreOrder(2, 20e-6, 0.4),))
+    state, out = rough_way(model, 6)
+    assert out["interface_work_error"] < 1e-14
+    assert np.abs(state.velocity[2:]).min() > 1e-5
+
+
+# ---- closed forms
+
+
+def standing(parameters=PARAMETERS, space=SYMMETRIC, **own):
+    """A model whose crank stands at the top, without friction of the pin."""
+    return space_model(space, parameters=parameters, **own)
+
+
+FLAT = InSpace(0.0, np.diag([4.1e-3, 3.7e-3, 3.98e-3]))
+
+
+def test_free_flight_under_a_force_at_the_skirt():
+    """10 N on the skirt at -z, nothing else: each coordinate goes by a t^2/2, a of the inertia of
+    piston and pin; the first two steps are backward Euler's, which add h^2/2 each to t^2/2.
+    """
+    push = np.zeros(GRID)
+    push[8, 3] = 10.0
+    given = Inputs(0.0, 0.0, push, np.zeros(GRID))
+    model = standing(space=FLAT, **NO_DAMPER)
+    state, _ = model.start(0.0, 0.0, 0.0, given)
+    for _ in range(50):
+        state, _ = model.advance(state, given, 1e-5)
+    height = -45.5e-3 + 82.8e-3 * 3.5 / 12
+    force = [10.0, 10.0 * height, 10.0 * OFFSET]
+    pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
+    x, y = MASS * CENTRE
+    M = [[1.89, y, -x], [y, 4.1e-3 + pin, 0.0], [-x, 0.0, 3.7e-3 + pin]]
+    wanted = np.linalg.solve(M, force) * ((50e-5) ** 2 / 2 + 1e-10)
+    np.testing.assert_allclose(state.position[2:], wanted, rtol=1e-9)
+
+
+def test_swing_on_the_eyes_spring():
+    """The eye a spring without play or damper, z free: roll swings about the centre of mass of
+    piston and pin, w^2 = k/J_c, J_c = J_xx + pin - S_y^2/(m + m_pin). 200 steps a period: backward
+    Euler's two cost 2 (w h)^2/2 = 1e-3 of the amplitude, and the others (w h)^2/12 of the phase.
+    """
+    still = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
+    keeping = dataclasses.replace(PARAMETERS, spectral_radius=1.0)
+    model = standing(keeping, FLAT, **NO_DAMPER, pin_tilt_play=0.0, pin_tilt_stiffness=3e4)
+    pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
+    J_c = 4.1e-3 + pin - (MASS * CENTRE[1]) ** 2 / 1.89
+    omega = np.sqrt(3e4 / J_c)
+    step = 2 * np.pi / omega / 200
+    start = np.array([0.0, 0.0, -MASS * CENTRE[1] / 1.89 * 1e-4, 1e-4, 0.0])
+    state, _ = model.start_moving(0.0, start, np.zeros(5), still)
+    way = []
+    for _ in range(200):
+        state, _ = model.advance(state, still, step)
+        way.append(state.position[3])
+    wanted = 1e-4 * np.cos(omega * step * np.arange(1, 201))
+    np.testing.assert_allclose(way, wanted, atol=2e-3 * 1e-4)
+
+
+def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
+    """A piston that is alike across x and z, on a rod without mass, crank at the top: hit at +z it
+    shifts and rolls as it moves and rocks when hit at +x; the hit is an impact, whose end velocity
+    is the mean one. The rod's slant of x/L, 1e-4, takes a share of its square of the way.
+    """
+    alike = dataclasses.replace(PARAMETERS, rod_mass=0.0, rod_inertia=0.0, crank_offset=0.0)
+    piston, block = flat_bodies()
+    piston = dataclasses.replace(piston, S=MASS * np.array([0.0, CENTRE[1]]), I0=4.5e-3)
+    pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
+    given = dataclasses.replace(
+        options(InSpace(0.0, np.diag([4.5e-3 - pin, 4e-3, 4.5e-3]))),
+        piston=PistonOptions("", 0, 0.0),
+    )
+    own = SpaceParameters(**NO_DAMPER, pin_tilt_play=1.0, pin_axial_play=1.0)
+    step = 1e-4
+    ways = []
+    for cell, way in ((4, [0, 1]), (0, [2, 3])):
+        model = assemble_in_space(piston, block, given, alike, own)
+        velocity = np.zeros(5)
+        velocity[way] = 0.1, 0.0
+        none, hit = np.zeros(GRID), np.zeros(GRID)
+        hit[cell, 4:9] = [500.0, 900.0, 700.0, 800.0, 400.0]
+        state, _ = model.start_moving(0.0, np.zeros(5), velocity, Inputs(0.0, 0.0, none, none))
+        ways.append([])
+        for push in (none, none, none, hit, none, hit / 9):
+            before = state
+            state, _ = model.advance(state, Inputs(0.0, 0.0, push, none), step)
+            ways[-1].append([*state.position[way], *state.velocity[way]])
+            if push is hit:
+                mean = (state.position - before.position)[way] / step
+                np.testing.assert_allclose(state.velocity[way], mean, rtol=1e-9)
+    flat, across = np.array(ways)
+    across[:, 1::2] *= -1.0
+    np.testing.assert_allclose(across, flat, rtol=1e-6, atol=1e-7)
+
+
+def test_energy_of_the_body_closes():
+    """Held forces of film, crank at rest, eye a spring, no dampers, a trapezoidal rule: what the
+    body has more of, with the spring, is the work done, to what first order leaves of it, 1e-4.
+    """
+    keeping = dataclasses.replace(PARAMETERS, spectral_radius=1.0)
+    model = standing(keeping, **NO_DAMPER, pin_tilt_play=0.0)
+    push = np.zeros(GRID)
+    push[[1, 6, 11], [3, 9, 6]] = 30.0, 20.0, 50.0
+    given = Inputs(0.0, 0.0, push, np.zeros(GRID))
+    state, _ = model.start(0.0, 0.0, 0.0, given)
+    for _ in range(2):
+        state, out = model.advance(state, given, 1e-6)
+
+    def held(out):
+        spring = 3e4 * (out["roll_angle"] ** 2 + out["yaw_angle"] ** 2) / 2
+        rod = (72 / 223) ** 2 * 1.7 + 0.017 / 0.223**2
+        return out["kinetic_energy"] + spring + rod * out["lateral_velocity"] ** 2 / 2
+
+    begun, work, gain = held(out), 0.0, 0.0
+    for _ in range(200):
+        state, out = model.advance(state, given, 2e-6)
+        work += out["film_work"]
+        gain += out["energy_gain"]
+    assert held(out) - begun == pytest.approx(work, rel=1e-4)
+    assert gain == pytest.approx(work, rel=1e-4)
+
+
+# ---- against points of mass in space
+
+
+class Points:
+    """Piston, pin and rod as points of mass on a crank at constant speed, by d'Alembert's principle
+    with large rotations: q = (x of the eye, rocking angle, way along the pin, roll, yaw), turned
+    about z, then x, then y; the pin's axis passes through the eye. Positions are differentiated by
+    complex steps, velocities by central differences. Nothing of the package is used.
+    """
+
+    def __init__(self, size):
+        rng = np.random.default_rng(11)
+        # even about x = 0 and z = 0 but for a share `size` of skewness
+        points = np.array([[x, y, z] for x in (1, -1) for y in (0.5, 1.6) for z in (1, -1)])
+        self.points = points * [40e-3, 25e-3, 36e-3] + size * 3e-3 * rng.standard_normal((8, 3))
+        self.masses = np.full(8, MASS / 8)
+        self.pin = np.array([[0, 0, 30e-3], [0, 0, -30e-3]])
+        self.offset = size * 0.1
+        self.stiffness = 2e4
+        self.gas = 2e3
+        # four forces at the skirt, N at (theta, height): along the bore's normal and the axis
+        self.theta = 2 * np.pi * np.array([0, 3, 9, 13]) / 16
+        self.height = -45.5e-3 + 82.8e-3 * (np.array([2, 9, 4, 7]) + 0.5) / 12
+        self.push = 4e3 * size * np.array([0.7, 0.2, 1.0, 0.4])
+        self.drag = 1e3 * size * np.array([0.3, -0.5, 0.8, 0.6])
+
+    def frame(self, q, t):
+        """A and the body's axes, columns in space."""
+        r, L, phi = PARAMETERS.crank_radius, PARAMETERS.rod_length, SPEED * t
+        xi = q[0] + r * np.sin(phi)
+        eye = np.array([q[0], r * np.cos(phi) + np.sqrt(L**2 - xi**2), 0 * q[0]])
+        c, s = np.cos(q), np.sin(q)
+        about_z = np.array([[c[1], -s[1], 0], [s[1], c[1], 0], [0, 0, 1]])
+        about_x = np.array([[1, 0, 0], [0, c[3], -s[3]], [0, s[3], c[3]]])
+        about_y = np.array([[c[4], 0, s[4]], [0, 1, 0], [-s[4], 0, c[4]]])
+        axes = about_z @ about_x @ about_y
+        return eye + q[2] * axes[:, 2], axes
+
+    def rod(self, q, t):
+        """Two points with the rod's mass, centre and inertia."""
+        r, L, phi = PARAMETERS.crank_radius, PARAMETERS.rod_length, SPEED * t
+        crank = np.array([-r * np.sin(phi), r * np.cos(phi), 0.0])
+        xi = q[0] + r * np.sin(phi)
+        along = np.array([xi, np.sqrt(L**2 - xi**2), 0 * xi]) / L
+        half = np.sqrt(0.017 / 1.7)
+        return [crank + (72e-3 + s * half) * along for s in (1, -1)]
+
+    def all(self, q, t):
+        """All points of mass, and where they are pushed, (n, 3)."""
+        A, axes = self.frame(q, t)
+        skirt = [A + axes @ b for b in self.pushed_at]
+        body = [A + axes @ b for b in (*self.points, *self.pin)]
+        return np.array([*body, *self.rod(q, t), *skirt, A + axes @ self.gas_at])
+
+    def velocity(self, q, dq, t):
+        h = 1e-30
+        return np.imag(self.all(q + 1j * h * dq, t + 1j * h)) / h
+
+    def rates(self, t, state):
+        q, dq = state[:5], state[5:]
+        normal = np.array([np.sin(self.theta), 0 * self.theta, np.cos(self.theta)]).T
+        self.pushed_at = 55e-3 * normal - np.array([self.offset, 0, 0])
+        self.pushed_at[:, 1] += self.height
+        A, axes = self.frame(q, t)
+        # the material point that is on the bore's axis now
+        self.gas_at = axes.T @ (np.array([-self.offset, A[1], 0.0]) - A)
+        masses = np.array([*self.masses, 0.25, 0.25, 0.85, 0.85, *[0.0] * 5])[:, None]
+        ways = [np.imag(self.all(q + 1e-30j * one, t)) / 1e-30 for one in np.eye(5)]
+        h = 1e-6
+        bias = self.velocity(q + h * dq, dq, t + h) - self.velocity(q - h * dq, dq, t - h)
+        force = -masses * bias / (2 * h)
+        force[-5:-1] += -self.push[:, None] * normal
+        force[-5:-1, 1] += self.drag
+        force[-1] -= self.gas * np.array([0.0, 1.0, axes[2, 1]])  # leans with the crown
+        M = [[np.sum(masses * a * b) for a in ways] for b in ways]
+        Q = np.array([np.sum(force * a) for a in ways])
+        # the eye's spring on the angle between pin and z
+        h = 1e-5
+        Q -= [(self.held(q + h * e, t) - self.held(q - h * e, t)) / (2 * h) for e in np.eye(5)]
+        return np.concatenate([dq, np.linalg.solve(M, Q)])
+
+    def held(self, q, t):
+        """Energy of the eye's spring [J]."""
+        x, y, _ = self.frame(q, t)[1][:, 2]
+        return self.stiffness * np.arcsin(np.hypot(x, y)) ** 2 / 2
+
+    def of_A(self, q, t):
+        """[x_A, rocking angle, z, roll, yaw] as the model has them."""
+        A, axes = self.frame(q, t)
+        turn = Rotation.from_euler("z", -q[1]).as_matrix() @ axes
+        roll, yaw, _ = Rotation.from_matrix(turn).as_rotvec()
+        return np.array([A[0], q[1], A[2], roll, yaw])
+
+
+TIMES = np.linspace(0.0, 1e-3, 6)
+
+
+def start_of(size):
+    return size * np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.3, 2.0, 4.0, 60.0, -40.0])
+
+
+def space_bodies(of):
+    """The model's for the same points, crank and rod without offset."""
+    points, masses = of.points, of.masses
+    tensor = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, points))
+    mechanism = Mechanism(72e-3, 223e-3, 0.0, 1.7, 0.017, 72 / 223, 0.5, PinFriction(0.0, 1.0, 0.0))
+    pin = 0.5 * 30e-3**2
+    stop = Stop(0.0, of.stiffness, 0.0)
+    body = SpaceBody(MASS, masses @ points, tensor)
+    return Bodies(body, mechanism, pin, 0.0, of.offset, Stop(0.0, 0.0, 0.0), stop)
+
+
+def load_on(of):
+    """Resultants of the points' forces about A, x_A = z = 0."""
+    normal = np.array([np.sin(of.theta), 0 * of.theta, np.cos(of.theta)]).T
+    arm = 55e-3 * normal - np.array([of.offset, 0, 0])
+    arm[:, 1] += of.height
+    force = -of.push[:, None] * normal
+    force[:, 1] += of.drag
+    x, y, z = force.sum(0)
+    roll, yaw, turn = np.cross(arm, force).sum(0)
+    return SpaceLoad(x, y - of.gas, turn + of.offset * of.gas, of.gas, np.array([z, roll, yaw]))
+
+
+def points_motion(of, size):
+    """Coordinates at all times, (times, 5)."""
+    found = solve_ivp(of.rates, TIMES[[0, -1]], start_of(size), t_eval=TIMES, rtol=1e-8, atol=1e-12)
+    return np.array([of.of_A(q, t) for q, t in zip(found.y[:5].T, TIMES)])
+
+
+def own_motion(of, size):
+    """The equations of motion of the package, integrated as precisely."""
+    bodies = space_bodies(of)
+    load = load_on(of)
+
+    def rates(t, state):
+        now = Motion(state[:5], state[5:], np.zeros(5))
+        crank = CrankMotion(SPEED * t, SPEED, 0.0)
+        lack = imbalance(bodies, load, now, crank).residual
+        slope = tangent(bodies, load, now, crank, 0.0, 0.0)
+        return np.concatenate([state[5:], -np.linalg.solve(slope, lack)])
+
+    found = solve_ivp(rates, TIMES[[0, -1]], start_of(size), t_eval=TIMES, rtol=1e-8, atol=1e-12)
+    return found.y[:5].T
+
+
+def test_motion_against_points_in_space():
+    """A skewed piston, off its axis, under gas and forces at four places of its skirt, for 10 deg
+    at a crank that turns: where all that it skews, leans and shifts by is halved, what equations of
+    first order miss falls to a quarter. Rolled by 0.5 mrad they miss 0.3 urad of it.
+    """
+    apart = []
+    sizes = (4e-2, 2e-2)
+    for size in sizes:
+        of = Points(size)
+        wanted = points_motion(of, size)
+        own = own_motion(of, size)
+        apart.append(np.abs(own - wanted).max(axis=0))
+        print(f"{size:.0e}: way {np.abs(wanted).max(axis=0)}, apart {apart[-1]}")
+    assert np.abs(wanted[-1][2:]).min() > 5e-5  # it does go somewhere
+    np.testing.assert_allclose(apart[0] / apart[1], 4.0, atol=0.2)
+    assert (apart[1] < 2e-3 * np.abs(wanted).max(axis=0)).all()
+
+
+def exudyn_motion(of, size):
+    """Coordinates at the end, (5,), of a rigid body in Exudyn with crank, rod and a joint between
+    its pin's axis and the rod's eye; gas and the eye's spring as loads of its motion.
+    """
+    exu = pytest.importorskip("exudyn", reason="the extra `oracle`")
+    item = importlib.import_module("exudyn.itemInterface")
+    utilities = importlib.import_module("exudyn.utilities")
+    system = exu.SystemContainer().AddSystem()
+    bodies = space_bodies(of)
+    mass = MASS + 0.5
+    tensor = bodies.piston.J + bodies.pin_inertia * np.diag([1.0, 1.0, 0.0])
+    start = start_of(size)[5:]
+    r, L = PARAMETERS.crank_radius, PARAMETERS.rod_length
+    made = system.CreateRigidBody(
+        inertia=utilities.RigidBodyInertia(
+            mass, tensor, com=bodies.piston.S / mass, inertiaTensorAtCOM=False
+        ),
+        referencePosition=[0.0, r + L, 0.0],
+        initialVelocity=[start[0], 0.0, start[2]],
+        initialAngularVelocity=[start[3], start[4], start[1]],
+        returnDict=True,
+    )
+    node, piston = made["nodeNumber"], made["bodyNumber"]
+
+    def at(body, place):
+        return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=place))
+
+    ground = system.AddObject(item.ObjectGround())
+    crank_node = system.AddNode(
+        item.NodeRigidBody2D(referenceCoordinates=[0, 0, 0], initialVelocities=[0, 0, SPEED])
+    )
+    crank = system.AddObject(
+        item.ObjectRigidBody2D(nodeNumber=crank_node, physicsMass=1.0, physicsInertia=1e-3)
+    )
+    eye_turn = (start[0] + r * SPEED) / L
+    rod_node = system.AddNode(
+        item.NodeRigidBody2D(
+            referenceCoordinates=[0, r + 72e-3, 0],
+            initialVelocities=[-r * SPEED + 72e-3 * eye_turn, 0, -eye_turn],
+        )
+    )
+    rod = system.AddObject(
+        item.ObjectRigidBody2D(nodeNumber=rod_node, physicsMass=1.7, physicsInertia=0.017)
+    )
+    for ends in (
+        (at(ground, [0, 0, 0]), at(crank, [0, 0, 0])),
+        (at(crank, [0, r, 0]), at(rod, [0, -72e-3, 0])),
+    ):
+        system.AddObject(item.SphericalJoint(markerNumbers=list(ends), constrainedAxes=[1, 1, 0]))
+    system.AddObject(
+        item.GenericJoint(
+            markerNumbers=[at(piston, [0, 0, 0]), at(rod, [0, L - 72e-3, 0])],
+            constrainedAxes=[1, 1, 0, 0, 0, 0],
+        )
+    )
+    fixed = system.AddMarker(
+        item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0)
+    )
+    system.AddObject(
+        item.CoordinateConstraint(
+            markerNumbers=[
+                fixed,
+                system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=crank_node, coordinate=2)),
+            ],
+            offsetUserFunction=lambda system, t, number, offset: SPEED * t,
+            offsetUserFunction_t=lambda system, t, number, offset: SPEED,
+        )
+    )
+    normal = np.array([np.sin(of.theta), 0 * of.theta, np.cos(of.theta)]).T
+    places = 55e-3 * normal - np.array([of.offset, 0, 0])
+    places[:, 1] += of.height
+    forces = -of.push[:, None] * normal
+    forces[:, 1] += of.drag
+    for place, force in zip(places, forces):
+        system.AddLoad(item.Force(markerNumber=at(piston, list(place)), loadVector=list(force)))
+    kinds = exu.OutputVariableType
+
+    def told(kind):
+        return np.array(system.GetNodeOutput(node, kind))
+
+    def turned(system, t, load):
+        A, axes = told(kinds.Position), told(kinds.RotationMatrix).reshape(3, 3)
+        x, _, z = A + [of.offset, 0, 0]
+        askew = np.cross(axes[:, 2], [0, 0, 1])
+        spring = of.stiffness * askew  # the sine for the angle: 1e-7 of it
+        lean = axes[2, 1]
+        return list(of.gas * np.array([-z, -lean * x, x]) + spring)
+
+    middle = at(piston, [0, 0, 0])
+
+    def leaning(system, t, load):
+        return [0.0, -of.gas, -of.gas * told(kinds.RotationMatrix)[7]]
+
+    system.AddLoad(
+        item.Force(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=leaning)
+    )
+    system.AddLoad(
+        item.Torque(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=turned)
+    )
+    system.Assemble()
+    steps = 400
+    system.SolveDynamic(_settings(exu, TIMES[-1] / steps, steps, 0.9))
+    A, axes = told(kinds.Position), told(kinds.RotationMatrix).reshape(3, 3)
+    # axes = Rz(rocking) Rx(roll) Ry(yaw), as those of `Points`
+    rocking = np.arctan2(-axes[0, 1], axes[1, 1])
+    roll, yaw, _ = Rotation.from_matrix(
+        Rotation.from_euler("z", -rocking).as_matrix() @ axes
+    ).as_rotvec()
+    return np.array([A[0], rocking, A[2], roll, yaw])
+
+
+def test_motion_against_exudyn_in_space():
+    """The same case in a multibody code, 400 steps: it is the points of mass to what its steps err
+    by, 2e-5 of the largest way of each coordinate, and the package to what first order misses.
+    """
+    size = 2e-2
+    of = Points(size)
+    found = exudyn_motion(of, size)
+    ways = points_motion(of, size)
+    most = np.abs(ways).max(axis=0)
+    apart = np.abs(found - ways[-1]) / most, np.abs(found - own_motion(of, size)[-1]) / most
+    print(f"ways {most}, points apart {apart[0]}, package apart {apart[1]} of them")
+    assert apart[0].max() < 1e-4
+    assert apart[1].max() < 2e-3
+
+
+# ---- build
+
+
+def sheet(**space):
+    """Build table of a data sheet; `None` leaves a key out."""
+    piston = dict(mass="1.39 kg", centre=["0 mm", "26.5 mm"], inertia="0.003 kg*m^2")
+    moments = {"inertia_x": "0.0033 kg*m^2", "inertia_y": "0.0029 kg*m^2"} | space
+    return {
+        "grid": [16, 12],
+        "piston": {
+            "rigid": piston | {"radius": "54.95 mm"},
+            "skirt_lower": "-45.5 mm",
+            "skirt_upper": "37.3 mm",
+            "pin_offset": "1 mm",
+        },
+        "block": {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"},
+        "motion_in_space": {key: value for key, value in moments.items() if value is not None},
+    }
+
+
+@pytest.fixture
+def cached(tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+
+
+def test_a_data_sheet_by_hand(cached, tmp_path):
+    """Centre of mass at (-1, 26.5, 2) mm from A, products of inertia about it."""
+    given = sheet(centre_z="2 mm", product_xy="1e-4 kg*m^2", product_yz="-2e-4 kg*m^2")
+    content, _ = prepare(given, tmp_path, lambda text: None)
+    space = BuildOptions.from_json(content).in_space
+    assert space.first_moment_z == pytest.approx(1.39 * 2e-3)
+    x, y, z = -1e-3, 26.5e-3, 2e-3
+    xy, yz, zx = 1e-4 + 1.39 * x * y, -2e-4 + 1.39 * y * z, 1.39 * z * x
+    wanted = [
+        [0.0033 + 1.39 * (y * y + z * z), -xy, -zx],
+        [-xy, 0.0029 + 1.39 * (z * z + x * x), -yz],
+        [-zx, -yz, 0.003 + 1.39 * (x * x + y * y)],
+    ]
+    np.testing.assert_allclose(space.inertia, wanted, rtol=1e-12)
+    assert (
+        "in_space"
+        not in BuildOptions.from_json(
+            {key: value for key, value in content.items() if key != "in_space"}
+        ).to_json()
+    )
+
+
+def test_a_mesh_says_its_inertia_itself(coarse, cached):
+    """The same tensor about z as in the plane; a tube that is its own mirror image has no products
+    but by its offset pin.
+    """
+    folder, table = coarse
+    rigid = {name: table[name] | {"modes": 0} for name in ("piston", "block")}
+    content, files = prepare(table | rigid | {"motion_in_space": {}}, folder, lambda text: None)
+    space = BuildOptions.from_json(content).in_space
+    piston = load(ReducedPiston, files[0])
+    assert space.inertia[2, 2] == pytest.approx(piston.I0, rel=1e-9)
+    assert np.abs(space.inertia - np.diag(np.diag(space.inertia))).max() < 1e-6 * piston.I0
+    assert abs(space.first_moment_z) < 1e-9 * piston.mass
+
+
+def refused(table, folder):
+    with pytest.raises(BadInput) as caught:
+        prepare(table, folder, lambda text: None)
+    return "; ".join(caught.value.faults)
+
+
+def test_what_cannot_move_in_space_is_refused(coarse, cached, tmp_path):
+    """Every fault in one sentence, with values and what is allowed."""
+    pin = {"boss_length": "25 mm", "small_end_length": "36 mm"}
+    told = refused(sheet(inertia_y=None) | {"mounted": True, "start": "here.npz"}, tmp_path)
+    for words in ("not with mounted", "not with start", "a data sheet needs inertia_y"):
+        assert words in told
+    assert "not with floating_pin" in refused(sheet() | {"floating_pin": pin}, tmp_path)
+    told = refused(sheet(inertia_x="0.02 kg*m^2"), tmp_path)
+    assert "principal moments of inertia 0.0029, 0.003, 0.02 kg.m2" in told
+    told = refused(sheet(product_zx="0.01 kg*m^2"), tmp_path)
+    assert "each is positive" in told
+    folder, table = coarse
+    told = refused(table | {"motion_in_space": {"centre_z": "1 mm"}}, folder)
+    for words in ("the piston must be rigid", "the block must be rigid", "centre_z: of a data"):
+        assert words in told
+
+
+def test_a_native_fmu_refuses_it():
+    for given in ({"motion_in_space": {}}, {"in_space": {"first_moment_z": 0.0}}):
+        (told,) = uncovered(given)
+        assert told.endswith("a native FMU has no motion in space")
+    assert list(uncovered({"mounted": False, "film_surfaces": [], "speed": None})) == []
+
+
+def test_a_free_crank_is_refused_beside_it():
+    free_crank = dataclasses.replace(PARAMETERS, crank_free=1)
+    (told,) = faults(*flat_bodies(), options(SKEWED), free_crank)
+    assert told == "crank_free = 1: must be 0 with motion in space"
+
+
+def test_the_table_of_variables_has_its_own():
+    flat, space = ({one.name for one in variables(options(one))} for one in (None, SKEWED))
+    own = {"pin_axis_displacement", "roll_angle", "yaw_angle", "pin_axis_velocity", "rod_force_z"}
+    assert own | {"pin_tilt_play", "pin_cross_inertia"} <= space - flat
+    assert flat < space
+    model = space_model()
+    _, out = model.start(0.3, 0.0, 0.0, rough_inputs(0, False))
+    told = {
+        one.name.split("[")[0] for one in variables(options(SKEWED)) if one.causality == "output"
+    }
+    assert told == set(out) | {"side_force_demand"}
+
+
+def test_a_held_tilt_is_where_roll_counts_from():
+    """`pin_tilt` turns pin and piston; the eye holds them there, and the output tells all of it."""
+    tilted = dataclasses.replace(RUBBING, pin_tilt=3e-4)
+    still = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
+    model = space_model(SYMMETRIC, parameters=tilted)
+    _, out = model.start(0.3, 0.0, 0.0, still)
+    assert out["roll_angle"] == 3e-4
+    assert out["rod_moment_x"] == 0.0
+    rolled = np.array([0.0, 0.0, 0.0, 3e-4, 0.0])
+    gaps = []
+    for parameters, at in ((tilted, 0 * rolled), (RUBBING, rolled)):
+        one = space_model(SYMMETRIC, parameters=parameters)
+        gaps.append(one.start_moving(0.3, at, 0 * at, still)[1]["film_thickness"])
+    np.testing.assert_allclose(gaps[0], gaps[1], atol=1e-18)
