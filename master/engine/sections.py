@@ -32,9 +32,10 @@ from ..results.charts import (
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.report import Special
-from ..results.solids import Solid
+from ..results.solids import Solid, Stand
 from .headlines import friction_pressures
 from .places import film_body, film_surface, gap_port
+from .stands import stands
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """From firing top dead centre on, 180 deg each."""
@@ -140,6 +141,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     they stay undeformed.
     """
     owner = body if len(bodies) > 1 else ""
+    stand = stands(results).get(body, Stand())
     deflect = any(skin.modes.shape[2] for skin in skins)
     port = f"{body}.modal_coordinate"
     count = len(results.instants)
@@ -169,6 +171,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
             fields_around(results, body, skin.skirt) if skin.skirt else {},
             owner,
             known or not deflect,
+            stand,
         )
         for skin, part in zip(skins, parts)
     ]
