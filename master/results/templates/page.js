@@ -35,7 +35,7 @@ async function framesOf(run) {
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 const colourOf = run => { if (run < 0) return style("--ink"); const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
 let printing = false;   // on paper colours are those of the day
-const onPaper = 350;    // width of a chart there, two beside one another
+const onPaper = 350;    // width of a chart or a map there, two beside one another
 
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
@@ -84,7 +84,7 @@ function sharp(canvas, height) {
   if (canvas.age !== age) {
     canvas.age = age;
     canvas.style.height = height + "px";
-    canvas.wide = Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth);
+    canvas.wide = printing && canvas.map ? onPaper - 10 : Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth);
     canvas.ratio = window.devicePixelRatio || 1;
     canvas.width = Math.round(canvas.wide * canvas.ratio); canvas.height = Math.round(height * canvas.ratio);
   }
@@ -391,6 +391,9 @@ function strip() {
     lanes.forEach((lane, row) => {
       const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
       const Y = value => 16 + tall * row + (tall - 4) * (1 - (value - low) / ((high - low) || 1));
+      pen.fillStyle = style("--ink"); pen.textAlign = "right"; pen.font = "10px system-ui, sans-serif";
+      for (const [value, down] of high > low ? [[high, 9], [low, -1]] : [[low, -1]]) pen.fillText(digits(+value.toPrecision(3)), width - 3, Y(value) + down);
+      if (low < 0 && high > 0) { pen.fillStyle = style("--line"); pen.fillRect(0, Y(0), width - 40, 1); }
       runs.forEach((own, k) => {
         pen.strokeStyle = colourOf(k); pen.lineWidth = 1.2; pen.beginPath();
         own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
@@ -419,6 +422,9 @@ function drawPhases(pen, width, height, X) {
     pen.fillStyle = style("--ink"); pen.textAlign = "center";
     const said = [phase.name, phase.name.slice(0, 4) + ".", phase.name.slice(0, 2) + "."].find(text => pen.measureText(text).width + 3 < b - a);
     if (said) pen.fillText(said, (a + b) / 2, 11);
+    if (!phase.mark || phase.begin < positions[0]) return;
+    pen.setLineDash([2, 2]); pen.strokeStyle = style("--ink"); pen.lineWidth = 1; pen.beginPath(); pen.moveTo(a, 0); pen.lineTo(a, height); pen.stroke(); pen.setLineDash([]);
+    pen.textAlign = "left"; pen.fillText(phase.mark, a + 3, height - 3);
   });
 }
 
@@ -465,10 +471,14 @@ function layoutOf(drawn, width) {
       fillcolor: "rgba(58,125,68,.14)", line: { width: band.low === band.high ? 1 : 0, color: style("--ink"), dash: "dot" } });
     layout.annotations.push({ text: band.said, xref: "paper", x: 1, xanchor: "right", y: drawn.logarithmic ? Math.log10(band.high) : band.high, yanchor: "bottom", showarrow: false, font: { size: 10 } });
   }
-  if (drawn.kind === "carpet" || drawn.cursor) data.phases.forEach((phase, k) => {
+  if (drawn.kind === "carpet" || drawn.cursor) drawn.phases.forEach((phase, k) => {
     if (phase.end <= positions[0] || phase.begin >= positions[positions.length - 1]) return;
     const a = Math.max(phase.begin, positions[0]), b = Math.min(phase.end, positions[positions.length - 1]);
     if (k % 2 && drawn.kind === "chart") layout.shapes.push({ type: "rect", yref: "paper", x0: a, x1: b, y0: 0, y1: 1, layer: "below", line: { width: 0 }, fillcolor: style("--shade") });
+    if (phase.mark && phase.begin >= positions[0]) {
+      layout.shapes.push({ type: "line", yref: "paper", x0: a, x1: a, y0: 0, y1: 1, line: { width: 1, color: style("--ink"), dash: "dot" } });
+      layout.annotations.push({ text: phase.mark, x: a, xanchor: "left", yref: "paper", y: 0, yanchor: "bottom", showarrow: false, font: { size: 10 } });
+    }
     const room = (b - a) / (positions[positions.length - 1] - positions[0]) * (width - 76);
     if (room > 5 * phase.name.length) layout.annotations.push({ text: phase.name, x: (a + b) / 2, yref: "paper", y: 1, yanchor: "bottom", showarrow: false, font: { size: 10 } });
   });
@@ -607,6 +617,7 @@ async function showSection(section) {
   if (section.said) element("p", parent, section.said);
   const charts = element("div", parent, "", "charts"), aside = element("div", parent);
   for (const drawn of section.drawn) {
+    drawn.phases = section.phases || data.phases;
     if (drawn.kind === "map") await showField(element("div", parent), drawn, false);
     else chart(charts, drawn, aside);
   }

@@ -129,7 +129,7 @@ class Scene {
     figure.className = "scene";
     this.thrust = element("span", figure, "thrust", "mark"); this.anti = element("span", figure, "anti-thrust", "mark");
     this.caption = element("figcaption", figure);
-    this.canvas.style.cssText = "height: 420px; touch-action: none; cursor: grab";
+    this.canvas.style.cssText = "touch-action: none; cursor: grab";
     this.canvas.tabIndex = 0;
     this.canvas.scene = this;
     this.meshes = solids.map(solid => meshes[solid.mesh]);
@@ -163,6 +163,13 @@ class Scene {
     this.gl.bindBuffer(kind, made); this.gl.bufferData(kind, values, this.gl.STATIC_DRAW);
     return made;
   }
+  // on paper two stand beside one another
+  size() {
+    const { canvas } = this, alone = canvas.parentElement.matches(":only-child");
+    const [wide, tall] = !printing ? [canvas.parentElement.clientWidth, 420] : alone ? [2 * onPaper - 10, 420] : [onPaper - 10, 250];
+    canvas.style.height = `${tall}px`;
+    return { wide, tall };
+  }
   frame() { return data.cursor.frames[this.run][instant]; }
   sizeOf(displacement) {
     const out = new Float32Array(displacement.length / 3);
@@ -180,7 +187,7 @@ class Scene {
   paint(look, scale, view, dots) {
     const gl = this.gl;
     if (!gl) return;
-    if (this.age !== age) Object.assign(this, { age, wide: this.canvas.clientWidth, tall: this.canvas.clientHeight });
+    if (this.age !== age) Object.assign(this, { age, ...this.size() });
     const ratio = (window.devicePixelRatio || 1) * dots, width = Math.round(this.wide * ratio), height = Math.round(this.tall * ratio);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
     gl.viewport(0, 0, width, height);
