@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.commands import sweep
+from piston_cosim.master.commands import movie, sweep
 from piston_cosim.master.commands.common import body_skins, page_of
 from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
@@ -218,6 +218,39 @@ def test_several_cylinders_and_films_have_their_names(seen):
         # what lies in the pin's bearings is not painted on the skirt
         assert any("skirt" in name for name in told["colours"])
         assert not any("left" in name or "end" in name for name in told["colours"])
+
+
+def test_a_series_holds_every_cylinder_and_film_at_its_place(seen, tmp_path):
+    """Cylinders of 55 mm at z = -65 and 65 mm; of the pin's films the eye in the middle, the left
+    boss beside it.
+    """
+    if seen.kind not in ("twin", "pin"):
+        return
+    target = tmp_path / "run.pvd"
+    movie.command(seen.results.path, frames=2, case=str(seen.path), output=target)
+    files = {file.stem[:-6]: file for file in sorted((tmp_path / "run").iterdir())}
+    ends = {}
+    for name, file in files.items():
+        z = 1e3 * meshio.read(file).points[:, 2]
+        ends[name] = (z.min(), z.max())
+    cylinder = {"piston": (-54.95, 54.95), "film": (-55, 55)}
+    expected = {
+        "twin": {
+            f"{owner}_{part}": (low + z, high + z)
+            for owner, z in (("front", -65), ("rear", 65))
+            for part, (low, high) in cylinder.items()
+        },
+        "pin": {
+            "piston": cylinder["piston"],
+            "skirt_film": cylinder["film"],
+            "left_film": (-43, -18),
+            "small_end_film": (-18, 18),
+        },
+    }[seen.kind]
+    assert {name.replace("block", "") for name in files} - {"", "front_", "rear_"} == {*expected}
+    for name, wanted in expected.items():
+        # the outermost corners of 40 cells around are 0.2 mm within the circle
+        assert ends[name] == pytest.approx(wanted, abs=0.2), name
 
 
 REACHED = """const one = document.activeElement;
