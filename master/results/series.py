@@ -84,7 +84,8 @@ def _body(solid, k):
     deflection = solid.modes @ solid.coordinates[k] if solid.modes.shape[2] else 0 * solid.points
     motion = None if solid.motion is None else solid.motion[k]
     if motion is not None:
-        deflection = deflection @ about_z(motion[2]).T
+        _, _, turn = motion
+        deflection = deflection @ about_z(turn).T
     points = solid.stand.placed(moved(solid.points, motion))
     data = {"displacement [m]": solid.stand.turned(deflection)}
     if solid.stress is not None:
