@@ -5,9 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..case.contract import players
 from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
 from .common import body_skins, console, open_runs, say
 
 
@@ -55,47 +53,24 @@ def command(
     target = output or file.with_suffix(".gif")
     if target.suffix in (".glb", ".pvd"):
         from ..engine.sections import special
+        from ..engine.stands import side_by_side
+        from ..engine.surfaces import films_of
         from ..results.gltf import write_gltf
         from ..results.series import write_series
 
         if not times > 0:
             raise BadInput(f"--times {times:g}: more than 0")
         chosen = chosen_instants(results, frames)
-        found = special(described, runs, body_skins(runs, case)).solids.get(label, [])
-        solids = [solid for solid in found if solid.owner == found[0].owner]
-        if len(solids) < len(found):
-            say(f"of several cylinders {found[0].owner} is shown")
+        solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):
+            say("no wire says where the cylinders stand: they are drawn one beside the other")
+            solids = side_by_side(solids)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)
         else:
-            write_series(solids, _films(results, solids), results.instants, chosen, target)
+            write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
     else:
         with console.status("drawing"):
             write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)
-
-
-def _films(results, solids):
-    """Recorded fields of every film that lies around the piston, on its bore."""
-    from ..engine.places import gap_port
-    from ..results.fields_export import read_block
-    from ..results.series import Film
-
-    found = []
-    for name in players(results.case, "lubrication"):
-        given = results.case["participants"][name].get("parameters", {})
-        ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
-        shapes = [results.dataset(port).shape for port in ports if port.startswith(f"{name}.")]
-        if shapes and "bore_radius" in given:
-            alike = [port for port in ports if results.dataset(port).shape == shapes[0]]
-            gap = gap_port(results, name)
-            own = [port for port in alike if port.startswith(f"{name}.") or port == gap]
-            ends = [solid.between(own[0]) for solid in solids if solid.film]
-            if None in ends:
-                say(f"{name} lies not around the piston and is left out")
-                continue
-            blocks = [read_block(results, port) for port in own]
-            heights = ends[0] if ends else None
-            found.append(Film(name, to_si(given["bore_radius"], "m"), blocks, heights))
-    return found

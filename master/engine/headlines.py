@@ -266,7 +266,7 @@ def _oil(run):
     time = run.results.time
     held, inwards = 1e9 * mean_over(time, content), 1e9 * mean_over(time, upper)
     way = "in" if inwards > 0.0 else "out"
-    return f"{held:.0f} mm^3 in the film, {abs(inwards):.0f} mm^3/s {way} over the upper edge"
+    return f"{held:.0f} mm³ in the film, {abs(inwards):.0f} mm³/s {way} over the upper edge"
 
 
 def measures(results) -> dict[str, float]:

@@ -32,9 +32,10 @@ from ..results.charts import (
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.report import Special
-from ..results.solids import Solid
+from ..results.solids import Solid, Stand
 from .headlines import friction_pressures
 from .places import film_body, film_surface, gap_port
+from .stands import stands
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """From firing top dead centre on, 180 deg each."""
@@ -81,7 +82,11 @@ def special(
     body_of = {film: film_body(first, film) or bodies[0] for film in films}
     sections = [
         *(one for body in bodies for one in _of_body(runs, bodies, body, skins, body_of)),
-        *(one for film in films for one in _of_film(case, runs, body_of[film], film, len(films))),
+        *(
+            one
+            for film in films
+            for one in _of_film(case, runs, bodies, body_of[film], film, len(films))
+        ),
         Section("Friction over the cycles", _cycles(case, runs)),
     ]
     return Special(
@@ -115,11 +120,22 @@ def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
     sections = [_motion(runs, body, skirt), _forces(runs, body, films)]
     if len(bodies) == 1:
         return sections
-    said = "" if body == bodies[0] else f"Crank angle and strokes are those of {bodies[0]}."
-    return [replace(one, title=f"{one.title}: {body}", said=said) for one in sections]
+    return [_named(one, body, runs, bodies, body) for one in sections]
 
 
-def _of_film(case, runs, body, film, films) -> list[Section]:
+def _named(section, name, runs, bodies, body):
+    """A section after whose it is, with the strokes of its cylinder."""
+    title = f"{section.title}: {name}"
+    if body == bodies[0]:
+        return replace(section, title=title)
+    said = f"The crank angle is that of {bodies[0]}, the strokes are those of {body}."
+    own = own_strokes(runs, body)
+    if own is None:
+        said = f"The crank angle is that of {bodies[0]}; runs differ by the strokes of {body}."
+    return replace(section, title=title, said=said, phases=own or ())
+
+
+def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
     """Sections of a film, named after it where there are several."""
     first = next(iter(runs.values()))
     gap = gap_port(first, film)
@@ -132,7 +148,7 @@ def _of_film(case, runs, body, film, films) -> list[Section]:
     ]
     if films == 1:
         return sections
-    return [replace(section, title=f"{section.title}: {film}") for section in sections]
+    return [_named(section, film, runs, bodies, body) for section in sections]
 
 
 def _solids(skins, results, body, bodies) -> list[Solid]:
@@ -140,6 +156,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     they stay undeformed.
     """
     owner = body if len(bodies) > 1 else ""
+    stand = stands(results).get(body, Stand())
     deflect = any(skin.modes.shape[2] for skin in skins)
     port = f"{body}.modal_coordinate"
     count = len(results.instants)
@@ -169,6 +186,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
             fields_around(results, body, skin.skirt) if skin.skirt else {},
             owner,
             known or not deflect,
+            stand,
         )
         for skin, part in zip(skins, parts)
     ]
@@ -199,12 +217,34 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
     return found
 
 
-def strokes(runs: Runs) -> list[Phase]:
-    """Strokes that the runs come by; 0 deg is firing top dead centre, a cycle is 720 deg."""
-    spans = [_degrees(results)[[0, -1]] for results in runs.values()]
+def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
+    """Strokes that the runs come by; 0 deg is firing top dead centre, a cycle is 720 deg. Of a
+    cylinder whose crank angle is less by `ahead` [deg] than that of the abscissa.
+    """
+    spans = [_degrees(results)[[0, -1]] - ahead for results in runs.values()]
     first = int(np.floor(min(low for low, _ in spans) / 180.0 + 1e-9))
     last = int(np.ceil(max(high for _, high in spans) / 180.0 - 1e-9))
-    return [Phase(180.0 * k, 180.0 * (k + 1), STROKES[k % 4]) for k in range(first, last)]
+    return [
+        Phase(
+            180.0 * k + ahead,
+            180.0 * (k + 1) + ahead,
+            STROKES[k % 4],
+            "" if k % 4 else "firing TDC",
+        )
+        for k in range(first, last)
+    ]
+
+
+def own_strokes(runs: Runs, body: str) -> list[Phase] | None:
+    """Strokes of the cylinder of participant `body` over the crank angle of the first one; None
+    where the runs differ by them.
+    """
+    apart = {
+        round(float(_degrees(results)[0] - np.degrees(results.series(port).values[0])), 3)
+        for results in runs.values()
+        if (port := f"{body}.crank_angle") in results.ports
+    }
+    return strokes(runs, apart.pop()) if len(apart) == 1 else None
 
 
 def _degrees(results):

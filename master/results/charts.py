@@ -134,15 +134,20 @@ class Section:
     title: str
     drawn: Sequence[Drawn]
     said: str = ""
+    phases: "Sequence[Phase] | None" = None
+    """Parts of the cursor's abscissa that are its own, in place of the page's."""
 
 
 @dataclass(frozen=True)
 class Phase:
-    """A named part of the cursor's abscissa, from `begin` to `end` in its unit."""
+    """A named part of the cursor's abscissa, from `begin` to `end` in its unit; `mark` is what its
+    beginning is called, "" where it is not marked.
+    """
 
     begin: float
     end: float
     name: str
+    mark: str = ""
 
 
 def picture_section(case, runs) -> Section:
@@ -250,6 +255,7 @@ def as_data(section: Section, columns: Columns) -> dict[str, Any]:
     return {
         "title": section.title,
         "said": section.said,
+        "phases": None if section.phases is None else [vars(phase) for phase in section.phases],
         "drawn": [_DATA[type(one)](one, columns) for one in section.drawn],
     }
 

@@ -198,12 +198,28 @@ def cylinder_cells(shape, radius, ends):
     ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
     lower, upper = ends
     points = np.vstack([ring + [0, height, 0] for height in np.linspace(lower, upper, m + 1)])
+    return points, _quadrilaterals(n, m)
+
+
+def pin_cells(shape, radius, ends):
+    """Corners of the cells of fields in a shell about z, and the cells, in the order of a field's
+    values: cell i centred at 2 pi (i - 1)/n from x towards y, j along z.
+    """
+    n, m = shape
+    angle = 2 * np.pi * (np.arange(n) - 0.5) / n  # where cells begin
+    ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(n)])
+    lower, upper = ends
+    points = np.vstack([ring + [0, 0, z] for z in np.linspace(lower, upper, m + 1)])
+    return points, _quadrilaterals(n, m)
+
+
+def _quadrilaterals(n, m):
+    """Cells of n around and m along, between the corners of m + 1 rings."""
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
-    cells = np.stack(
+    return np.stack(
         [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
     ).reshape(-1, 4)
-    return points, cells
 
 
 def write_collection(entries, path):

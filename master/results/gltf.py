@@ -97,11 +97,12 @@ def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Pa
             animate(
                 node, "rotation", np.column_stack([*2 * [0 * half], np.sin(half), np.cos(half)])
             )
+    nodes = [{"name": solid.title(), "mesh": k} for k, solid in enumerate(solids)]
     tree = {
         "asset": {"version": "2.0", "generator": "piston-cosim"},
         "scene": 0,
-        "scenes": [{"nodes": list(range(len(solids)))}],
-        "nodes": [{"name": solid.name, "mesh": k} for k, solid in enumerate(solids)],
+        "scenes": [{"nodes": _roots(solids, nodes)}],
+        "nodes": nodes,
         "meshes": meshes,
         "materials": [_material(solid) for solid in solids],
         "animations": [{"name": "run", "channels": channels, "samplers": samplers}],
@@ -114,6 +115,22 @@ def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Pa
         del tree["animations"]
     path.write_bytes(_binary(tree, bytes(buffer.data)))
     return path
+
+
+def _roots(solids, nodes):
+    """Nodes that are in no other: the bodies; of several cylinders a node each, added to those of
+    the bodies, where it stands.
+    """
+    owners = list(dict.fromkeys(solid.owner for solid in solids))
+    if len(owners) == 1:
+        return list(range(len(solids)))
+    for owner in owners:
+        own = [k for k, solid in enumerate(solids) if solid.owner == owner]
+        along, bank = solids[own[0]].stand
+        turn = [0.0, 0.0, float(np.sin(bank / 2)), float(np.cos(bank / 2))]
+        place = {"translation": [0.0, 0.0, float(along)], "rotation": turn}
+        nodes.append({"name": owner, "children": own} | place)
+    return list(range(len(solids), len(nodes)))
 
 
 def _sizes(solid):

@@ -117,6 +117,28 @@ def labelled(text: str, unit: str) -> str:
     return f"{text} [{unit}]" if unit else text
 
 
+ENDINGS = {
+    "_m3_s": "m³/s",
+    "_m_s": "m/s",
+    "_nm": "N m",
+    "_pa": "Pa",
+    "_w": "W",
+    "_j": "J",
+    "_n": "N",
+    "_m": "m",
+    "_s": "s",
+}
+"""How a summary's entries end that have a unit, and the unit."""
+
+
+def entry_in_words(name: str) -> str:
+    """A summary's entry in words: mean_friction_power_w -> "mean friction power [W]"."""
+    for ending, unit in ENDINGS.items():
+        if name.endswith(ending):
+            return labelled(name.removesuffix(ending).replace("_", " "), unit)
+    return name.replace("_", " ")
+
+
 def handy_unit(unit: str, largest: float) -> str | None:
     """Unit of a size that suits a value in the SI `unit`, None where that is as good."""
     if unit not in WITH_PREFIX or not np.isfinite(largest) or largest == 0.0:

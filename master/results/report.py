@@ -25,7 +25,15 @@ from .coordinates import crank_angle_port
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import PALETTE, PALETTE_DARK, handy_unit, name_of, names_of, scaled
+from .pictures import (
+    PALETTE,
+    PALETTE_DARK,
+    entry_in_words,
+    handy_unit,
+    name_of,
+    names_of,
+    scaled,
+)
 from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
@@ -97,6 +105,7 @@ def write_report(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
     )
     templates.filters["words"] = words
+    templates.filters["entry"] = entry_in_words
     page = templates.get_template("report.html").render(
         case=case,
         runs=[judged(case, label, results) for label, results in runs.items()],

@@ -8,20 +8,34 @@ from typing import Any
 
 import numpy as np
 
-from .fields_export import Block, cylinder_cells, write_collection
-from .solids import Solid
+from .fields_export import Block, write_collection
+from .solids import Solid, Stand, about_z, moved
 
 
 @dataclass(frozen=True)
 class Film:
-    """Fields on the cylinder of a radius [m], between two heights of the piston [m]; without them
-    as long as the skirt, or 1 m.
+    """Fields on a surface that moves as a body does.
+
+    Parameters
+    ----------
+    name : str
+    blocks : list of Block
+    points : ndarray, shape (n, 3)
+        From its body's origin [m].
+    cells : ndarray of int, shape (c, 4)
+        In the order of a field's values.
+    motion : ndarray, shape (instants, 3), or None
+        across, along [m] and the turn about z [rad] at the recorded instants; None: it rests.
+    stand : Stand
+        Of its cylinder.
     """
 
     name: str
-    radius: float
     blocks: list[Block]
-    heights: tuple[float, float] | None = None
+    points: np.ndarray
+    cells: np.ndarray
+    motion: np.ndarray | None = None
+    stand: Stand = Stand()
 
 
 def write_series(
@@ -29,8 +43,8 @@ def write_series(
 ) -> Path:
     """Write the chosen instants.
 
-    Points are where they are, at their true scale; `displacement` is the deflection, for ParaView's
-    "Warp By Vector". A film lies between the edges of the skirt, upright and as high as the piston.
+    Points are where they are, at their true scale, every cylinder at its place; `displacement` is
+    the deflection, for ParaView's "Warp By Vector".
 
     Parameters
     ----------
@@ -52,14 +66,10 @@ def write_series(
 
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
-    skirt = next((solid for solid in solids if solid.film), None)
     entries = []
     for k in chosen:
-        parts: dict[str, Any] = {solid.name: _body(solid, k) for solid in solids}
-        for film in films:
-            ends = film.heights or (skirt and skirt.film) or (0.0, 1.0)
-            height = 0.0 if skirt is None or skirt.motion is None else skirt.motion[k, 1]
-            parts[film.name] = _film(film, (ends[0] + height, ends[1] + height), k)
+        parts: dict[str, Any] = {solid.title("_"): _body(solid, k) for solid in solids}
+        parts |= {film.name: _film(film, k) for film in films}
         for number, (name, mesh) in enumerate(parts.items()):
             file = folder / f"{name}_{k:05d}.vtu"
             meshio.write(file, mesh)
@@ -72,23 +82,21 @@ def _body(solid, k):
     import meshio
 
     deflection = solid.modes @ solid.coordinates[k] if solid.modes.shape[2] else 0 * solid.points
-    points = solid.points
-    data = {"displacement [m]": deflection}
-    if solid.motion is not None:
-        across, along, turn = solid.motion[k]
-        c, s = np.cos(turn), np.sin(turn)
-        turned = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-        points = points @ turned.T + [across, along, 0]
-        data = {"displacement [m]": deflection @ turned.T}
+    motion = None if solid.motion is None else solid.motion[k]
+    if motion is not None:
+        _, _, turn = motion
+        deflection = deflection @ about_z(turn).T
+    points = solid.stand.placed(moved(solid.points, motion))
+    data = {"displacement [m]": solid.stand.turned(deflection)}
     if solid.stress is not None:
         data["von Mises stress [Pa]"] = solid.stress[k]
     return meshio.Mesh(points, [("triangle", solid.triangles)], point_data=data)
 
 
-def _film(film, ends, k):
-    """The fields of a film at instant `k`, between two heights [m]."""
+def _film(film, k):
+    """The fields of a film at instant `k`."""
     import meshio
 
-    points, cells = cylinder_cells(film.blocks[0].values.shape[1:], film.radius, ends)
+    points = moved(film.points, None if film.motion is None else film.motion[k])
     data = {f"{one.name} [{one.unit}]": [one.values[k].ravel()] for one in film.blocks}
-    return meshio.Mesh(points, [("quad", cells)], cell_data=data)
+    return meshio.Mesh(film.stand.placed(points), [("quad", film.cells)], cell_data=data)

@@ -4,11 +4,42 @@ instant.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .packing import Columns, packed_counts, packed_frames, packed_singles
+
+
+class Stand(NamedTuple):
+    """Where a cylinder stands in its engine: along the crankshaft, z [m], and turned about it from
+    upright, its bank angle [rad].
+    """
+
+    along: float = 0.0
+    bank: float = 0.0
+
+    def turned(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (n, 3) of the cylinder in the engine's axes."""
+        return vectors @ about_z(self.bank).T
+
+    def placed(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) of the cylinder in the engine [m]."""
+        return self.turned(points) + [0.0, 0.0, self.along]
+
+
+def about_z(angle: float) -> np.ndarray:
+    """Matrix that turns by an angle about z [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def moved(points: np.ndarray, motion: np.ndarray | None) -> np.ndarray:
+    """Points (n, 3) of a body that has gone across and along [m] and turned about z [rad]."""
+    if motion is None:
+        return points
+    across, along, turn = motion
+    return points @ about_z(turn).T + [across, along, 0.0]
 
 
 @dataclass(frozen=True)
@@ -42,6 +73,8 @@ class Solid:
     held : bool
         Whether what the body does is known: of one without coordinates False says that it deflects,
         but that its coordinates were not recorded.
+    stand : Stand
+        Of its cylinder; the page draws every cylinder upright.
     """
 
     name: str
@@ -55,6 +88,11 @@ class Solid:
     fields: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     owner: str = ""
     held: bool = True
+    stand: Stand = Stand()
+
+    def title(self, between: str = " ") -> str:
+        """Its name, after that of its owner where it has one."""
+        return between.join(filter(None, (self.owner, self.name)))
 
     def between(self, port: str) -> tuple[float, float] | None:
         """Heights between which a field lies around the body [m], None where it does not."""

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 
+from .pictures import entry_in_words
 from .sweep_pictures import magnitude
 
 WORDS = ("friction", "slap", "contact")
@@ -50,6 +51,7 @@ def write_sweep_page(
     data = {
         "axes": [_axis(name, done) for name in axes],
         "entries": entries,
+        "said": [entry_in_words(name) for name in entries],
         "chosen": [name for name in chosen if name],
         "points": [
             {
@@ -83,5 +85,5 @@ def _axis(name, done):
     values = known if len(known) == len(numbers) else [order.index(text) for text in texts]
     units = {text.lstrip("+-.0123456789eE").strip() for text in texts}
     unit = f" [{units.pop()}]" if len(known) == len(numbers) and len(units) == 1 else ""
-    short = name.split(".")[-1] + (unit if unit != " []" else "")
+    short = name.split(".")[-1].replace("_", " ") + (unit if unit != " []" else "")
     return {"name": short, "values": [float(value) for value in values]}

@@ -5,7 +5,7 @@ combination of the others.
 import matplotlib.pyplot as plt
 
 from ..fmi.quantities import registry
-from .pictures import PALETTE
+from .pictures import PALETTE, entry_in_words
 
 
 def magnitude(value):
@@ -63,13 +63,15 @@ def draw_sweep(rows, axes, entries, path):
                 panel.set_xticks(
                     range(len(chosen)), [str(row[first.name]) for row in chosen], fontsize="small"
                 )
-        panel.set_title(entry, fontsize="small")
+        panel.set_title(entry_in_words(entry), fontsize="small")
         panel.grid(alpha=0.3)
     for panel in panels[-1]:
         panel.set_xlabel(_heading(first))
     if others and len(entries):
         panels[0, 0].legend(
-            title=", ".join(name.split(".")[-1] for name in others), fontsize="small", frameon=False
+            title=", ".join(name.split(".")[-1].replace("_", " ") for name in others),
+            fontsize="small",
+            frameon=False,
         )
     figure.savefig(path, dpi=130)
     plt.close(figure)

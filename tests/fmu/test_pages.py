@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.commands import sweep
+from piston_cosim.master.commands import movie, sweep
 from piston_cosim.master.commands.common import body_skins, page_of
 from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
@@ -220,6 +220,39 @@ def test_several_cylinders_and_films_have_their_names(seen):
         assert not any("left" in name or "end" in name for name in told["colours"])
 
 
+def test_a_series_holds_every_cylinder_and_film_at_its_place(seen, tmp_path):
+    """Cylinders of 55 mm at z = -65 and 65 mm; of the pin's films the eye in the middle, the left
+    boss beside it.
+    """
+    if seen.kind not in ("twin", "pin"):
+        return
+    target = tmp_path / "run.pvd"
+    movie.command(seen.results.path, frames=2, case=str(seen.path), output=target)
+    files = {file.stem[:-6]: file for file in sorted((tmp_path / "run").iterdir())}
+    ends = {}
+    for name, file in files.items():
+        z = 1e3 * meshio.read(file).points[:, 2]
+        ends[name] = (z.min(), z.max())
+    cylinder = {"piston": (-54.95, 54.95), "film": (-55, 55)}
+    expected = {
+        "twin": {
+            f"{owner}_{part}": (low + z, high + z)
+            for owner, z in (("front", -65), ("rear", 65))
+            for part, (low, high) in cylinder.items()
+        },
+        "pin": {
+            "piston": cylinder["piston"],
+            "skirt_film": cylinder["film"],
+            "left_film": (-43, -18),
+            "small_end_film": (-18, 18),
+        },
+    }[seen.kind]
+    assert {name.replace("block", "") for name in files} - {"", "front_", "rear_"} == {*expected}
+    for name, wanted in expected.items():
+        # the outermost corners of 40 cells around are 0.2 mm within the circle
+        assert ends[name] == pytest.approx(wanted, abs=0.2), name
+
+
 REACHED = """const one = document.activeElement;
   return one === document.body ? "" : one.dataset.stop || one.tagName;"""
 
@@ -317,8 +350,8 @@ def test_each_point_of_a_sweep_leads_to_its_report(swept, tmp_path):
             byId(name).selectedOptions[0].textContent) };""")
         pages = [f"reports/{Path(row['results']).stem}/report.html" for row in rows]
         assert all(told["links"][name] == pages for name in told["links"])
-        assert told["axes"] == ["radial_clearance [um]", "barrel [um]"]
-        assert "mean_friction_power_w" in told["shown"] and "slap_energy_j" in told["shown"]
+        assert told["axes"] == ["radial clearance [um]", "barrel [um]"]
+        assert {"mean friction power [W]", "slap energy [J]"} <= {*told["shown"]}
         for k, row in enumerate(rows):
             with Results(swept / "runs" / f"{Path(row['results']).stem}.h5") as results:
                 slap = results.series("bodies.kinetic_energy").values.max()

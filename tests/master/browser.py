@@ -191,8 +191,10 @@ class Browser:
         ]
         return [url for url in urls if not url.startswith(("file:", "data:", "blob:", "about:"))]
 
-    def seconds(self) -> float:
-        """Processor time that all its processes have taken [s]."""
+    def seconds(self, kind: str = "") -> float:
+        """Processor time that all its processes have taken, or those of a kind, as "gpu-process"
+        [s].
+        """
         ticks = 0
         family = {self._process.pid}
         for stat in sorted(Path("/proc").glob("[0-9]*/stat"), key=lambda path: int(path.parts[2])):
@@ -202,6 +204,8 @@ class Browser:
                 continue
             if pid in family or int(rest[1]) in family:
                 family.add(pid)
+                if kind and f"--type={kind}" not in (stat.parent / "cmdline").read_text():
+                    continue
                 ticks += int(rest[11]) + int(rest[12])
         return ticks / os.sysconf("SC_CLK_TCK")
 
@@ -218,12 +222,14 @@ WARMING = 20
 class Pace:
     """How a page plays.
 
-    rate : frames a second by the clock; page, all : processor time a frame, of the page's own
-    thread and of all processes [ms]; fineness : dots of the bodies by dots of the screen.
+    rate : frames a second by the clock; page, graphics, all : processor time a frame, of the
+    page's own thread, of the process that draws bodies and puts the picture together, and of all
+    processes [ms]; fineness : dots of the bodies by dots of the screen.
     """
 
     rate: float
     page: float
+    graphics: float
     all: float
     fineness: float
 
@@ -240,12 +246,13 @@ def pace(browser: Browser, frames: int) -> Pace:
         " await new Promise(done => setTimeout(done, 500));"
     )
     browser.run(PLAYED % WARMING)
-    taken = browser.seconds()
+    taken, drawn = browser.seconds(), browser.seconds("gpu-process")
     tasks = browser.metrics()["TaskDuration"]
     frames, seconds = browser.run(PLAYED % frames)
     return Pace(
         rate=frames / seconds,
         page=1e3 * (browser.metrics()["TaskDuration"] - tasks) / frames,
+        graphics=1e3 * (browser.seconds("gpu-process") - drawn) / frames,
         all=1e3 * (browser.seconds() - taken) / frames,
         fineness=browser.run("return fineness"),
     )

@@ -2,16 +2,17 @@
 
 import json
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
 
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.fields_export import Block
+from piston_cosim.master.results.fields_export import Block, cylinder_cells, pin_cells
 from piston_cosim.master.results.gltf import RATE, write_gltf
 from piston_cosim.master.results.series import Film, write_series
-from piston_cosim.master.results.solids import Solid
+from piston_cosim.master.results.solids import Solid, Stand
 
 INSTANTS = np.array([0.1, 0.2, 0.3, 0.5])
 TIMES = 20.0
@@ -102,7 +103,8 @@ def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     bodies = solids()
     pressure = np.arange(4 * 8 * 2.0).reshape(4, 8, 2)
     block = Block("ehd.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure)
-    films = [Film("ehd", 0.7, [block])]
+    upright = bodies[0].motion * [0, 1, 0]
+    films = [Film("ehd", [block], *cylinder_cells((8, 2), 0.7, (-0.5, 1.5)), upright)]
     path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
     entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
     assert [(float(one["timestep"]), one["part"]) for one in entries] == [
@@ -123,12 +125,73 @@ def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     assert (heights.min(), heights.max()) == pytest.approx((along - 0.5, along + 1.5))
 
 
-def test_a_film_of_a_part_of_the_skirt_lies_there(tmp_path):
-    bodies = solids()
-    values = np.ones((4, 8, 2))
-    block = Block("low.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), values)
-    films = [Film("low", 0.7, [block], (0.25, 0.5))]
+def in_line():
+    """Two cylinders: the bodies above, 0.2 m along the crank and turned by 30 deg; and as they are,
+    at -0.1 m.
+    """
+    stands = {"front": Stand(0.2, np.radians(30)), "rear": Stand(-0.1)}
+    return [
+        replace(solid, owner=owner, stand=stand)
+        for owner, stand in stands.items()
+        for solid in solids()
+    ]
+
+
+def in_the_engine(points, stand):
+    """By hand: turned about z, then along it."""
+    c, s = np.cos(stand.bank), np.sin(stand.bank)
+    x, y, z = np.transpose(points)
+    return np.column_stack([c * x - s * y, s * x + c * y, z + stand.along])
+
+
+def test_every_cylinder_of_a_model_stands_at_its_place(tmp_path):
+    bodies = in_line()
+    tree, _ = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
+    names = [node["name"] for node in tree["nodes"]]
+    assert names == ["front piston", "front block", "rear piston", "rear block", "front", "rear"]
+    roots = [tree["nodes"][k] for k in tree["scenes"][0]["nodes"]]
+    assert [root["children"] for root in roots] == [[0, 1], [2, 3]]
+    for root, stand in zip(roots, (bodies[0].stand, bodies[2].stand)):
+        x, y, z, w = root["rotation"]
+        assert (x, y) == (0, 0) and 2 * np.arctan2(z, w) == pytest.approx(stand.bank)
+        assert root["translation"] == [0, 0, stand.along]
+    moving = {one["target"]["node"] for one in tree["animations"][0]["channels"]}
+    assert moving == {0, 2}  # of each cylinder its piston, none of those they stand in
+
+
+def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):
+    bodies = in_line()
+    block = Block(
+        "low.pressure", "Pa", INSTANTS, np.arange(1, 5), np.arange(1, 3), np.ones((4, 4, 2))
+    )
+    surface = cylinder_cells((4, 2), 0.7, (0.25, 0.5))
+    films = [Film("low", [block], *surface, bodies[0].motion, bodies[0].stand)]
     path = write_series(bodies, films, INSTANTS, np.array([2]), tmp_path / "run.pvd")
-    *_, last = [one.attrib["file"] for one in ElementTree.parse(path).iter("DataSet")]
-    heights = meshio.read(tmp_path / last).points[:, 1] - bodies[0].motion[2, 1]
-    assert (heights.min(), heights.max()) == pytest.approx((0.25, 0.5))
+    files = [one.attrib["file"] for one in ElementTree.parse(path).iter("DataSet")]
+    wanted = ["front_piston", "front_block", "rear_piston", "rear_block", "low"]
+    assert files == [f"run/{name}_00002.vtu" for name in wanted]
+    meshes = [meshio.read(tmp_path / file) for file in files]
+    across, along, beta = bodies[0].motion[2]
+    turned = np.array([[np.cos(beta), -np.sin(beta)], [np.sin(beta), np.cos(beta)]])
+
+    def gone(points):
+        return np.column_stack([points[:, :2] @ turned.T + [across, along], points[:, 2]])
+
+    for mesh, solid in zip(meshes, bodies):
+        own = solid.points if solid.motion is None else gone(solid.points)
+        assert mesh.points == pytest.approx(in_the_engine(own, solid.stand))
+    points, _ = surface
+    assert meshes[-1].points == pytest.approx(in_the_engine(gone(points), bodies[0].stand))
+    deflection = gone((bodies[0].modes @ bodies[0].coordinates[2])[4:5]) - [across, along, 0]
+    shown = meshes[0].point_data["displacement [m]"][4:5]
+    assert shown == pytest.approx(in_the_engine(deflection, Stand(0.0, bodies[0].stand.bank)))
+
+
+def test_cells_of_a_pin_are_centred_where_its_grid_has_them():
+    """Cell i at 2 pi (i - 1)/n from x towards y; j along z."""
+    points, cells = pin_cells((6, 2), 0.02, (-0.01, 0.03))
+    centres = points[cells].mean(axis=1).reshape(6, 2, 3)
+    angle = np.arctan2(centres[..., 1], centres[..., 0]) % (2 * np.pi)
+    assert angle == pytest.approx(np.repeat(np.arange(6)[:, None] * np.pi / 3, 2, axis=1))
+    assert centres[..., 2] == pytest.approx(np.tile([0.0, 0.02], (6, 1)))
+    assert np.hypot(*points[:, :2].T) == pytest.approx(0.02)

@@ -11,6 +11,7 @@ from piston_cosim.master.engine.headlines import friction_pressure, headlines
 from piston_cosim.master.engine.sections import (
     STROKES,
     WEAR_COEFFICIENT,
+    own_strokes,
     special,
     strokes,
     wear_depth,
@@ -64,6 +65,34 @@ def test_strokes_begin_at_firing_top_dead_centre():
         (720, "expansion"),
     ]
     assert len(STROKES) == 4
+
+
+def test_firing_top_dead_centre_is_marked_where_expansion_begins():
+    shown = strokes({"a": run([-360.0, 725.0])})
+    assert {one.begin: one.mark for one in shown if one.mark} == {
+        0: "firing TDC",
+        720: "firing TDC",
+    }
+
+
+def test_strokes_of_another_cylinder_stand_where_its_own_crank_angle_says():
+    """It fires when the first one stands at 180 deg."""
+    both = run([-360.0, 360.0])
+    series = dict(zip(both.ports, map(both.series, both.ports)))
+    series["rear.crank_angle"] = Series(np.radians([-540.0, 180.0]), "rad", "")
+    both.ports, both.series = list(series), series.__getitem__
+    own = own_strokes({"a": both}, "rear")
+    assert own is not None
+    assert [(one.begin, one.end, one.name) for one in own] == [
+        (-360, -180, "exhaust"),
+        (-180, 0, "intake"),
+        (0, 180, "compression"),
+        (180, 360, "expansion"),
+    ]
+    late = run([-360.0, 360.0])
+    series = dict(series) | {"rear.crank_angle": Series(np.radians([0.0, 720.0]), "rad", "")}
+    late.ports, late.series = list(series), series.__getitem__
+    assert own_strokes({"a": both, "b": late}, "rear") is None
 
 
 def test_edges_of_the_skirt_move_with_the_tilt():

@@ -198,7 +198,7 @@ def test_the_first_screen_by_hand(tmp_path):
     assert said["slap"] == "2 mJ across the bore, -50 mm/s at 0 deg"
     assert said["across the bore"] == "-10 µm to 10 µm"
     assert said["tilt"] == "-0.1 deg to 0.1 deg"
-    assert said["oil"] == "300 mm^3 in the film, 2 mm^3/s out over the upper edge"
+    assert said["oil"] == "300 mm³ in the film, 2 mm³/s out over the upper edge"
     assert said["computed"] == "1440 deg in 10 steps, 3 s"
     assert said["verdicts"] == "6 green"
     assert len(shown.lines) <= 12

@@ -1,6 +1,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = name => document.getElementById(name), style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const slider = byId("instant"), tip = byId("tip");
+let instant = 0;          // where the cursor stands, of all positions
 const painters = [];      // called with the cursor's position whenever it moves
 const repainters = [];    // called when colours of the page, its width or what is chosen changes
 
@@ -34,7 +35,7 @@ async function framesOf(run) {
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 const colourOf = run => { if (run < 0) return style("--ink"); const own = dark.matches && !printing ? data.palette_dark : data.palette; return own[run % own.length]; };
 let printing = false;   // on paper colours are those of the day
-const onPaper = 350;    // width of a chart there, two beside one another
+const onPaper = 350;    // width of a chart or a map there, two beside one another
 
 const digits = value => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
@@ -83,7 +84,7 @@ function sharp(canvas, height) {
   if (canvas.age !== age) {
     canvas.age = age;
     canvas.style.height = height + "px";
-    canvas.wide = Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth);
+    canvas.wide = printing && canvas.map ? onPaper - 10 : Math.max(160, canvas.clientWidth || canvas.parentElement.clientWidth);
     canvas.ratio = window.devicePixelRatio || 1;
     canvas.width = Math.round(canvas.wide * canvas.ratio); canvas.height = Math.round(height * canvas.ratio);
   }
@@ -151,16 +152,16 @@ class FieldMap {
     this.canvas.onmouseleave = this.canvas.onblur = () => { tip.style.display = "none"; this.held = false; };
     this.canvas.onkeydown = event => this.step(event);
   }
-  frame() { return this.frames ? this.frames[+slider.value] : 0; }
-  value(i, j) {
-    const cell = i * this.run.shape[1] + j;
-    return this.run.there && !this.run.there[cell] ? NaN : this.at(this.frame(), cell);
+  frame() { return this.frames ? this.frames[instant] : 0; }
+  // of every cell at the cursor, NaN where nothing is
+  values() {
+    const frame = this.frame(), { there } = this.run, found = new Float64Array(this.run.shape[0] * this.run.shape[1]);
+    for (let cell = 0; cell < found.length; cell++) found[cell] = there && !there[cell] ? NaN : this.at(frame, cell);
+    return found;
   }
-  range() {
+  range(values = this.values()) {
     let low = Infinity, high = -Infinity, positive = Infinity;
-    const [n, m] = this.run.shape;
-    for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
-      const v = this.value(i, j);
+    for (const v of values) {
       if (v < low) low = v;
       if (v > high) high = v;
       if (v > 0 && v < positive) positive = v;
@@ -172,16 +173,16 @@ class FieldMap {
     const titled = axis => axis.label + (axis.unit ? ` [${axis.unit}]` : ""), upright = inLines(titled(axes[1]), 34);
     const left = 44 + 12 * (upright.length - 1), box = this.box = { left, top: 6, width: width - left - 10, height: height - 62 };
     if (!this.small) Object.assign(this.small = document.createElement("canvas"), { width: n, height: m });
-    const image = new ImageData(n, m), dots = new Uint32Array(image.data.buffer);
+    const values = this.values(), image = new ImageData(n, m), dots = new Uint32Array(image.data.buffer);
     for (let i = 0; i < n; i++) for (let j = 0; j < m; j++) {
-      const v = this.value(i, j);
+      const v = values[i * m + j];
       if (!Number.isNaN(v)) dots[(m - 1 - j) * n + i] = pixelAt(shareOf(v, scale), scale);
     }
     const small = this.small;
     small.getContext("2d").putImageData(image, 0, 0);
     pen.imageSmoothingEnabled = false;
     pen.drawImage(small, box.left, box.top, box.width, box.height);
-    if (this.controls.contours.checked && !playing) this.drawContours(pen, scale);
+    if (this.controls.contours.checked && !playing) this.drawContours(pen, scale, values);
     pen.strokeStyle = pen.fillStyle = style("--ink"); pen.lineWidth = 1;
     pen.strokeRect(box.left, box.top, box.width, box.height);
     const quarters = axes[0].unit === "deg" && first[1] - first[0] > 350;
@@ -206,15 +207,15 @@ class FieldMap {
     pen.translate(11, box.top + box.height / 2 + (upright.length > 1 ? 20 : 0)); pen.rotate(-Math.PI / 2); pen.textAlign = "center";
     upright.forEach((text, k) => pen.fillText(text, 0, 12 * k));
     pen.restore();
-    const { low, high } = this.range();
+    const { low, high } = this.range(values);
     if (!(high >= low)) { this.caption.textContent = `${this.label}: no instant that both runs have recorded`; return; }
     const away = this.run.there ? "; blank: no film there" : "";
     this.caption.textContent = `${this.label}: ${digits(low)} to ${withUnit(high, this.field.unit)}${away}`;
     this.canvas.setAttribute("aria-label", `${this.field.name}, ${this.caption.textContent}`);
     if (this.held) this.tell();
   }
-  drawContours(pen, scale) {
-    const [n, m] = this.run.shape, box = this.box, at = (i, j) => this.value(i, j);
+  drawContours(pen, scale, values) {
+    const [n, m] = this.run.shape, box = this.box, at = (i, j) => values[i * m + j];
     pen.save();
     pen.beginPath(); pen.rect(box.left, box.top, box.width, box.height); pen.clip();
     const said = [];   // where labels stand: another of a steep place would cover them
@@ -251,10 +252,10 @@ class FieldMap {
     this.tell();
   }
   tell() {
-    const { i, j } = this.cell, said = this.difference ? `${this.field.name}, ${this.label}` : this.field.name, [n, m] = this.run.shape, axes = this.field.axes, value = this.value(i, j);
+    const { i, j } = this.cell, said = this.difference ? `${this.field.name}, ${this.label}` : this.field.name, [n, m] = this.run.shape, axes = this.field.axes, value = this.values()[i * m + j];
     const along = (axis, ends, k, cells) => `${axis.label} ${withUnit(ends[0] + (k + .5) / cells * (ends[1] - ends[0]), axis.unit)}`;
     const place = [along(axes[0], this.run.ends[0], i, n), along(axes[1], this.run.ends[1], j, m)];
-    if (this.frames) place.push(`${data.cursor.label} ${withUnit(positions[+slider.value], data.cursor.unit)}`);
+    if (this.frames) place.push(`${data.cursor.label} ${withUnit(positions[instant], data.cursor.unit)}`);
     tip.textContent = `${said} ${Number.isNaN(value) ? "\u2013 (nothing there)" : withUnit(value, this.field.unit)}: ${place.join(", ")}`;
     const rect = this.canvas.getBoundingClientRect(), box = this.box;
     tip.style.display = "block"; this.held = true;
@@ -272,12 +273,15 @@ class DifferenceMap extends FieldMap {
     if (both.length) this.run = { ...run, there: run.text && both.reduce((a, b) => a.map((one, k) => one && b[k])) };
   }
   // both runs recorded this instant
-  common(k = +slider.value) {
+  common(k = instant) {
     if (!this.frames) return true;
     const [a, b] = [this.later, this.first].map(map => map.recorded[map.frames[k]]);
     return Math.abs(a - b) <= 1e-3 * Math.abs(positions[positions.length - 1] - positions[0]) / positions.length;
   }
-  value(i, j) { return this.common() ? this.later.value(i, j) - this.first.value(i, j) : NaN; }
+  values() {
+    const values = this.later.values(), less = this.first.values(), common = this.common();
+    return values.map((value, cell) => common ? value - less[cell] : NaN);
+  }
   // largest difference of all instants, or of this one
   largest(now) {
     if (now || !this.frames) { const { low, high } = this.range(); return high >= low ? Math.max(-low, high) : 0; }
@@ -318,6 +322,7 @@ function showDifferences(parent, field, maps, contours, now) {
     shown.forEach(map => map.paint(scale));
   };
   box.onchange = repaint;
+  if (maps[0].frames) painters.push(whenSeen(area, repaint));
   return repaint;
 }
 
@@ -351,7 +356,7 @@ async function showField(parent, field, moving) {
     if (moving) maps[maps.length - 1].recorded = column(data.cursor.recorded[k]);
   }
   const repaintDifferences = maps.length > 1 ? showDifferences(parent, field, maps, contours, () => over.value === "now") : () => {};
-  const repaint = () => {
+  const paint = () => {
     let { low, high, positive } = field;
     if (over.value === "now") {
       const ranges = maps.map(map => map.range());
@@ -360,9 +365,9 @@ async function showField(parent, field, moving) {
     const scale = scaleOver(low, high, Number.isFinite(positive) ? positive : 0, kind.value === "log");
     drawLegend(legend, scale, field.unit);
     maps.forEach(map => map.paint(scale));
-    repaintDifferences();
   };
-  if (moving) painters.push(whenSeen(parent, repaint));
+  const repaint = () => { paint(); repaintDifferences(); };
+  if (moving) painters.push(whenSeen(area, paint));
   repainters.push(repaint);
   repaint();
 }
@@ -386,6 +391,9 @@ function strip() {
     lanes.forEach((lane, row) => {
       const runs = lane.runs.map(column), all = runs.flatMap(own => [...own]), low = Math.min(...all), high = Math.max(...all);
       const Y = value => 16 + tall * row + (tall - 4) * (1 - (value - low) / ((high - low) || 1));
+      pen.fillStyle = style("--ink"); pen.textAlign = "right"; pen.font = "10px system-ui, sans-serif";
+      for (const [value, down] of high > low ? [[high, 9], [low, -1]] : [[low, -1]]) pen.fillText(digits(+value.toPrecision(3)), width - 3, Y(value) + down);
+      if (low < 0 && high > 0) { pen.fillStyle = style("--line"); pen.fillRect(0, Y(0), width - 40, 1); }
       runs.forEach((own, k) => {
         pen.strokeStyle = colourOf(k); pen.lineWidth = 1.2; pen.beginPath();
         own.forEach((value, p) => pen.lineTo(X(positions[p], width), Y(value)));
@@ -394,7 +402,7 @@ function strip() {
     });
   };
   const paint = () => {
-    const k = +slider.value;
+    const k = instant;
     lanes.forEach((lane, row) => {
       said[row].textContent = `${lane.name}: ${lane.runs.map(column).map(own => own.length ? withUnit(own[k], lane.unit) : "\u2013").join(" | ")}`;
     });
@@ -414,6 +422,9 @@ function drawPhases(pen, width, height, X) {
     pen.fillStyle = style("--ink"); pen.textAlign = "center";
     const said = [phase.name, phase.name.slice(0, 4) + ".", phase.name.slice(0, 2) + "."].find(text => pen.measureText(text).width + 3 < b - a);
     if (said) pen.fillText(said, (a + b) / 2, 11);
+    if (!phase.mark || phase.begin < positions[0]) return;
+    pen.setLineDash([2, 2]); pen.strokeStyle = style("--ink"); pen.lineWidth = 1; pen.beginPath(); pen.moveTo(a, 0); pen.lineTo(a, height); pen.stroke(); pen.setLineDash([]);
+    pen.textAlign = "left"; pen.fillText(phase.mark, a + 3, height - 3);
   });
 }
 
@@ -460,10 +471,14 @@ function layoutOf(drawn, width) {
       fillcolor: "rgba(58,125,68,.14)", line: { width: band.low === band.high ? 1 : 0, color: style("--ink"), dash: "dot" } });
     layout.annotations.push({ text: band.said, xref: "paper", x: 1, xanchor: "right", y: drawn.logarithmic ? Math.log10(band.high) : band.high, yanchor: "bottom", showarrow: false, font: { size: 10 } });
   }
-  if (drawn.kind === "carpet" || drawn.cursor) data.phases.forEach((phase, k) => {
+  if (drawn.kind === "carpet" || drawn.cursor) drawn.phases.forEach((phase, k) => {
     if (phase.end <= positions[0] || phase.begin >= positions[positions.length - 1]) return;
     const a = Math.max(phase.begin, positions[0]), b = Math.min(phase.end, positions[positions.length - 1]);
     if (k % 2 && drawn.kind === "chart") layout.shapes.push({ type: "rect", yref: "paper", x0: a, x1: b, y0: 0, y1: 1, layer: "below", line: { width: 0 }, fillcolor: style("--shade") });
+    if (phase.mark && phase.begin >= positions[0]) {
+      layout.shapes.push({ type: "line", yref: "paper", x0: a, x1: a, y0: 0, y1: 1, line: { width: 1, color: style("--ink"), dash: "dot" } });
+      layout.annotations.push({ text: phase.mark, x: a, xanchor: "left", yref: "paper", y: 0, yanchor: "bottom", showarrow: false, font: { size: 10 } });
+    }
     const room = (b - a) / (positions[positions.length - 1] - positions[0]) * (width - 76);
     if (room > 5 * phase.name.length) layout.annotations.push({ text: phase.name, x: (a + b) / 2, yref: "paper", y: 1, yanchor: "bottom", showarrow: false, font: { size: 10 } });
   });
@@ -548,7 +563,7 @@ function chart(parent, drawn, aside) {
   const cursor = () => {
     const axes = made && (drawn.cursor || drawn.kind === "carpet") && node._fullLayout;
     if (!axes) return;
-    const { xaxis, _size } = axes, x = xaxis.d2p(positions[+slider.value]);
+    const { xaxis, _size } = axes, x = xaxis.d2p(positions[instant]);
     now.style.cssText = `left:${_size.l + x}px;top:${_size.t}px;height:${_size.h}px;display:${x >= 0 && x <= _size.w ? "block" : "none"}`;
   };
   const draw = () => {
@@ -572,8 +587,8 @@ function chart(parent, drawn, aside) {
         const move = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
         if (!move || event.target !== node || !(drawn.cursor || drawn.kind === "carpet")) return;
         event.preventDefault();
-        go(+slider.value + move);
-        if (drawn.cursor) Plotly.Fx.hover(node, { xval: positions[+slider.value] });
+        go(instant + move);
+        if (drawn.cursor) Plotly.Fx.hover(node, { xval: positions[instant] });
       };
       node.onblur = () => Plotly.Fx.unhover(node);
       node.appendChild(now);
@@ -602,6 +617,7 @@ async function showSection(section) {
   if (section.said) element("p", parent, section.said);
   const charts = element("div", parent, "", "charts"), aside = element("div", parent);
   for (const drawn of section.drawn) {
+    drawn.phases = section.phases || data.phases;
     if (drawn.kind === "map") await showField(element("div", parent), drawn, false);
     else chart(charts, drawn, aside);
   }
@@ -609,12 +625,12 @@ async function showSection(section) {
 
 // the cursor -----------------------------------------------------------------
 function show() {
-  const k = +slider.value;
+  const k = instant;
   byId("place").textContent = `${data.cursor.label} ${withUnit(+positions[k].toFixed(4), data.cursor.unit)}  (${k + 1} of ${positions.length})`;
   byId("words").textContent = data.words.map((own, run) => `${data.labels[run]}:  ${own[k]}`).join("   |   ");
   painters.forEach(paint => paint());
 }
-function go(k) { slider.value = (k + positions.length) % positions.length; show(); }
+function go(k) { instant = (k + positions.length) % positions.length; slider.value = instant; show(); }
 let playing = false, due = 0, shown = 0, fineness = 1;   // pictures shown while playing; dots of the bodies by dots of the screen, along a side
 const between = 1000 / 30;   // from picture to picture while playing [ms]
 const steps = 8, drawnFineness = () => playing ? Math.round(fineness * steps) / steps : 1;   // in steps: another size costs a frame
@@ -625,7 +641,7 @@ function turn(time) {
     fineness = Math.min(1, Math.max(3 / steps, fineness * (late > .75 * between ? .94 : 1.01)));
     due = Math.max(due + between, time - 4 * between);   // a few late pictures are caught up, a long pause is not
     shown += 1;
-    go(+slider.value + 1);
+    go(instant + 1);
   }
   requestAnimationFrame(turn);
 }
@@ -638,10 +654,10 @@ async function begin() {
   numbers = new Float64Array(await inflate(data.columns));
   positions = column(data.cursor.positions);
   slider.max = positions.length - 1;
-  slider.value = data.cursor.start;
-  slider.oninput = show;
-  byId("back").onclick = () => go(+slider.value - 1);
-  byId("on").onclick = () => go(+slider.value + 1);
+  slider.value = instant = data.cursor.start;
+  slider.oninput = () => go(+slider.value);
+  byId("back").onclick = () => go(instant - 1);
+  byId("on").onclick = () => go(instant + 1);
   byId("play").onclick = event => { playing = !playing; event.target.textContent = playing ? "stop" : "play"; playing ? requestAnimationFrame(turn) : show(); };
   strip();
   await showSolids();

@@ -1,26 +1,26 @@
 // bodies on their meshes: WebGL, one canvas a run; turned by dragging or the arrow keys
 const VERTEX = `#version 300 es
-in vec3 place; in float share;           // below zero: no value there
+in vec3 place; in float share;           // far below zero: no value there
 uniform mat3 view; uniform vec4 frame;   // centre of the view in x, y, z and what is one half of its height
 uniform float aspect;
-out vec3 eye; out float colour; out float known;
+out float colour;
 void main() {
-  eye = view * (place - frame.xyz);
-  colour = max(share, 0.0);
-  known = share < 0.0 ? 0.0 : 1.0;
+  vec3 eye = view * (place - frame.xyz);
+  colour = share;
   gl_Position = vec4(eye.x / frame.w / aspect, eye.y / frame.w, -eye.z / frame.w / 8.0, 1.0);
 }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 eye; in float colour; in float known;   // a triangle has colours where all its corners have
-uniform sampler2D table; uniform vec3 plain;
+in float colour;   // a triangle has colours where all its corners have
+uniform sampler2D table; uniform vec3 plain; uniform float tall;   // dots of the view's height, which is an eighth of its depth
 out vec4 seen;
 void main() {
-  vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
-  float light = 0.45 + 0.55 * abs(dot(normal, normalize(vec3(0.3, 0.5, 0.9))));
-  vec3 own = known < 0.999 ? plain : texture(table, vec2((colour * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  vec3 normal = vec3(8.0 * tall * vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)), 1.0);
+  float light = 0.45 + 0.55 * abs(dot(normal, normalize(vec3(0.3, 0.5, 0.9)))) * inversesqrt(dot(normal, normal));
+  vec3 own = colour < 0.0 ? plain : texture(table, vec2((colour * 255.0 + 0.5) / 256.0, 0.5)).rgb;
   seen = vec4(own * light, 1.0);
 }`;
+const nothing = -1e6;   // so far below zero that no triangle with such a corner has colours
 
 async function unpackMesh(mesh) {
   const [points, triangles, modes] = await Promise.all([inflate(mesh.points), inflate(mesh.triangles), inflate(mesh.modes)]);
@@ -50,6 +50,7 @@ function cutOpen(mesh) {
 
 // values of the points, then of those on the cut
 function withCut(values, between, size) {
+  if (!between.length) return values;
   const count = values.length / size, out = new Float32Array(values.length + size * between.length);
   out.set(values);
   between.forEach(([a, b, share], k) => { for (let c = 0; c < size; c++) out[size * (count + k) + c] = (1 - share) * values[size * a + c] + share * values[size * b + c]; });
@@ -59,9 +60,10 @@ function withCut(values, between, size) {
 // displacement of every point at a recorded instant: modes times coordinates
 function displaced(solid, mesh, frame) {
   const size = mesh.points.length, found = new Float64Array(size), all = column(solid.coordinates);
+  const { modes } = mesh;
   for (let k = 0; k < solid.count; k++) {
     const q = all[frame * solid.count + k], from = k * size;
-    for (let p = 0; p < size; p++) found[p] += q * mesh.modes[from + p];
+    for (let p = 0; p < size; p++) found[p] += q * modes[from + p];
   }
   return found;
 }
@@ -127,7 +129,7 @@ class Scene {
     figure.className = "scene";
     this.thrust = element("span", figure, "thrust", "mark"); this.anti = element("span", figure, "anti-thrust", "mark");
     this.caption = element("figcaption", figure);
-    this.canvas.style.cssText = "height: 420px; touch-action: none; cursor: grab";
+    this.canvas.style.cssText = "touch-action: none; cursor: grab";
     this.canvas.tabIndex = 0;
     this.canvas.scene = this;
     this.meshes = solids.map(solid => meshes[solid.mesh]);
@@ -161,7 +163,14 @@ class Scene {
     this.gl.bindBuffer(kind, made); this.gl.bufferData(kind, values, this.gl.STATIC_DRAW);
     return made;
   }
-  frame() { return data.cursor.frames[this.run][+slider.value]; }
+  // on paper two stand beside one another
+  size() {
+    const { canvas } = this, alone = canvas.parentElement.matches(":only-child");
+    const [wide, tall] = !printing ? [canvas.parentElement.clientWidth, 420] : alone ? [2 * onPaper - 10, 420] : [onPaper - 10, 250];
+    canvas.style.height = `${tall}px`;
+    return { wide, tall };
+  }
+  frame() { return data.cursor.frames[this.run][instant]; }
   sizeOf(displacement) {
     const out = new Float32Array(displacement.length / 3);
     for (let p = 0; p < out.length; p++) out[p] = 1e6 * Math.hypot(displacement[3 * p], displacement[3 * p + 1], displacement[3 * p + 2]);
@@ -178,7 +187,7 @@ class Scene {
   paint(look, scale, view, dots) {
     const gl = this.gl;
     if (!gl) return;
-    if (this.age !== age) Object.assign(this, { age, wide: this.canvas.clientWidth, tall: this.canvas.clientHeight });
+    if (this.age !== age) Object.assign(this, { age, ...this.size() });
     const ratio = (window.devicePixelRatio || 1) * dots, width = Math.round(this.wide * ratio), height = Math.round(this.tall * ratio);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
     gl.viewport(0, 0, width, height);
@@ -189,13 +198,13 @@ class Scene {
     const frame = this.frame(), moving = this.solids.find(solid => solid.motion), height0 = moving ? column(moving.motion)[3 * frame + 1] : 0;
     const middle = view.follow ? height0 : view.middle;
     gl.uniform4f(at("frame"), 0, middle, 0, view.half);
-    gl.uniform1f(at("aspect"), width / height);
+    gl.uniform1f(at("aspect"), width / height); gl.uniform1f(at("tall"), height);
     const said = [];
     this.solids.forEach((solid, k) => {
       const mesh = this.meshes[k], part = this.parts[k], { displacement, sizes, values } = look[k];
       if (!solid.motion && !this.controls.block.checked) return;
-      const shares = new Float32Array(sizes.length).fill(-1);
-      if (values) values.forEach((value, p) => { if (!Number.isNaN(value)) shares[p] = Math.min(1, Math.max(0, shareOf(value, scale))); });
+      const shares = new Float32Array(sizes.length).fill(nothing);
+      if (values) for (let p = 0; p < shares.length; p++) if (!Number.isNaN(values[p])) shares[p] = Math.min(1, Math.max(0, shareOf(values[p], scale)));
       const largest = sizes.reduce((a, b) => Math.max(a, b), 0);
       said.push(`${solid.name} ${solid.count ? `deflects up to ${withUnit(largest, "µm")}` : solid.held ? "rigid" : "without deflection, as modal coordinates were not recorded"}`);
       gl.bindBuffer(gl.ARRAY_BUFFER, part.place);
@@ -210,6 +219,7 @@ class Scene {
       if (part.closed) { gl.enable(gl.CULL_FACE); gl.cullFace(part.outward ? gl.BACK : gl.FRONT); } else gl.disable(gl.CULL_FACE);
       gl.drawElements(gl.TRIANGLES, part.count, gl.UNSIGNED_INT, 0);
     });
+    gl.flush();   // drawn while the page goes on
     // the words stand before the outermost points of the two sides
     const height1 = height0 - middle, matrix = view.matrix;
     for (const [mark, x] of [[this.thrust, 1.35 * view.reach], [this.anti, -1.35 * view.reach]]) {

@@ -1,0 +1,108 @@
+"""Films of a piston as surfaces that move with what they lie on: the skirt, a floating pin's bosses
+and the rod's eye.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..case.contract import players
+from ..fmi.quantities import to_si
+from ..results.fields_export import cylinder_cells, pin_cells, read_block
+from ..results.file import Results
+from ..results.series import Film
+from ..results.solids import Solid, Stand
+from .places import film_body, film_surface, gap_port
+
+BOSSES = {"boss_left": -1.0, "boss_right": 1.0}
+"""On which side of z = 0 each lies."""
+EYE = "small_end"
+NEAR = 0.02
+"""Points so near to a film's radius, as a share of it, are of the bore of a boss."""
+
+
+def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) -> list[Film]:
+    """Recorded fields of every film on its surface; one whose place is not known is left out, and
+    `say` is told so.
+
+    A film of the skirt is upright and as high as the piston; one of a boss moves with the piston;
+    that of the eye goes with the pin and turns with the rod. A film of no piston rests.
+    """
+    found = []
+    for name in players(results.case, "lubrication"):
+        given = results.case["participants"][name].get("parameters", {})
+        ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
+        own = [port for port in ports if port.startswith(f"{name}.")]
+        if not own or "bore_radius" not in given:
+            continue
+        shape = results.dataset(own[0]).shape
+        gap = gap_port(results, name)
+        if gap in ports and gap not in own and results.dataset(gap).shape == shape:
+            own.append(gap)
+        owner = film_body(results, name)
+        piston = next((s for s in solids if s.film and s.owner in ("", owner)), None)
+        radius = to_si(given["bore_radius"], "m")
+        length = to_si(given.get("skirt_length", "1 m"), "m")
+        placed = _placed(results, name, (shape[1:], radius, length), piston, own[0])
+        if placed is None:
+            say(f"{name}: where it lies is not known, it is left out")
+            continue
+        points, cells, motion = placed
+        stand = piston.stand if piston else Stand()
+        blocks = [read_block(results, port) for port in own]
+        found.append(Film(name, blocks, points, cells, motion, stand))
+    return found
+
+
+def _placed(results, film, sizes, piston, port):
+    """Points, cells and motion of a film's surface; None where its place is not known."""
+    shape, radius, length = sizes
+    surface = film_surface(results, film).removesuffix(".")
+    if surface in (*BOSSES, EYE):
+        ends = _along_pin(results, film, surface, piston, radius, length)
+        motion = piston.motion if piston else None
+        if surface == EYE and motion is not None:
+            motion = np.column_stack([motion[:, :2], rod_turn(results, film_body(results, film))])
+        return *pin_cells(shape, radius, ends), motion
+    if piston is None:
+        return *cylinder_cells(shape, radius, (0.0, length)), None
+    ends = piston.between(port)
+    if ends is None:
+        return None
+    upright = None if piston.motion is None else piston.motion * [0.0, 1.0, 0.0]
+    return *cylinder_cells(shape, radius, ends), upright
+
+
+def _along_pin(results, film, surface, piston, radius, length):
+    """Between which z a film of the pin lies [m]: the eye in the middle; a boss from where its bore
+    begins in the mesh, and of a piston without one beside the eye.
+    """
+    if surface == EYE:
+        return -length / 2, length / 2
+    side = BOSSES[surface]
+    build = results.case["participants"][film_body(results, film)].get("build", {})
+    begin = to_si(build.get("floating_pin", {}).get("small_end_length", "0 m"), "m") / 2
+    if piston is not None and "rigid" not in build.get("piston", {}):
+        x, y, z = piston.points.T
+        of_bore = (np.abs(np.hypot(x, y) - radius) < NEAR * radius) & (side * z > 0)
+        begin = float(np.abs(z[of_bore]).min()) if of_bore.any() else begin
+    return tuple(sorted((side * begin, side * (begin + length))))
+
+
+def rod_turn(results: Results, body: str | None) -> np.ndarray:
+    """Turn of the rod about z at the recorded instants [rad].
+
+    Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: of the pin less that of the crank
+    """
+    table = results.case["participants"][body]
+    given = table["parameters"]
+
+    def at(name):
+        values = results.series(f"{body}.{name}").values
+        return np.interp(results.instants, results.time, values)
+
+    offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
+    offset -= to_si(given.get("crank_offset", "0 m"), "m")
+    radius, length = (to_si(given[name], "m") for name in ("crank_radius", "rod_length"))
+    aside = offset + at("lateral_displacement") + radius * np.sin(at("crank_angle"))
+    return -np.arcsin(aside / length)  # Eq. (X25)
