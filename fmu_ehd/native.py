@@ -340,5 +340,5 @@ PART = NativePart(
     uncovered=uncovered,
     covered=COVERED,
     faults=FAULTS,
-    refusal="lubrication step to t = {t} s: ",
+    refusal="lubrication step to t = {a} s: ",
 )

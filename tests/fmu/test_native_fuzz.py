@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from piston_cosim.master.fmi.builder_native import SOURCES, object_files
+from piston_cosim.master.fmi.builder_native import SOURCES, definitions, object_files
 from piston_cosim.master.fmi.compiler import HOME
 
 HERE = Path(__file__).parent
@@ -22,7 +22,8 @@ def fuzzed(request, make_native, native_bodies, unpack, tmp_path_factory):
     entries, program = folder / "entries.o", folder / "fuzz_calls"
     entries.write_bytes(object_files(request.param, ["linux64"])["linux64"])
     sources = [HERE / "fuzz_calls.c", *(HOME / name for name in (*SOURCES, "fmi2.c"))]
-    command = ["gcc", *CHECKED, f"-I{HOME}", *map(str, sources), str(entries), "-lm"]
+    command = ["gcc", *CHECKED, *definitions(request.param), f"-I{HOME}"]
+    command += [*map(str, sources), str(entries), "-lm"]
     told = subprocess.run([*command, "-o", str(program)], capture_output=True, text=True)
     if told.returncode and "cannot find" in told.stderr:
         pytest.skip("gcc without AddressSanitizer")
