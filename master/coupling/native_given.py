@@ -65,10 +65,12 @@ def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) ->
             value = given[name].get(v.name)
             if known is None or value is None:
                 continue
-            said = v.choices[int(value) - 1] if v.choices else float(value)
-            allowed = known if isinstance(known, tuple) else (known,)
-            if said not in allowed:
-                words = ", ".join(map(str, allowed))
+            if isinstance(known, tuple):
+                said, is_covered = v.choices[int(value) - 1], v.choices[int(value) - 1] in known
+                words = ", ".join(known)
+            else:
+                said, is_covered, words = f"{value:g}", value == known, f"{known:g}"
+            if not is_covered:
                 yield f"participants.{name}: {v.name} = {said}: a native FMU covers {words}"
 
 
