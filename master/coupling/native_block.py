@@ -281,3 +281,9 @@ def note(faults, number, numbers):
         one[FAULT_B] = b
         one[FAULT_C] = c
         faults[0] = at + 1.0
+
+
+@compiled
+def numbers_of(one):
+    """The numbers that the sentence of a fault names, as `note` takes them."""
+    return one[FAULT_I], one[FAULT_J], one[FAULT_A], one[FAULT_B], one[FAULT_C]

@@ -13,6 +13,7 @@ from .native_block import (
     DIFFERENCES,
     ELEMENTS,
     FAILURES,
+    FAULT,
     FIRST,
     FORCING,
     GRAM,
@@ -64,6 +65,7 @@ from .native_block import (
     count,
     keep,
     note,
+    numbers_of,
     part,
     row_of,
     wire_of,
@@ -77,6 +79,9 @@ from .native_krylov import (
     precondition,
     size_of,
 )
+
+USED, OUTPUTS, RESIDUAL = range(3)
+"""Of an evaluation: what inputs were set to, what outputs are, how far the iterate is off."""
 
 # ---- participants
 
@@ -146,8 +151,7 @@ def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
     found = int(memory[first])
     for k in range(found):
         one = memory[first + 1 + k * OF_A_FAULT : first + 1 + (k + 1) * OF_A_FAULT]
-        number, i, j, a, b, c = one[0], one[1], one[2], one[3], one[4], one[5]
-        note(faults, row[SENTENCE] + number, (i, j, a, b, c))
+        note(faults, row[SENTENCE] + one[FAULT], numbers_of(one))
     return found == 0
 
 
@@ -216,9 +220,9 @@ def evaluate(memory: np.ndarray, x: np.ndarray, numbers: np.ndarray, outcome: np
     outcome : ndarray, shape (3, size)
         Overwritten: what the inputs were set to, what the outputs are, the residual.
     """
-    used = outcome[0]
-    y = outcome[1]
-    residual = outcome[2]
+    used = outcome[USED]
+    y = outcome[OUTPUTS]
+    residual = outcome[RESIDUAL]
     keep(used, x)
     faults = part(memory, FAILURES)
     wires = count(memory, WIRE_COUNT)
@@ -470,8 +474,8 @@ def minimised(memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.nda
 @compiled
 def update(memory: np.ndarray, outcome: np.ndarray, change: np.ndarray):
     """Newton update of the whole vector into `change`; whether all participants answered."""
-    used = outcome[0]
-    y = outcome[1]
+    used = outcome[USED]
+    y = outcome[OUTPUTS]
     n = count(memory, UNKNOWNS)
     apart = np.empty(len(used))
     for k in range(len(used)):
@@ -504,7 +508,7 @@ def converge(memory: np.ndarray, guess: np.ndarray, numbers: np.ndarray, x: np.n
     failures = part(memory, FAILURES)
     if not evaluate(memory, guess, numbers, outcome):
         return False
-    now = measure(memory, outcome[2])
+    now = measure(memory, outcome[RESIDUAL])
     best = now
     done = 1
     while not now <= 1.0:
@@ -517,14 +521,14 @@ def converge(memory: np.ndarray, guess: np.ndarray, numbers: np.ndarray, x: np.n
             trouble = TOO_MANY
         if trouble >= 0:
             note(failures, float(trouble), (float(done), 0.0, now, best, 0.0))
-            note_worst(memory, outcome[2])
+            note_worst(memory, outcome[RESIDUAL])
             return False
         if not update(memory, outcome, change):
             return False
-        if not evaluate(memory, moved(memory, outcome[0], change), numbers, outcome):
+        if not evaluate(memory, moved(memory, outcome[USED], change), numbers, outcome):
             return False
-        now = measure(memory, outcome[2])
+        now = measure(memory, outcome[RESIDUAL])
         best = min(best, now)
         done += 1
-    keep(x, outcome[0])
+    keep(x, outcome[USED])
     return True

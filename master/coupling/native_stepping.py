@@ -11,6 +11,7 @@ from .native_block import (
     CONSTANTS,
     DIFFERENCES,
     FAILURES,
+    FAULT,
     FAULTS_AT,
     GRAM,
     HALVINGS,
@@ -29,6 +30,7 @@ from .native_block import (
     count,
     keep,
     note,
+    numbers_of,
     part,
 )
 from .native_newton import converge, moved, restore, save
@@ -147,8 +149,7 @@ def report(memory, time, step):
     note(faults, float(NO_HALVING), (0.0, 0.0, time, step, 0.0))
     for k in range(int(failures[0])):
         one = failures[1 + k * OF_A_FAULT : 1 + (k + 1) * OF_A_FAULT]
-        number, i, j, a, b, c = one[0], one[1], one[2], one[3], one[4], one[5]
-        note(faults, number, (i, j, a, b, c))
+        note(faults, one[FAULT], numbers_of(one))
 
 
 @compiled
