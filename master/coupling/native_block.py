@@ -198,8 +198,9 @@ OWN_FAULTS = (
     "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
     "there is not enough memory for a participant's step",
     "there was no step to take a derivative of",
+    "step size = {a} s: more than {b} macro steps of {c} s",
 )
-NO_HALVING, NOT_FINITE, GROWS, TOO_MANY, NO_MEMORY, NO_STEP = range(len(OWN_FAULTS))
+NO_HALVING, NOT_FINITE, GROWS, TOO_MANY, NO_MEMORY, NO_STEP, TOO_LONG = range(len(OWN_FAULTS))
 WORST, MUST_BE_FINITE, OUT_OF_RANGE = range(OF_SENTENCES)
 """Sentences of a wire, by their place behind its first."""
 

@@ -2,8 +2,6 @@
 and `coupled`.
 """
 
-import math
-
 import numpy as np
 
 from ..fmi.compiled import compiled
@@ -26,6 +24,7 @@ from .native_block import (
     SIZE,
     STEP,
     TIMES,
+    TOO_LONG,
     clear,
     count,
     keep,
@@ -34,6 +33,9 @@ from .native_block import (
     part,
 )
 from .native_newton import converge, moved, restore, save
+
+MOST_STEPS = 1e6
+"""In one communication step: 1400 cycles of the shipped cases."""
 
 
 @compiled
@@ -154,9 +156,16 @@ def report(memory, time, step):
 
 @compiled
 def reach(memory: np.ndarray, time: float, step: float):
-    """Macro steps up to time + step, as `Coupled.advance`; False where one of them failed."""
+    """Macro steps up to time + step, as `Coupled.advance`; False where one of them failed, or where
+    there would be more than can be meant.
+    """
     constants = part(memory, CONSTANTS)
-    steps = int(math.ceil(step / constants[STEP] / (1.0 + constants[LENIENCE])))
+    asked = np.ceil(step / constants[STEP] / (1.0 + constants[LENIENCE]))
+    if not asked <= MOST_STEPS:
+        numbers = (0.0, 0.0, step, MOST_STEPS, constants[STEP])
+        note(part(memory, FAULTS_AT), float(TOO_LONG), numbers)
+        return False
+    steps = int(asked)
     for k in range(steps):
         before = time + step * k / steps
         after = time + step * (k + 1) / steps
