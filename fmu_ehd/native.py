@@ -341,5 +341,5 @@ PART = NativePart(
     uncovered=uncovered,
     covered=COVERED,
     faults=FAULTS,
-    refusal="lubrication step to t = {t} s: ",
+    refusal="lubrication step to t = {a} s: ",
 )

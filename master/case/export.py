@@ -4,12 +4,22 @@ a step.
 
 import json
 import re
+import tempfile
 from collections import Counter
 from dataclasses import asdict, replace
 from math import inf, isfinite
 from pathlib import Path
 
+from ..coupling.coupled import Coupled
+from ..coupling.native_given import (
+    coupled_inside,
+    not_started_with,
+    uncovered,
+    uncovered_wires,
+    without_derivative,
+)
 from ..fmi.builder import code_of, pack_fmu, slave_of
+from ..fmi.builder_native import cannot_build, pack_native_fmu, part_of, slave_inside
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
@@ -18,9 +28,11 @@ from .system import open_system, run_ahead
 
 COUPLED = "master.coupling.coupled"
 """The part of the master that goes inside, with all that it imports."""
+MASTER = "master.coupling"
+"""Whose entries a coupled slave of machine code has."""
 
 
-def export_fmu(case, folder, progress, version="2.0"):
+def export_fmu(case, folder, progress, version="2.0", platforms=()):
     """FMU of the coupled case.
 
     Outside it has the inputs that no wire feeds, all parameters with the case's values as start
@@ -36,6 +48,9 @@ def export_fmu(case, folder, progress, version="2.0"):
         Told a line of text before long work.
     version : {"2.0", "3.0"}
         Of the standard; 3.0 needs a C compiler.
+    platforms : sequence of str
+        Those of an FMU of machine code that needs no Python, see `builder_native.PLATFORMS`; one
+        in Python without them.
 
     Returns
     -------
@@ -46,7 +61,8 @@ def export_fmu(case, folder, progress, version="2.0"):
     ------
     BadInput
         With every fault of the case; also for a participant that is given as an FMU: only packages
-        can be taken inside.
+        can be taken inside. With platforms also all that machine code does not cover, before any is
+        made.
     """
     given = [
         f"participants.{name}: is an FMU; only a package can go into one FMU"
@@ -59,6 +75,7 @@ def export_fmu(case, folder, progress, version="2.0"):
         for wire in case.wires
         if wire.interpolation != "held"
     ]
+    given += _uncovered_ahead(case, platforms) if platforms else []
     if given:
         raise BadInput(given)
     system = open_system(case, folder, progress)
@@ -96,6 +113,9 @@ def export_fmu(case, folder, progress, version="2.0"):
             for causality in ("parameter", "input", "output")
         },
     }
+    usual = experiment(system.stop, system.step, system.wires)
+    if platforms:
+        return _pack_native(options, prepared, system, usual, progress, (version, platforms))
     return pack_fmu(
         options["name"],
         f"{COUPLED}:Coupled",
@@ -104,8 +124,94 @@ def export_fmu(case, folder, progress, version="2.0"):
         _resources(prepared),
         progress,
         version,
-        experiment=experiment(system.stop, system.step, system.wires),
+        experiment=usual,
     )
+
+
+def _uncovered_ahead(case, platforms):
+    """Sentences on what machine code does not cover, as far as the case tells it before anything is
+    computed.
+    """
+    faults = [*cannot_build(platforms), *uncovered(case.coupling), *uncovered_wires(case.wires)]
+    for name, table in case.participants.items():
+        if not table.package:
+            continue
+        try:
+            part = part_of(table.package)
+        except BadInput as refusal:
+            faults += refusal.faults
+            continue
+        ahead = part.uncovered_ahead(table.build)
+        faults += [f"participants.{name}: {fault}" for fault in ahead]
+        for parameter, value in table.parameters.items():
+            known = part.covered.get(parameter)
+            if isinstance(known, tuple) and value not in known:
+                words = ", ".join(known)
+                faults.append(
+                    f"participants.{name}: {parameter} = {value}: a native FMU covers {words}"
+                )
+    return faults
+
+
+def _pack_native(options, prepared, system, usual, progress, made_for):
+    """The same FMU as machine code.
+
+    Parameters
+    ----------
+    options : dict
+        Content of build.json.
+    prepared : dict
+        Participant -> its checked build options, and the files they name.
+    system : System
+    usual : Experiment
+    progress : callable
+    made_for : (str, sequence of str)
+        Version of the standard and platforms.
+    """
+    version, platforms = made_for
+    slave = _coupled_slave(options)
+    packages = {name: path.partition(".")[0] for name, path in slave.inside.participants.items()}
+    codes = list(dict.fromkeys(packages.values()))
+    parts = {name: part_of(package) for name, package in packages.items()}
+    faults = [
+        f"participants.{name}: {fault}"
+        for name, part in parts.items()
+        for fault in part.uncovered(prepared[name][0])
+    ]
+    if faults:
+        raise BadInput(faults)
+    insides = {
+        name: slave_inside(packages[name], part, *prepared[name]) for name, part in parts.items()
+    }
+    faults = [
+        *uncovered_wires(system.wires),
+        *without_derivative(system.wires, insides),
+        *not_started_with(insides, system.parameters),
+    ]
+    if slave.string:
+        faults.append("a native FMU has no texts")
+    if faults:
+        raise BadInput(faults)
+    slave.experiment = usual
+    inside = coupled_inside(
+        slave, insides, {name: codes.index(package) for name, package in packages.items()}
+    )
+    return pack_native_fmu(
+        options["name"],
+        inside,
+        progress,
+        version,
+        platforms=platforms,
+        package=MASTER,
+        participants=codes,
+    )
+
+
+def _coupled_slave(options):
+    """The coupled slave in Python, which knows its table and where variables lie."""
+    with tempfile.TemporaryDirectory() as scratch:
+        (Path(scratch) / "build.json").write_text(json.dumps(options, sort_keys=True))
+        return Coupled(instance_name="native", resources=scratch)
 
 
 def experiment(stop, step, wires):

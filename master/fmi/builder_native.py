@@ -27,7 +27,7 @@ from .builder import slave_of, texts_of, write_archive
 from .cache import cache_folder
 from .compiler import HOME
 from .errors import BadInput
-from .native_parts import NativePart
+from .native_parts import NativePart, symbol
 from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .tree import import_part, reached, slave_class
 from .variables import Variable
@@ -73,6 +73,9 @@ PLATFORMS = {
 """By the names of `native_code.TARGETS`."""
 
 SOURCES = ("native.c", "runtime.c", "common.c")
+OF_COUPLED = "parts.c"
+"""Besides, where entries of participants are called from those of a coupled slave."""
+ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 
 
@@ -115,19 +118,61 @@ def build_native_fmu(
         platform for which there is no C compiler.
     """
     part, resolved, files = check_native(package, options, folder, progress, platforms)
-    slave, given = _slave(package, part, resolved, files)
-    slave.experiment = experiment or slave.experiment
-    libraries = {
-        f"binaries/{PLATFORMS[name].folders[version]}/{slave.name}{PLATFORMS[name].ending}": data
-        for name, data in _libraries(package, platforms, version, progress).items()
+    inside = slave_inside(package, part, resolved, files)
+    inside.slave.experiment = experiment or inside.slave.experiment
+    return pack_native_fmu(package, inside, progress, version, platforms=platforms)
+
+
+class Inside(NamedTuple):
+    """A slave about to become machine code: an instance in Python, which knows its table and where
+    variables lie; what its package says of itself; what its memory begins with.
+    """
+
+    slave: FieldSlave
+    part: NativePart
+    given: np.ndarray
+
+
+def pack_native_fmu(
+    name: str,
+    inside: Inside,
+    progress: Callable[[str], object] = lambda text: None,
+    version: str = "2.0",
+    *,
+    platforms: Sequence[str] = ("linux64",),
+    package: str = "",
+    participants: Sequence[str] = (),
+) -> Path:
+    """FMU of a slave as machine code, from the cache if the same was packed before.
+
+    Parameters
+    ----------
+    name : str
+        Begins the file's name.
+    inside : Inside
+    progress, version, platforms
+        As for `build_native_fmu`.
+    package : str
+        Whose entries the slave has; `name` without it.
+    participants : sequence of str
+        Packages whose entries those of a coupled slave call.
+    """
+    slave = inside.slave
+    codes = {
+        one: object_files(one, platforms, progress) for one in (package or name, *participants)
     }
-    members = texts_of(slave, version, any_host=True, platforms=platforms) | libraries
-    members["resources/slave.bin"] = slave_file(slave, part, given)
-    members["resources/build.json"] = json.dumps(resolved, sort_keys=True).encode()
+    members = texts_of(slave, version, any_host=True, platforms=platforms)
+    for platform in platforms:
+        own = {one: files[platform] for one, files in codes.items()}
+        ends = PLATFORMS[platform]
+        path = f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"
+        members[path] = link(platform, version, own)
+    members["resources/slave.bin"] = slave_file(slave, inside.part, inside.given)
+    members["resources/build.json"] = json.dumps(slave.options, sort_keys=True).encode()
     digest = sha256()
-    for name in sorted(members):
-        digest.update(name.encode() + b"\0" + sha256(members[name]).digest())
-    fmu = cache_folder("fmus") / f"{package}-native-{digest.hexdigest()[:16]}.fmu"
+    for member in sorted(members):
+        digest.update(member.encode() + b"\0" + sha256(members[member]).digest())
+    fmu = cache_folder("fmus") / f"{name}-native-{digest.hexdigest()[:16]}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
         write_archive(members, fmu)
@@ -149,10 +194,8 @@ def check_native(
     BadInput
         As `build_native_fmu`.
     """
-    if unknown := [name for name in platforms if name not in PLATFORMS]:
-        raise BadInput(f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}")
     part = part_of(package)
-    if faults := [*part.uncovered_ahead(options), *_missing_compilers(platforms), *too_old()]:
+    if faults := [*cannot_build(platforms), *part.uncovered_ahead(options)]:
         raise BadInput(faults)
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     if faults := list(part.uncovered(resolved)):
@@ -160,9 +203,16 @@ def check_native(
     return part, resolved, files
 
 
+def cannot_build(platforms: Sequence[str]) -> list[str]:
+    """Why there can be no native FMU for these platforms on this machine."""
+    if unknown := [name for name in platforms if name not in PLATFORMS]:
+        return [f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}"]
+    return [*_missing_compilers(platforms), *too_old()]
+
+
 def part_of(package: str) -> NativePart:
-    """What a participant package says of itself in its module `native`."""
-    import_part(f"{package}.build")
+    """What a package says of itself in its module `native`."""
+    import_part(package)
     try:
         return import_part(f"{package}.native").PART
     except ModuleNotFoundError:
@@ -191,10 +241,10 @@ def too_old() -> list[str]:
     ]
 
 
-def _slave(package, part, options, files):
-    """An instance of the slave in Python, which knows its table and where variables lie; and what
-    its memory begins with.
-    """
+def slave_inside(
+    package: str, part: NativePart, options: Mapping[str, Any], files: Sequence[Path]
+) -> Inside:
+    """The slave of a package with checked build options and the files they name."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
         for file in files:
@@ -202,18 +252,10 @@ def _slave(package, part, options, files):
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
         if slave.string or slave.courses:
             raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
-        return slave, part.given(slave)
+        return Inside(slave, part, part.given(slave))
 
 
 # ---- the library
-
-
-def _libraries(package, platforms, version, progress):
-    """Name of a platform -> its library."""
-    return {
-        name: link(name, version, code)
-        for name, code in object_files(package, platforms, progress).items()
-    }
 
 
 def object_files(package, platforms, progress=lambda text: None):
@@ -244,7 +286,7 @@ def _compile(package, kept, module, progress):
 
 def _digest_of_code(package):
     """Of all that machine code is made of: kernels and what translates them."""
-    files = reached(Path(getfile(import_module(part_of(package).given.__module__))).resolve())
+    files = reached(Path(getfile(import_part(f"{package}.native"))).resolve())
     files |= {Path(native_code.__file__)}
     digest = sha256("".join(map(version_of, ("numba", "llvmlite"))).encode())
     for path in sorted(files):
@@ -252,27 +294,41 @@ def _digest_of_code(package):
     return digest.hexdigest()[:16]
 
 
-def link(platform: str, version: str, code: bytes) -> bytes:
-    """The library of a platform from the object file of a participant's entries.
+def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
+    """Options of a C compiler by which the front calls the entries of a package, and those of a
+    coupled slave the entries of others.
+    """
+    own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
+    inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
+    return [*own, f"-DPARTS={inside}"] if inside else own
+
+
+def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
+    """The library of a platform from object files by package: that of the slave's own entries, then
+    those of participants inside it.
 
     Raises
     ------
     RuntimeError
         With the compiler's words.
     """
+    package, *participants = codes
     with tempfile.TemporaryDirectory() as scratch:
-        entries = Path(scratch) / "entries.o"
-        entries.write_bytes(code)
+        objects = [Path(scratch) / f"{one}.o" for one in codes]
+        for path, code in zip(objects, codes.values()):
+            path.write_bytes(code)
         library = Path(scratch) / f"slave{PLATFORMS[platform].ending}"
-        files = [str(HOME / name) for name in (*SOURCES, FRONTS[version])]
+        sources = (*SOURCES, FRONTS[version], *([OF_COUPLED] if participants else ()))
+        files = [str(HOME / name) for name in sources]
         command = [
             *(compiler_of(platform) or ()),
             "-std=gnu11",
             "-O2",
             "-shared",
             *PLATFORMS[platform].options,
+            *definitions(package, participants),
             *files,
-            str(entries),
+            *map(str, objects),
             "-lm",
             "-o",
             str(library),

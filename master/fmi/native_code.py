@@ -101,8 +101,8 @@ def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, by
         return {name: (Path(scratch) / f"{name}.o").read_bytes() for name in platforms}
 
 
-def module_text(part: Any) -> str:
-    """All entries of a `NativePart` in LLVM's language, everything else internal."""
+def module_text(package: str, part: Any) -> str:
+    """All entries of a package's `NativePart` in LLVM's language, everything else internal."""
     import numba
     from llvmlite import binding
     from numba import types
@@ -114,6 +114,8 @@ def module_text(part: Any) -> str:
     carray = numba.__dict__["carray"]
     for kernel in KERNELS:
         kernel.__dict__["_kept"] = None  # what others compile is optimised for this machine
+    for name in part.asks:
+        binding.add_symbol(name, 1)  # never called here, where numba makes it ready to run
     numbers = types.CPointer(types.float64)
     counts = types.CPointer(types.int64)
     flags: Any = compiler.Flags()
@@ -145,8 +147,9 @@ def module_text(part: Any) -> str:
             {},
         )
         module = binding.parse_assembly(str(made.library._final_module))
-        module.get_function(made.fndesc.llvm_func_name).name = entry.name
-        names.append(entry.name)
+        name = entry.name(package)
+        module.get_function(made.fndesc.llvm_func_name).name = name
+        names.append(name)
         if whole is None:
             whole = module
         else:
@@ -162,8 +165,8 @@ def module_text(part: Any) -> str:
     return str(whole)
 
 
-def translated(text: str, target: Target) -> bytes:
-    """Object file of a module."""
+def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) -> bytes:
+    """Object file of a module, which may call what it `asks` for besides `OPEN`."""
     from llvmlite import binding
 
     machine = _machine(target)
@@ -174,7 +177,7 @@ def translated(text: str, target: Target) -> bytes:
     builder = binding.create_pass_builder(machine, options)
     passes = builder.getModulePassManager()
     passes.run(module, builder)
-    known = set().union(*OPEN.values())
+    known = asks.union(*OPEN.values())
     strangers = sorted(open_symbols(module) - known)
     if strangers:
         raise RuntimeError(f"machine code would call {', '.join(strangers)}, which are not there")
@@ -200,15 +203,16 @@ def _machine(target: Target):
 
 def main(package: str, kept: str, folder: str, *platforms: str) -> None:
     """Write the object files into a folder; the module that they are made of is kept."""
+    part = import_part(f"{package}.native").PART
     if os.path.exists(kept):
         text = gzip.decompress(Path(kept).read_bytes()).decode()
     else:
-        text = module_text(import_part(f"{package}.native").PART)
+        text = module_text(package, part)
         partial = Path(f"{kept}.{os.getpid()}.part")
         partial.write_bytes(gzip.compress(text.encode(), 1))
         os.replace(partial, kept)
     for name in platforms:
-        Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))
+        Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name], part.asks))
 
 
 if __name__ == "__main__":

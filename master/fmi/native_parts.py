@@ -5,6 +5,9 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
+CALL = "native_part"
+"""Runs an entry of a participant inside a coupled slave, front/parts.c."""
+
 
 class Entry(NamedTuple):
     """A kernel of four arrays, (real, integer, memory, numbers), and no result: real and integer
@@ -13,10 +16,14 @@ class Entry(NamedTuple):
 
     kernel: Any  # compiled.Kernel
 
-    @property
-    def name(self) -> str:
-        """Of the function in the library."""
-        return f"native_{self.kernel.py_func.__name__}"
+    def name(self, package: str) -> str:
+        """Of the function in the library, where entries of several packages may meet."""
+        return symbol(package, self.kernel.py_func.__name__)
+
+
+def symbol(package: str, name: str) -> str:
+    """Of an entry of a package in object files."""
+    return f"{package.replace('.', '_')}_{name}"
 
 
 class NativePart(NamedTuple):
@@ -28,7 +35,8 @@ class NativePart(NamedTuple):
     covered : name of a parameter to the choices, or to the one value, that the library covers;
     faults : sentences by their number;
     refusal : what stands before the sentence of a refused step;
-    uncovered_ahead : as `uncovered`, of build options as a case gives them.
+    uncovered_ahead : as `uncovered`, of build options as a case gives them;
+    asks : functions that the entries call besides those of `native_code.OPEN`.
     """
 
     entries: tuple[Entry, ...]
@@ -38,3 +46,4 @@ class NativePart(NamedTuple):
     faults: tuple[str, ...]
     refusal: str
     uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
+    asks: frozenset[str] = frozenset()

@@ -61,6 +61,29 @@ def native_bodies():
 
 
 @pytest.fixture(scope="session")
+def native_engine():
+    """Builds the numerical example, rigid, as one FMU without Python, on a grid."""
+
+    def make(grid, changes=(), version="2.0", platforms=("linux64",)):
+        from piston_cosim.master.case.export import export_fmu
+        from piston_cosim.master.case.schema import check_case, find_case, read_tree
+
+        if platforms and not compiler():
+            pytest.skip("no C compiler, or not Linux on x86-64")
+        if platforms and too_old():
+            pytest.skip(too_old()[0])
+        path = find_case("numerical_example")
+        small = [
+            *((f"participants.{name}.build.grid", grid) for name in ("bodies", "ehd")),
+            *((f"participants.bodies.build.{body}.modes", 0) for body in ("piston", "block")),
+        ]
+        tree = read_tree(path, [*small, ("time.stop", "12 deg"), *changes])
+        return export_fmu(check_case(tree, path), path.parent, print, version, platforms)
+
+    return make
+
+
+@pytest.fixture(scope="session")
 def make_native():
     return native_film
 

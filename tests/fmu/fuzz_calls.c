@@ -73,9 +73,13 @@ static Reference reference(const Fmu *f)
     return any(2) ? (Reference)(all + any(3) - 1) : (Reference)any(UINT32_MAX);
 }
 
+#ifndef LONG_STEP
+#define LONG_STEP 1.0
+#endif
+
 static double step_size(void)
 {
-    const double strange[] = {0.0, -1e-5, NAN, INFINITY, 1e300, 1e-300, 1.0};
+    const double strange[] = {0.0, -1e-5, NAN, INFINITY, 1e300, 1e-300, LONG_STEP};
     return any(3) ? 1e-5 * (1 + any(20)) : strange[any(sizeof strange / sizeof *strange)];
 }
 

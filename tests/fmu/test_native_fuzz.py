@@ -5,7 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from piston_cosim.master.fmi.builder_native import SOURCES, object_files
+from piston_cosim.master.fmi.builder_native import (
+    OF_COUPLED,
+    SOURCES,
+    definitions,
+    object_files,
+)
 from piston_cosim.master.fmi.compiler import HOME
 
 HERE = Path(__file__).parent
@@ -13,16 +18,26 @@ CHECKED = ("-g", "-O1", "-std=gnu11", "-fsanitize=address,undefined", "-fno-sani
 """Anything that the sanitizers find ends the program with a status."""
 
 
-@pytest.fixture(scope="session", params=["fmu_ehd", "fmu_mfbd"])
-def fuzzed(request, make_native, native_bodies, unpack, tmp_path_factory):
+INSIDE = {"fmu_ehd": [], "fmu_mfbd": [], "master.coupling": ["fmu_mfbd", "fmu_ehd"]}
+"""Packages -> those whose entries theirs call, in the order of the FMU."""
+
+
+@pytest.fixture(scope="session", params=INSIDE)
+def fuzzed(request, make_native, native_bodies, native_engine, unpack, tmp_path_factory):
     """Runs a number of calls on two FMUs of one library; what was counted."""
-    make = make_native if request.param == "fmu_ehd" else native_bodies
+    inside = INSIDE[request.param]
+    make = dict(zip(INSIDE, (make_native, native_bodies, native_engine)))[request.param]
     fmus = make([12, 10]), make([6, 5])
     folder = tmp_path_factory.mktemp("fuzzed")
-    entries, program = folder / "entries.o", folder / "fuzz_calls"
-    entries.write_bytes(object_files(request.param, ["linux64"])["linux64"])
-    sources = [HERE / "fuzz_calls.c", *(HOME / name for name in (*SOURCES, "fmi2.c"))]
-    command = ["gcc", *CHECKED, f"-I{HOME}", *map(str, sources), str(entries), "-lm"]
+    program = folder / "fuzz_calls"
+    objects = [folder / f"{package}.o" for package in (request.param, *inside)]
+    for path in objects:
+        path.write_bytes(object_files(path.stem, ["linux64"])["linux64"])
+    of_front = (*SOURCES, "fmi2.c", *([OF_COUPLED] if inside else ()))
+    sources = [HERE / "fuzz_calls.c", *(HOME / name for name in of_front)]
+    command = ["gcc", *CHECKED, *definitions(request.param, inside), f"-I{HOME}"]
+    command += ["-DLONG_STEP=1e-3"] if inside else []  # s; macro steps are taken one by one
+    command += [*map(str, (*sources, *objects)), "-lm"]
     told = subprocess.run([*command, "-o", str(program)], capture_output=True, text=True)
     if told.returncode and "cannot find" in told.stderr:
         pytest.skip("gcc without AddressSanitizer")

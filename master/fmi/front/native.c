@@ -384,9 +384,9 @@ static int range_faults(Native *N, int inputs_alone, char *text)
 /* ---- calls -------------------------------------------------------------------------------------------------------- */
 
 /* Runs an entry; adds its faults to `text`. Whether it went well. */
-static int run(Native *N, Entering *entry, double number, char *text, const char *between)
+static int run(Native *N, Entering *entry, double step, double time, char *text, const char *between)
 {
-    double numbers[4] = {number, 0.0, 0.0, 0.0};
+    double numbers[4] = {step, time, 0.0, 0.0};
     N->memory[N->first_fault] = 0.0;
     if (pool_run(N->pool, entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
         append(text, "there is not enough memory for a step");
@@ -412,7 +412,7 @@ static int checked_start(Instance *I)
     char text[LONGEST] = "";
     remember(N, N->started, N->started_integer);
     N->was_started = 1;
-    N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, text, "\n");
+    N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, 0.0, text, "\n");
     snprintf(N->refused, sizeof N->refused, "%s", text);
     if (N->has_state)
         return OK;
@@ -451,7 +451,7 @@ int front_show(Instance *I)
                              && !memcmp(N->shown_integer, N->integer, integer_bytes(N))))
         return OK;
     if (!range_faults(N, 0, text))
-        run(N, native_start, 0.0, text, "\n");
+        run(N, native_start, 0.0, 0.0, text, "\n");
     remember(N, N->shown, N->shown_integer);
     N->is_shown = 1;
     return OK;
@@ -472,7 +472,7 @@ int front_step(Instance *I, double time, double step)
     } else if (!range_faults(N, 1, text)) {
         char refused[LONGEST] = "";
         double when[FAULT_NUMBERS] = {0.0, 0.0, 0.0, time + step, 0.0, 0.0};
-        if (run(N, native_advance, step, refused, "; ")) {
+        if (run(N, native_advance, step, time, refused, "; ")) {
             I->reached = time + step;
             return OK;
         }
@@ -487,7 +487,7 @@ int front_products(Instance *I)
 {
     Native *N = I->slave;
     char text[LONGEST] = "";
-    if (N->has_state && run(N, native_tangent, 0.0, text, "; "))
+    if (N->has_state && run(N, native_tangent, 0.0, 0.0, text, "; "))
         return OK;
     front_log(I, ERROR, "%s", *text ? text : "not initialised");
     return ERROR;

@@ -11,9 +11,10 @@
 typedef int32_t Entering(void **result, void **raised, double *real, int64_t *integer, double *memory, double *numbers,
                          const int64_t lengths[4]);
 
+/* The slave's own, whatever they are called in the object file (builder_native.link). */
 Entering native_size;       /* numbers: length of the memory, first of the state, its length, first of the faults */
 Entering native_start;      /* state and outputs for the variables */
-Entering native_advance;    /* numbers[0]: length of the step [s] */
+Entering native_advance;    /* numbers[0], [1]: length of the step and where it begins [s] */
 Entering native_tangent;    /* of the last step, from the seeds among the variables to the products */
 
 /* Blocks of memory that come and go within a call, kept for the next one; one pool an instance, so that instances may

@@ -1,0 +1,161 @@
+"""GMRES that remembers, as loops for machine code: `methods.krylov`, where its equations stand."""
+
+import numpy as np
+
+from ..fmi.compiled import compiled
+from .native_block import keep
+
+
+@compiled
+def size_of(vector):
+    """2-norm."""
+    return np.sqrt(vector @ vector)
+
+
+@compiled
+def factorise(gram: np.ndarray, noise: float):
+    """Cholesky factor of Z' Z + n I, shape (pairs, pairs), as lower triangle."""
+    n = len(gram)
+    factor = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            total = gram[i, j] + (noise if i == j else 0.0)
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            factor[i, j] = np.sqrt(total) if i == j else total / factor[j, j]
+    return factor
+
+
+@compiled
+def solve_factored(factor, x):
+    """x of F F' x = b, in the place of b."""
+    n = len(factor)
+    for i in range(n):
+        for k in range(i):
+            x[i] -= factor[i, k] * x[k]
+        x[i] /= factor[i, i]
+    for i in range(n - 1, -1, -1):
+        x[i] /= factor[i, i]
+        for k in range(i):
+            x[k] -= factor[i, k] * x[i]
+
+
+@compiled
+def precondition(
+    r: np.ndarray,
+    images: np.ndarray,
+    differences: np.ndarray,
+    factor: np.ndarray,
+    out: np.ndarray,
+):
+    """P r into `out`, Eq. (Q7)."""
+    pairs = len(images)
+    shares = np.empty(pairs)
+    for k in range(pairs):
+        shares[k] = images[k] @ r
+    solve_factored(factor, shares)
+    keep(out, r)
+    for k in range(pairs):
+        share = shares[k]
+        if share != 0.0:
+            difference = differences[k]
+            for i in range(len(r)):
+                out[i] += share * difference[i]
+
+
+@compiled
+def orthogonalise(vector: np.ndarray, basis: np.ndarray, column: np.ndarray):
+    """Take from a vector its shares in an orthonormal basis, shape (m, n), in its place.
+
+    The shares are added to `column`, shape (>= m + 1,), what is left of the length behind them.
+    """
+    m = len(basis)
+    shares = np.empty(m)
+    for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
+        for k in range(m):
+            shares[k] = basis[k] @ vector
+        for k in range(m):
+            share = shares[k]
+            column[k] += share
+            along = basis[k]
+            for i in range(len(vector)):
+                vector[i] -= share * along[i]
+    column[m] = size_of(vector)
+
+
+@compiled
+def least_squares(hessenberg: np.ndarray, size: float, count: int):
+    """Weights of `count` directions by which |size e_0 - H w| is least; H by columns, shape
+    (>= count, >= count + 1). A direction that adds nothing has the weight 0.
+    """
+    triangle = np.empty((count, count + 1))
+    for j in range(count):
+        keep(triangle[j], hessenberg[j])
+    right = np.zeros(count + 1)
+    right[0] = size
+    for k in range(count):
+        a = triangle[k, k]
+        b = triangle[k, k + 1]
+        length = np.hypot(a, b)
+        if length == 0.0:
+            continue
+        cosine = a / length
+        sine = b / length
+        for j in range(k, count):
+            upper = triangle[j, k]
+            lower = triangle[j, k + 1]
+            triangle[j, k] = cosine * upper + sine * lower
+            triangle[j, k + 1] = cosine * lower - sine * upper
+        right[k + 1] = -sine * right[k]
+        right[k] = cosine * right[k]
+    weights = np.zeros(count)
+    for k in range(count - 1, -1, -1):
+        if triangle[k, k] != 0.0:
+            weights[k] = right[k] / triangle[k, k]
+            for i in range(k):
+                right[i] -= triangle[k, i] * weights[k]
+    return weights
+
+
+@compiled
+def learn(
+    directions: np.ndarray,
+    products: np.ndarray,
+    images: np.ndarray,
+    differences: np.ndarray,
+    gram: np.ndarray,
+    oldest: np.ndarray,
+):
+    """Put pairs of direction and product in the place of the oldest; `oldest`, shape (1,), is the
+    row that is forgotten next.
+    """
+    pairs = len(images)
+    count = len(products)
+    sizes = np.empty(count)
+    full = 0
+    for k in range(count):
+        sizes[k] = size_of(products[k])
+        if sizes[k] != 0.0:
+            full += 1
+    passed_over = max(full - pairs, 0)
+    first = int(oldest[0])
+    newest = 0
+    for k in range(count):
+        if sizes[k] == 0.0:
+            continue
+        if passed_over > 0:
+            passed_over -= 1
+            continue
+        row = (first + newest) % pairs
+        newest += 1
+        image = images[row]
+        difference = differences[row]
+        for i in range(len(image)):
+            image[i] = products[k, i] / sizes[k]
+            difference[i] = directions[k, i] / sizes[k] - image[i]
+    for k in range(newest):
+        row = (first + k) % pairs
+        for other in range(pairs):
+            gram[row, other] = images[row] @ images[other]
+            gram[other, row] = gram[row, other]
+    oldest[0] = float((first + newest) % pairs)

@@ -1,0 +1,534 @@
+"""A macro step to its fixed point, as loops for machine code: `interface`, `methods.newton`, where
+the equations stand, on participants that are entries and a block of memory.
+"""
+
+import numpy as np
+
+from ..fmi.compiled import compiled
+from . import native_calls
+from .native_block import (
+    ACCURACY,
+    COLUMNS,
+    CONSTANTS,
+    DIFFERENCES,
+    ELEMENTS,
+    FAILURES,
+    FAULT,
+    FIRST,
+    FORCING,
+    GRAM,
+    GROWS,
+    HIGH,
+    IMAGES,
+    INTEGER,
+    INTEGERS,
+    ITERATIONS,
+    KEPT,
+    LARGEST_DECREASE,
+    LOW,
+    MEMORY,
+    MUST_BE_FINITE,
+    NO_MEMORY,
+    NOISE,
+    NOMINAL,
+    NOT_FINITE,
+    NOWHERE,
+    OF_A_FAULT,
+    OLDEST,
+    ORDER,
+    OUT_OF_RANGE,
+    OWN_FAULT,
+    OWN_STATE,
+    OWN_STATES,
+    PARTICIPANTS,
+    REAL,
+    REALS,
+    SAVED,
+    SENTENCE,
+    SIZE,
+    SOURCE,
+    SOURCE_PLACE,
+    SPACE,
+    STANDS,
+    TARGET,
+    TARGET_PLACE,
+    TOLERANCE,
+    TOO_MANY,
+    UNKNOWN,
+    UNKNOWNS,
+    VARIABLES,
+    WIRE_COUNT,
+    WIRE_PRODUCT,
+    WIRE_SEED,
+    WIRE_SENTENCE,
+    WORST,
+    count,
+    keep,
+    note,
+    numbers_of,
+    part,
+    row_of,
+    wire_of,
+)
+from .native_calls import ADVANCE, TANGENT
+from .native_krylov import (
+    factorise,
+    learn,
+    least_squares,
+    orthogonalise,
+    precondition,
+    size_of,
+)
+
+USED, OUTPUTS, RESIDUAL = range(3)
+"""Of an evaluation: what inputs were set to, what outputs are, how far the iterate is off."""
+
+# ---- participants
+
+
+@compiled
+def real_of(memory: np.ndarray, p: int):
+    """Real variables of the p-th participant, seeds and products behind them."""
+    row = row_of(memory, p)
+    first = int(row[REAL])
+    return memory[first : first + int(row[REALS])]
+
+
+@compiled
+def integer_of(memory: np.ndarray, p: int):
+    """Its integer variables."""
+    row = row_of(memory, p)
+    first = int(row[INTEGER])
+    return memory[first : first + int(row[INTEGERS])].view(np.int64)
+
+
+@compiled
+def state_of(memory, p):
+    """The state in its own memory."""
+    row = row_of(memory, p)
+    first = int(row[MEMORY]) + int(row[OWN_STATE])
+    return memory[first : first + int(row[OWN_STATES])]
+
+
+@compiled
+def save(memory: np.ndarray, where: int):
+    """Keep variables and states of all participants in a part: STANDING or SAVED."""
+    to = part(memory, where)
+    for p in range(count(memory, PARTICIPANTS)):
+        row = row_of(memory, p)
+        at = int(row[STANDS])
+        variables = int(row[VARIABLES])
+        keep(to[at : at + variables], real_of(memory, p)[:variables])
+        keep(to[at + variables : at + variables + int(row[OWN_STATES])], state_of(memory, p))
+
+
+@compiled
+def restore_one(memory, p, where):
+    """Put a participant back to what a part keeps of it."""
+    kept = part(memory, where)
+    row = row_of(memory, p)
+    at = int(row[STANDS])
+    variables = int(row[VARIABLES])
+    keep(real_of(memory, p)[:variables], kept[at : at + variables])
+    keep(state_of(memory, p), kept[at + variables : at + variables + int(row[OWN_STATES])])
+
+
+@compiled
+def restore(memory: np.ndarray, where: int):
+    """The same for all of them."""
+    for p in range(count(memory, PARTICIPANTS)):
+        restore_one(memory, p, where)
+
+
+@compiled
+def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
+    """Whether an entry of a participant went well; else its faults are put down."""
+    if status != 0:
+        note(faults, NO_MEMORY, (0.0, 0.0, 0.0, 0.0, 0.0))
+        return False
+    row = row_of(memory, p)
+    first = int(row[MEMORY]) + int(row[OWN_FAULT])
+    found = int(memory[first])
+    for k in range(found):
+        one = memory[first + 1 + k * OF_A_FAULT : first + 1 + (k + 1) * OF_A_FAULT]
+        note(faults, row[SENTENCE] + one[FAULT], numbers_of(one))
+    return found == 0
+
+
+@compiled
+def is_fed_well(memory: np.ndarray, w: int, faults: np.ndarray):
+    """Whether what a wire has set is finite and allowed; else its first fault is put down."""
+    wire = wire_of(memory, w)
+    at = int(wire[TARGET_PLACE])
+    columns = int(wire[COLUMNS])
+    values = real_of(memory, int(wire[TARGET]))[at : at + int(wire[ELEMENTS])]
+    for k in range(len(values)):
+        x = values[k]
+        i = float(k // columns + 1)
+        j = float(k % columns + 1)
+        if not np.isfinite(x):
+            note(faults, wire[WIRE_SENTENCE] + MUST_BE_FINITE, (i, j, x, 0.0, 0.0))
+            return False
+        if not wire[LOW] <= x <= wire[HIGH]:
+            note(faults, wire[WIRE_SENTENCE] + OUT_OF_RANGE, (i, j, x, wire[LOW], wire[HIGH]))
+            return False
+    return True
+
+
+# ---- all wires as one vector
+
+
+@compiled
+def read(memory: np.ndarray, y: np.ndarray):
+    """What the sources say now into `y`."""
+    for w in range(count(memory, WIRE_COUNT)):
+        hear(memory, w, y)
+
+
+@compiled
+def hear(memory, w, y):
+    """What the source of a wire says into its part of `y`."""
+    wire = wire_of(memory, w)
+    at = int(wire[SOURCE_PLACE])
+    first = int(wire[FIRST])
+    n = int(wire[ELEMENTS])
+    keep(y[first : first + n], real_of(memory, int(wire[SOURCE]))[at : at + n])
+
+
+@compiled
+def feed(memory, w, x):
+    """A wire's part of `x` into its target."""
+    wire = wire_of(memory, w)
+    at = int(wire[TARGET_PLACE])
+    first = int(wire[FIRST])
+    n = int(wire[ELEMENTS])
+    keep(real_of(memory, int(wire[TARGET]))[at : at + n], x[first : first + n])
+
+
+@compiled
+def evaluate(memory: np.ndarray, x: np.ndarray, numbers: np.ndarray, outcome: np.ndarray):
+    """Step every participant once from what is saved, as `Interface.evaluate`; whether all of them
+    took the step.
+
+    Parameters
+    ----------
+    memory : ndarray
+    x : ndarray, shape (size,)
+        Iterate.
+    numbers : ndarray, shape (4,)
+        Length and time of the macro step [s].
+    outcome : ndarray, shape (3, size)
+        Overwritten: what the inputs were set to, what the outputs are, the residual.
+    """
+    used = outcome[USED]
+    y = outcome[OUTPUTS]
+    residual = outcome[RESIDUAL]
+    keep(used, x)
+    faults = part(memory, FAILURES)
+    wires = count(memory, WIRE_COUNT)
+    order = part(memory, ORDER)
+    for k in range(len(order)):
+        p = int(order[k])
+        restore_one(memory, p, SAVED)
+        for w in range(wires):
+            if int(wire_of(memory, w)[TARGET]) == p:
+                feed(memory, w, used)
+                if not is_fed_well(memory, w, faults):
+                    return False
+        if not answered(memory, p, native_calls.call(memory, p, ADVANCE, numbers), faults):
+            return False
+        for w in range(wires):
+            wire = wire_of(memory, w)
+            if int(wire[SOURCE]) == p:
+                hear(memory, w, y)
+                if wire[UNKNOWN] == NOWHERE:
+                    first = int(wire[FIRST])
+                    end = first + int(wire[ELEMENTS])
+                    keep(used[first:end], y[first:end])
+    for w in range(wires):
+        wire = wire_of(memory, w)
+        first = int(wire[FIRST])
+        for k in range(first, first + int(wire[ELEMENTS])):
+            residual[k] = used[k] - x[k] if wire[UNKNOWN] == NOWHERE else y[k] - used[k]
+    return True
+
+
+@compiled
+def derivative(memory: np.ndarray, change: np.ndarray, result: np.ndarray):
+    """The evaluation linearised at the last step of every participant, as `Interface.derivative`;
+    whether all of them answered.
+    """
+    seen = np.empty(len(change))
+    wires = count(memory, WIRE_COUNT)
+    for w in range(wires):
+        wire = wire_of(memory, w)
+        first = int(wire[FIRST])
+        for k in range(first, first + int(wire[ELEMENTS])):
+            seen[k] = 0.0 if wire[UNKNOWN] == NOWHERE else change[k]
+            result[k] = 0.0
+    numbers = np.zeros(4)
+    order = part(memory, ORDER)
+    for k in range(len(order)):
+        p = int(order[k])
+        real = real_of(memory, p)
+        reads = False
+        writes = False
+        for i in range(int(row_of(memory, p)[VARIABLES]), len(real)):
+            real[i] = 0.0
+        for w in range(wires):
+            wire = wire_of(memory, w)
+            first = int(wire[FIRST])
+            n = int(wire[ELEMENTS])
+            if int(wire[SOURCE]) == p:
+                writes = True
+            if int(wire[TARGET]) == p:
+                reads = True
+                at = int(wire[WIRE_SEED])
+                if at >= 0:
+                    keep(real[at : at + n], seen[first : first + n])
+        if not (reads and writes):
+            continue  # nothing depends on it, or it depends on nothing
+        status = native_calls.call(memory, p, TANGENT, numbers)
+        if not answered(memory, p, status, part(memory, FAILURES)):
+            return False
+        for w in range(wires):
+            wire = wire_of(memory, w)
+            if int(wire[SOURCE]) == p:
+                first = int(wire[FIRST])
+                n = int(wire[ELEMENTS])
+                at = int(wire[WIRE_PRODUCT])
+                keep(result[first : first + n], real[at : at + n])
+                if wire[UNKNOWN] == NOWHERE:
+                    keep(seen[first : first + n], result[first : first + n])
+    return True
+
+
+@compiled
+def measure(memory: np.ndarray, residual: np.ndarray):
+    """Largest share of an element's residual in its wire's tolerance: converged at 1 and below, NaN
+    if any is not finite.
+    """
+    found = 0.0
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        first = int(wire[FIRST])
+        for k in range(first, first + int(wire[ELEMENTS])):
+            share = abs(residual[k]) / wire[TOLERANCE]
+            if not share <= found:
+                found = share
+                if found != found:
+                    return found
+    return found
+
+
+@compiled
+def note_worst(memory, residual):
+    """Put down which wire is worst, and its largest residual."""
+    largest = -1.0
+    worst = 0
+    element = 0
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        first = int(wire[FIRST])
+        for k in range(int(wire[ELEMENTS])):
+            share = abs(residual[first + k]) / wire[TOLERANCE]
+            share = np.inf if share != share else share
+            if share > largest:
+                largest = share
+                worst = w
+                element = k
+    wire = wire_of(memory, worst)
+    columns = int(wire[COLUMNS])
+    x = residual[int(wire[FIRST]) + element]
+    i = float(element // columns + 1)
+    j = float(element % columns + 1)
+    note(part(memory, FAILURES), wire[WIRE_SENTENCE] + WORST, (i, j, x, wire[TOLERANCE], 0.0))
+
+
+@compiled
+def step_length(memory: np.ndarray, x: np.ndarray, change: np.ndarray):
+    """Largest share of `change` that respects every wire's `largest_decrease`, as
+    `methods.step_length`.
+    """
+    share = 1.0
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        if wire[LARGEST_DECREASE] == NOWHERE:
+            continue
+        first = int(wire[FIRST])
+        end = first + int(wire[ELEMENTS])
+        smallest = np.inf
+        for k in range(first, end):
+            smallest = min(smallest, x[k])
+        floor = smallest - wire[LARGEST_DECREASE] * max(smallest, wire[NOMINAL] / 10)
+        for k in range(first, end):
+            if change[k] < 0.0:
+                share = min(share, (x[k] - floor) / -change[k])
+    return share
+
+
+@compiled
+def moved(memory, x, change):
+    """x + share * change, no further than `step_length` allows."""
+    share = step_length(memory, x, change)
+    result = np.empty(len(x))
+    for k in range(len(x)):
+        result[k] = x[k] + share * change[k]
+    return result
+
+
+# ---- Newton
+
+
+@compiled
+def scattered(memory: np.ndarray, reduced: np.ndarray, change: np.ndarray):
+    """Scaled unknowns as a change of the whole vector; elsewhere it stays as it is."""
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        if wire[UNKNOWN] != NOWHERE:
+            first = int(wire[FIRST])
+            at = int(wire[UNKNOWN])
+            for k in range(int(wire[ELEMENTS])):
+                change[first + k] = reduced[at + k] * wire[NOMINAL]
+
+
+@compiled
+def gathered(memory: np.ndarray, whole: np.ndarray, reduced: np.ndarray):
+    """Unknowns among the whole vector, scaled."""
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        if wire[UNKNOWN] != NOWHERE:
+            first = int(wire[FIRST])
+            at = int(wire[UNKNOWN])
+            for k in range(int(wire[ELEMENTS])):
+                reduced[at + k] = whole[first + k] / wire[NOMINAL]
+
+
+@compiled
+def smallest_allowed(memory):
+    """Least tolerance of an unknown over its nominal value."""
+    found = np.inf
+    for w in range(count(memory, WIRE_COUNT)):
+        wire = wire_of(memory, w)
+        if wire[UNKNOWN] != NOWHERE:
+            found = min(found, wire[TOLERANCE] / wire[NOMINAL])
+    return found
+
+
+@compiled
+def minimised(memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.ndarray):
+    """GMRES as `RecycledGmres.solve`: the solution into `x`; whether all participants answered."""
+    n = len(right)
+    size = size_of(right)
+    if size <= tolerance:
+        keep(x, right)
+        return True
+    kept = count(memory, KEPT)
+    images = part(memory, IMAGES).reshape((kept, n))
+    differences = part(memory, DIFFERENCES).reshape((kept, n))
+    gram = part(memory, GRAM).reshape((kept, kept))
+    factor = factorise(gram, part(memory, CONSTANTS)[NOISE])
+    most = count(memory, SPACE)
+    basis = np.empty((most + 1, n))
+    directions = np.empty((most, n))
+    products = np.empty((most, n))
+    hessenberg = np.zeros((most, most + 1))
+    null = np.zeros(most + 1)
+    change = np.zeros(count(memory, SIZE))
+    whole = np.empty(count(memory, SIZE))
+    new = np.empty(n)
+    for k in range(n):
+        basis[0, k] = right[k] / size
+    null[0] = 1.0
+    found = 0
+    while found < most:
+        precondition(basis[found], images, differences, factor, directions[found])
+        scattered(memory, directions[found], change)
+        if not derivative(memory, change, whole):
+            return False
+        gathered(memory, whole, new)
+        product = products[found]
+        for k in range(n):
+            product[k] = directions[found, k] - new[k]
+        keep(new, product)
+        column = hessenberg[found]
+        orthogonalise(new, basis[: found + 1], column)
+        found += 1
+        if column[found] == 0.0:
+            break
+        null[found] = -(column[:found] @ null[:found]) / column[found]  # Eq. (Q9)
+        if size <= tolerance * size_of(null[: found + 1]):
+            break
+        for k in range(n):
+            basis[found, k] = new[k] / column[found]
+    weights = least_squares(hessenberg, size, found)
+    for k in range(n):
+        x[k] = 0.0
+    for d in range(found):
+        for k in range(n):
+            x[k] += weights[d] * directions[d, k]
+    learn(directions[:found], products[:found], images, differences, gram, part(memory, OLDEST))
+    return True
+
+
+@compiled
+def update(memory: np.ndarray, outcome: np.ndarray, change: np.ndarray):
+    """Newton update of the whole vector into `change`; whether all participants answered."""
+    used = outcome[USED]
+    y = outcome[OUTPUTS]
+    n = count(memory, UNKNOWNS)
+    apart = np.empty(len(used))
+    for k in range(len(used)):
+        apart[k] = y[k] - used[k]
+    right = np.empty(n)
+    gathered(memory, apart, right)
+    constants = part(memory, CONSTANTS)
+    tolerance = max(
+        constants[ACCURACY] * smallest_allowed(memory), constants[FORCING] * size_of(right)
+    )
+    solution = np.empty(n)
+    if not minimised(memory, right, tolerance, solution):  # Eq. (Q1)
+        return False
+    seed = np.zeros(len(used))
+    scattered(memory, solution, seed)
+    if not derivative(memory, seed, change):
+        return False
+    scattered(memory, solution, change)
+    return True
+
+
+@compiled
+def converge(memory: np.ndarray, guess: np.ndarray, numbers: np.ndarray, x: np.ndarray):
+    """The macro step at its fixed point, as `Newton.solve`: the wires into `x`; False where it is
+    not found, what failed put down.
+    """
+    n = len(guess)
+    outcome = np.empty((3, n))
+    change = np.empty(n)
+    failures = part(memory, FAILURES)
+    if not evaluate(memory, guess, numbers, outcome):
+        return False
+    now = measure(memory, outcome[RESIDUAL])
+    best = now
+    done = 1
+    while not now <= 1.0:
+        trouble = -1
+        if not np.isfinite(now):
+            trouble = NOT_FINITE
+        elif done > 3 and now > 1e3 * best:
+            trouble = GROWS
+        elif done == count(memory, ITERATIONS):
+            trouble = TOO_MANY
+        if trouble >= 0:
+            note(failures, float(trouble), (float(done), 0.0, now, best, 0.0))
+            note_worst(memory, outcome[RESIDUAL])
+            return False
+        if not update(memory, outcome, change):
+            return False
+        if not evaluate(memory, moved(memory, outcome[USED], change), numbers, outcome):
+            return False
+        now = measure(memory, outcome[RESIDUAL])
+        best = min(best, now)
+        done += 1
+    keep(x, outcome[USED])
+    return True

@@ -1,0 +1,359 @@
+"""The coupled FMU that needs no Python beside the coupled FMU in Python: the same steps, taken by
+machine code. Film and bodies are those of the native FMUs; what differs is the order of the sums in
+the master's products of vectors, and that a small matrix is factorised instead of inverted.
+"""
+
+import subprocess
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from piston_cosim.master.case import export
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.master.participants.open import open_fmu
+
+PATH = find_case("numerical_example")
+SMALL = [
+    ("participants.bodies.build.grid", [12, 10]),
+    ("participants.ehd.build.grid", [12, 10]),
+    ("time.stop", "12 deg"),
+    ("participants.bodies.build.piston.modes", 0),
+    ("participants.bodies.build.block.modes", 0),
+]
+STEP = float(np.radians(1.0)) / (2 * np.pi * 100.0)  # 1 deg at 6000 rpm [s]
+HARD = dict(
+    crank_offset=1e-3,
+    start_lateral_displacement=4e-6,
+    start_rocking_angle=2e-4,
+    pin_friction_coefficient=0.05,
+    film_fraction_lower_edge=0.6,
+    film_fraction_upper_edge=0.7,
+    initial_film_fraction=0.7,
+    roughness_rms=1.5e-6,
+)
+"""Beside the axis, turned, with friction at the pin, little oil at the edges and surfaces that
+touch.
+"""
+COUNTS = ("residual_evaluations", "jacobian_evaluations", "solver_iterations")
+"""Work of both participants over all iterations of the steps so far, and of the film in the last:
+equal where every step took the same evaluations and linearisations.
+"""
+ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance")
+ROUND_OFF = 1e-12
+"""Of the largest value: 2e-13 was seen. A Newton update leaves of an error what its linear solve
+does, and both paths stop in the same iteration, so that round-off passes on without growing.
+"""
+
+
+@pytest.fixture(scope="module")
+def exported(native_engine):
+    """Makes the coupled FMU of the small case with changes, as machine code or in Python."""
+
+    def make(changes=(), native=True, version="2.0"):
+        return native_engine([12, 10], changes, version, ["linux64"] if native else ())
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def native(exported):
+    return exported()
+
+
+@pytest.fixture(scope="module")
+def both(native, exported):
+    """As machine code, and in Python."""
+    return native, exported(native=False)
+
+
+def started(path, values=HARD):
+    one = FmuParticipant("coupled", path)
+    one.start(values, 0.0, 1.0)
+    return one
+
+
+def step(one, k, steps=1):
+    """The k-th step, or several in one, with inputs that change."""
+    one.set("gas_pressure", 1e5 * k)
+    one.set("ring_side_force", 5.0 * np.sin(k))
+    one.set("ring_moment", 0.02 * np.cos(k))
+    one.step((k - 1) * STEP, steps * STEP)
+
+
+def outputs_of(one):
+    """Names of its outputs but those that are round-off themselves."""
+    return [
+        name
+        for name, field in one.fields.items()
+        if field.causality == "output" and name not in ROUND_OFF_BY_ITSELF
+    ]
+
+
+def side_by_side(paths, steps):
+    """Largest value of every output, and its largest difference over that."""
+    ours, python = map(started, paths)
+    names = outputs_of(python)
+    assert names == outputs_of(ours)
+    largest, off = dict.fromkeys(names, 0.0), dict.fromkeys(names, 0.0)
+    for k in range(steps + 1):
+        for one in (ours, python) if k else ():
+            step(one, k)
+        for name in names:
+            a, b = (float(one.get(name)) for one in (ours, python))
+            largest[name] = max(largest[name], abs(b))
+            off[name] = max(off[name], abs(a - b))
+        assert [ours.get(n) for n in COUNTS] == [python.get(n) for n in COUNTS]
+    return largest, {name: e / largest[name] if e else 0.0 for name, e in off.items()}
+
+
+# ---- the values of the FMU in Python
+
+
+def test_every_output_is_that_of_the_fmu_in_python(both):
+    largest, off = side_by_side(both, 40)
+    assert largest["contact_area_fraction"] > 0.0 and largest["boundary_friction_share"] > 1e-4
+    assert largest["lateral_displacement"] > 6e-6 and largest["maximum_pressure"] > 1e7
+    assert max(off.values()) <= ROUND_OFF
+
+
+def test_a_step_that_does_not_converge_is_halved_as_in_python(exported):
+    """So few iterations that steps are taken in halves and quarters; the same evaluations."""
+    few = [("coupling.max_iterations", 3)]
+    paths = exported(few), exported(few, native=False)
+    _, off = side_by_side(paths, 12)
+    assert max(off.values()) <= ROUND_OFF
+    unhurried = started(exported())
+    halved = started(paths[0])
+    for k in range(1, 13):
+        step(unhurried, k)
+        step(halved, k)
+    assert halved.get("residual_evaluations") > unhurried.get("residual_evaluations")
+    apart = abs(halved.get("lateral_displacement") - unhurried.get("lateral_displacement"))
+    assert apart > 1e-4 * abs(unhurried.get("lateral_displacement"))  # other steps were taken
+
+
+FOUR_MODES = [(f"participants.bodies.build.{body}.modes", 4) for body in ("piston", "block")]
+TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
+
+
+def test_flexible_bodies_are_those_of_the_fmu_in_python(exported):
+    """Four modes a body. The wires have more directions now than a linear solve takes products, and
+    where it stops in between follows the last digits: to the case's tolerance of 1 nm the film is
+    the same to a thousandth of that; to a tolerance of 1e-5 nm, 1e-9 of the film, everything is.
+    """
+    largest, off = side_by_side([exported(FOUR_MODES), exported(FOUR_MODES, native=False)], 20)
+    assert largest["elastic_energy"] > 0.0
+    for name in ("minimum_film_thickness", "lateral_displacement"):
+        assert off[name] * largest[name] <= 1e-12  # m; 1.2e-13 was seen
+    tight = FOUR_MODES + TIGHT
+    _, off = side_by_side([exported(tight), exported(tight, native=False)], 20)
+    assert max(off.values()) <= 1e-9  # 1.4e-11 was seen
+
+
+def test_derivatives_are_those_of_the_fmu_in_python(both):
+    """The step taken again with nudged inputs; nothing stays behind."""
+    answers, after = [], []
+    names = ("lateral_displacement", "minimum_film_thickness", "side_force")
+    for path in both:
+        one, other = started(path), started(path)
+        for k in range(1, 5):
+            step(one, k)
+            step(other, k)
+        seeds = {"crank_speed": np.array(1.0), "gas_pressure": np.array(2e4)}
+        products = one.derivative(seeds, names)
+        answers.append([float(products[name]) for name in names])
+        assert one.derivative({"crank_speed": np.array(0.0)}, names) == dict.fromkeys(names, 0.0)
+        for k in (5, 6):
+            step(one, k)
+            step(other, k)
+        assert [one.get(name) for name in names] == [other.get(name) for name in names]
+        after.append([one.get(name) for name in names])
+    # a difference over a nudge of 1e-3: round-off counts a thousandfold, and what cancels besides
+    np.testing.assert_allclose(answers[0], answers[1], rtol=1e-6)
+    assert np.all(np.array(answers[0]) != 0.0)
+    np.testing.assert_allclose(after[0], after[1], rtol=ROUND_OFF)
+
+
+def test_longer_steps_are_cut_into_macro_steps_as_in_python(both):
+    found = []
+    for path in both:
+        one = started(path)
+        for k, steps in ((1, 3), (4, 2.5), (6.5, 1)):
+            step(one, k, steps)
+        found.append([float(one.get(name)) for name in outputs_of(one)])
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-300)
+
+
+# ---- states
+
+
+def test_state_is_whole(native):
+    """A step repeated from a saved, or a serialised, state gives the same bits, in this instance
+    and in another that began with other parameters.
+    """
+    one, two = started(native), started(native, {})
+    for k in range(1, 4):
+        step(one, k)
+    saved = one.save()
+    data = one.serialise(saved)
+    step(one, 4)
+    step(one, 5)
+    names = outputs_of(one)
+    first = [one.get(name) for name in names if name not in COUNTS]
+    bytes_after = one.serialise(one.save())
+    two.restore(two._fmu.deSerializeFMUstate(data))
+    one.restore(saved)
+    for participant in (one, two):
+        step(participant, 4)
+        step(participant, 5)
+        assert [participant.get(name) for name in names if name not in COUNTS] == first
+        assert participant.serialise(participant.save()) == bytes_after
+    damaged = bytearray(data)
+    damaged[len(data) // 2] ^= 1
+    with pytest.raises(Exception, match="[Ff]ailed|damaged|error"):
+        two._fmu.deSerializeFMUstate(bytes(damaged))
+
+
+def test_a_refused_step_says_why_and_leaves_everything_as_it_was(both):
+    """A force of 1e9 N has no solution, however short the step; the sentence of the FMU in Python
+    says the same.
+    """
+    said, went_on = [], []
+    for path in both:
+        one, other = started(path), started(path)
+        for participant in (one, other):
+            step(participant, 1)
+        before = one.get("lateral_displacement")
+        one.set("ring_side_force", 1e9)
+        with pytest.raises(Discard) as refusal:
+            one.step(STEP, STEP)
+        said.append(str(refusal.value))
+        assert one.get("lateral_displacement") == before
+        for participant in (one, other):
+            step(participant, 2)
+        assert one.get("lateral_displacement") == other.get("lateral_displacement")
+        went_on.append(one.get("lateral_displacement"))
+    for text in said:
+        assert "t = 2.95139e-05 s, step 4.34" in text
+        assert "bodies: piston motion at crank angle 0.0188168 rad" in text
+    assert "no halving is left" in said[0]
+    assert went_on[0] == pytest.approx(went_on[1], rel=ROUND_OFF)
+
+
+def test_a_step_of_more_macro_steps_than_can_be_meant_is_refused(native):
+    """Counted in numbers that have an end."""
+    one = started(native)
+    with pytest.raises(Discard, match=r"step size = 1e\+300 s: more than 1e\+06 macro steps"):
+        one.step(0.0, 1e300)
+    step(one, 1)
+
+
+def test_what_does_not_converge_names_the_worst_wire(exported):
+    never = [("coupling.max_iterations", 3), ("coupling.halvings", 0)]
+    one = started(exported(never))
+    with pytest.raises(Discard) as refusal:
+        for k in range(1, 12):
+            step(one, k)
+    for words in ("no convergence in 3 iterations", "worst ehd.", "(allowed 1e-"):
+        assert words in str(refusal.value)
+
+
+# ---- the standard
+
+
+def test_model_descriptions_are_valid_and_fmi_3_has_the_same_bits(native, exported):
+    """Over steps whose ends are exact, for FMI 3 hands on the end less the beginning."""
+    third = exported(version="3.0")
+    assert validate_fmu(str(native)) == [] and validate_fmu(str(third)) == []
+    answers = []
+    for path in (native, third):
+        one = open_fmu("coupled", path)
+        one.start(HARD, 0.0, 1.0)
+        for k in range(3):
+            one.step(k * 2.0**-15, 2.0**-15)
+        answers.append([one.get(name) for name in ("side_force", "minimum_film_thickness")])
+    assert answers[0] == answers[1]
+    assert np.ptp(one.get("film_thickness")) > 1e-6  # a field, in FMI 3 alone
+
+
+def test_a_host_in_c_with_an_empty_environment_and_a_read_only_folder(
+    host, native, unpack, tmp_path
+):
+    """No Python, no PATH, no HOME; the values that a host in Python gets, and a step taken again
+    from a saved state is the same.
+    """
+    place = unpack(native, tmp_path / "a place")
+    arguments = place.arguments("crank_speed", 628.0, "side_force", "crank_speed")
+    place.folder.chmod(0o555)
+    command = [str(host), repr(STEP), "3", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd="/", env={}, timeout=60)
+    assert done.returncode == 0, done.stderr
+    force, product, _, same = map(float, done.stdout.split())
+    one = started(native, {"crank_speed": 628.0})
+    for k in range(4):
+        one.set("crank_speed", 628.0 * (1 - 100 * (k * STEP)))
+        one.step(k * STEP, STEP)
+    assert force == one.get("side_force") != 0.0
+    assert product != 0.0 and same == 1.0
+
+
+# ---- what is not covered
+
+
+def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monkeypatch):
+    """With its place in the case, and what is covered."""
+    monkeypatch.setattr(export, "open_system", lambda *_: pytest.fail("a system was opened"))
+    changes = [
+        ("coupling.method", "iqn_ils"),
+        ("coupling.differences", True),
+        ("wires.0.relative_tolerance", 1e-3),
+        ("participants.ehd.parameters.flow_factors", "patir_cheng_1978"),
+        ("participants.bodies.build.mounted", True),
+    ]
+    case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
+    with pytest.raises(BadInput) as refusal:
+        export_fmu(case, PATH.parent, print, "2.0", ["linux64", "beos"])
+    said = str(refusal.value)
+    for words in (
+        "platform = beos: allowed: linux64",
+        "coupling.method = iqn_ils: a native FMU covers newton",
+        "coupling.differences = true: a native FMU covers false",
+        "wire bodies.film_thickness -> ehd.film_thickness: relative_tolerance = 0.001",
+        "participants.ehd: flow_factors = patir_cheng_1978: a native FMU covers none",
+        "participants.bodies: mounted: a native FMU has no mounted block",
+    ):
+        assert words in said
+
+
+def test_numbers_that_are_not_covered_are_refused_before_anything_is_compiled(monkeypatch):
+    monkeypatch.setattr(export, "pack_native_fmu", lambda *_, **__: pytest.fail("compiled"))
+    changes = [
+        ("participants.ehd.parameters.coating_thickness", "10 um"),
+        ("participants.bodies.parameters.quasi_static_frequency", "20 kHz"),
+    ]
+    case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
+    with pytest.raises(BadInput) as refusal:
+        export_fmu(case, PATH.parent, print, "2.0", ["linux64"])
+    said = str(refusal.value)
+    assert "participants.ehd: coating_thickness = 1e-05: a native FMU covers 0" in said
+    assert "participants.bodies: quasi_static_frequency = 20000: a native" in said
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        (dict(radial_clearance=-1.0), "radial_clearance = -1 m: allowed is 1e-06 to 0.001 m"),
+        (dict(flow_factors=2), "flow_factors = 2 patir_cheng_1978: a native FMU covers 1 none"),
+        (dict(crank_free=1), "crank_free = 1: a native FMU covers 0 to 0"),
+        (dict(rod_length=0.02), "bodies: rod_length = 0.02 m: must exceed crank_radius plus"),
+        (dict(film_fraction_openings=0.5), "ehd: film_fraction_openings = 0.5 (unit 1)"),
+    ],
+)
+def test_what_cannot_start_is_said_by_name(native, values, words):
+    with pytest.raises(BadInput) as refusal:
+        started(native, values)
+    assert words in str(refusal.value)

@@ -1,0 +1,87 @@
+"""The linear algebra of the coupled FMU without Python beside that of `methods.krylov`, its loops
+run as written.
+"""
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.coupling import native_krylov
+from piston_cosim.master.coupling.methods.krylov import NOISE, RecycledGmres, orthogonal
+from piston_cosim.master.fmi.compiled import Kernel
+
+
+@pytest.fixture(autouse=True)
+def interpreted(monkeypatch):
+    """Kernels as written, not compiled."""
+    for kernel in vars(native_krylov).values():
+        if isinstance(kernel, Kernel):
+            monkeypatch.setitem(kernel.__dict__, "dispatcher", kernel.py_func)
+
+
+def remembered(rng, kept, n, filled):
+    """A memory that has learned so many pairs, more than it keeps if need be."""
+    memory = RecycledGmres(7)
+    memory.images, memory.differences = np.zeros((2, kept, n))
+    memory.gram = np.zeros((kept, kept))
+    for _ in range(filled):
+        memory._learn(*rng.standard_normal((2, 1, n)))
+    return memory
+
+
+def test_preconditioner():
+    """Eq. (Q7), with more pairs than there are directions: only the noise keeps it regular."""
+    rng = np.random.default_rng(1)
+    memory = remembered(rng, 9, 6, 9)
+    r = rng.standard_normal(6)
+    found = np.empty(6)
+    factor = native_krylov.factorise(memory.gram, NOISE)
+    np.testing.assert_allclose(factor @ factor.T, memory.gram + NOISE * np.eye(9), atol=1e-14)
+    native_krylov.precondition(r, memory.images, memory.differences, factor, found)
+    expected = memory._preconditioner()(r)
+    assert np.abs(found - r).max() > 0.1  # it does something
+    # a matrix of condition 1e6 factorised in one, inverted in the other
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+def test_orthogonal_part():
+    rng = np.random.default_rng(2)
+    basis = np.linalg.qr(rng.standard_normal((8, 3)))[0].T
+    vector = 10.0 * basis[1] + 1e-6 * rng.standard_normal(8)
+    ours, theirs = vector.copy(), np.zeros(5)
+    column = np.zeros(5)
+    native_krylov.orthogonalise(ours, basis, column)
+    expected = orthogonal(vector, basis, theirs)
+    assert np.abs(basis @ ours).max() < 1e-20  # of 1e-6: the second pass
+    np.testing.assert_allclose(ours, expected, atol=1e-15 * 10)
+    np.testing.assert_allclose(column[:4], theirs[:4], rtol=1e-9)
+
+
+def test_least_squares():
+    """By hand: |1 - 3 w|^2 + |4 w|^2 is least at w = 3/25; then beside numpy's."""
+    assert native_krylov.least_squares(np.array([[3.0, 4.0]]), 1.0, 1) == pytest.approx(3 / 25)
+    rng = np.random.default_rng(3)
+    whole = np.triu(rng.standard_normal((6, 5)), -1)
+    target = np.zeros(6)
+    target[0] = 2.5
+    expected = np.linalg.lstsq(whole, target, rcond=None)[0]
+    found = native_krylov.least_squares(np.ascontiguousarray(whole.T), 2.5, 5)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
+def test_what_is_kept(filled, count):
+    """Fewer pairs than fit, as many as make it begin again, more than fit at once; one of them is
+    nothing and is left out.
+    """
+    rng = np.random.default_rng(4)
+    kept, n = 7, 5
+    memory = remembered(rng, kept, n, filled)
+    ours = [a.copy() for a in (memory.images, memory.differences, memory.gram)]
+    oldest = np.array([float(memory.oldest)])
+    directions, products = rng.standard_normal((2, count, n))
+    products[1] = 0.0
+    native_krylov.learn(directions, products, *ours, oldest)
+    memory._learn(directions, products)
+    for found, expected in zip(ours, (memory.images, memory.differences, memory.gram)):
+        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15)
+    assert oldest[0] == memory.oldest
