@@ -363,12 +363,11 @@ def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> R
         As `reduce`, and if the block is rigid.
     """
     files = _flexible(options, folder, progress)
-    bodies = {name: _whole(name, file) for name, file in files.items()}
-    block = bodies.get("block")
-    if block is None or not len(block.body.omega):
+    block = load(ReducedBlock, files["block"]) if "block" in files else None
+    if block is None or not len(block.omega):
         raise BadInput("the block is rigid: nothing of it radiates; give it modes (block.modes)")
-    piston = len(bodies["piston"].body.omega) if "piston" in bodies else 0
-    return radiated(block.body, block.anatomy, piston)
+    piston = len(load(ReducedPiston, files["piston"]).omega) if "piston" in files else 0
+    return radiated(block, _whole("block", files["block"]).anatomy, piston)
 
 
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:

@@ -156,7 +156,9 @@ def write_noise(found: Noise, path: Path) -> list[Path]:
     ):
         sides = {f"power {side} [W]": values for side, values in columns.items()}
         table = {**first, "power [W]": total, **sides}
-        rows = np.rec.fromarrays(list(table.values()), names=list(table))
+        rows = np.empty(len(total), [(name, float) for name in table])
+        for name, values in table.items():
+            rows[name] = values
         write_csv(file, rows)
     figure = draw(found)
     figure.savefig(picture, dpi=110)
