@@ -22,12 +22,19 @@ TIERS = {
     "ehd": "fast",
 }
 """Folder -> tier, in the order in which they run."""
+FIRST = ("pinned/test_pinned.py", "fmu/test_native_coupled.py")
+"""Files that run before all: side by side they compile what most others then find in the cache."""
 
 
 def pytest_collection_modifyitems(items):
     here = Path(__file__).parent
     order = list(TIERS)
-    folders = {item: item.path.relative_to(here).parts[0] for item in items}
-    for item, folder in folders.items():
-        item.add_marker(getattr(pytest.mark, TIERS[folder]))
-    items.sort(key=lambda item: order.index(folders[item]))
+    places = {item: item.path.relative_to(here) for item in items}
+    for item, place in places.items():
+        item.add_marker(getattr(pytest.mark, TIERS[place.parts[0]]))
+    items.sort(
+        key=lambda item: (
+            places[item].as_posix() not in FIRST,
+            order.index(places[item].parts[0]),
+        )
+    )

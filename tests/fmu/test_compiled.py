@@ -63,7 +63,7 @@ class Tree:
         return json.loads(done.stdout)
 
 
-@pytest.fixture(params=["ehd", "mfbd"])
+@pytest.fixture(params=["ehd", pytest.param("mfbd", marks=pytest.mark.slow)])
 def tree(request, tmp_path, fmu, bodies_fmu):
     """Each part with the FMU whose resources its slave is given."""
     return Tree(tmp_path, request.param, {"ehd": fmu, "mfbd": bodies_fmu}[request.param])

@@ -140,6 +140,7 @@ FOUR_MODES = [(f"participants.bodies.build.{body}.modes", 4) for body in ("pisto
 TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 
 
+@pytest.mark.slow
 def test_flexible_bodies_are_those_of_the_fmu_in_python(exported):
     """Four modes a body. The wires have more directions now than a linear solve takes products, and
     where it stops in between follows the last digits: to the case's tolerance of 1 nm the film is

@@ -33,6 +33,7 @@ def forces(participant, film=2.8e-5):
     return participant.get("nodal_pressure_force")
 
 
+@pytest.mark.slow
 def test_two_builds_of_one_fmu_do_not_mix_their_code(fmu, tmp_path):
     """The second build's pressure is ten times the first's because its code says so."""
     changed = tmp_path / "changed.fmu"

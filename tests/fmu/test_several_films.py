@@ -193,6 +193,7 @@ RUN = [
 ]
 
 
+@pytest.mark.slow
 def test_killed_and_resumed_gives_the_same_bits(tmp_path):
     whole = tmp_path / "whole"
     subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
