@@ -187,12 +187,14 @@ OPTIONS = {
     "in_space": "a motion in space",
 }
 """Build options, as a case gives them and as build.json holds them, that are not covered."""
+ON_WHEN_EMPTY = ("motion_in_space", "in_space")
+"""Those of which an empty table is a choice."""
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Sentences on build options that the library does not cover."""
     for name, what in OPTIONS.items():
-        if options.get(name) or options.get(name) == {}:
+        if options.get(name) or (name in ON_WHEN_EMPTY and options.get(name) == {}):
             yield f"{name}: a native FMU has no {what.split(' ', 1)[1]}"
 
 

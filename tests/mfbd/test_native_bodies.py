@@ -216,4 +216,5 @@ def test_every_parameter_is_free_or_covered_by_name():
 def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built():
     given = {"speed": {}, "floating_pin": None, "mounted": False, "film_surfaces": []}
     assert list(uncovered(given)) == []
+    assert len(list(uncovered({"motion_in_space": {}}))) == 1
     assert len(list(uncovered(dict.fromkeys(OPTIONS, True)))) == len(OPTIONS)
