@@ -72,6 +72,13 @@ declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
 to Python: those of front/runtime.c never fail, and LLVM sees that here."""
 
 
+WIDE = "+avx2"
+"""What the processor of the second version of `TWICE` has: vectors of four numbers."""
+TWICE = ("invert_in_place",)
+"""Kernels that a library for x86-64 holds twice: where most of the time goes on large grids. Both
+have the same bits, for no multiplication is fused with an addition."""
+
+
 def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, bytes]:
     """Object file of a participant's entries for each of `TARGETS` asked for.
 
@@ -165,12 +172,57 @@ def module_text(package: str, part: Any) -> str:
     return str(whole)
 
 
+def in_two_versions(text: str) -> str:
+    """A module in which each kernel of `TWICE` is there for any x86-64 and for `WIDE`; which one is
+    called, the variable `native_wide` of front/runtime.c says.
+    """
+    found = re.compile(
+        rf"^define internal i32 @(?P<name>\S*(?:{'|'.join(TWICE)})\S*?)\((?P<given>.*)\)"
+        r"(?P<rest>[^()\n]*)\{\n(?P<body>(?:.*\n)*?)\}$",
+        re.MULTILINE,
+    )
+    text, count = found.subn(_twice, text)
+    return f"{text}\n@native_wide = external hidden global i32\n" if count else text
+
+
+def _twice(found: re.Match[str]) -> str:
+    """Both versions of a function, and under its name one that chooses."""
+    name, given, rest, body = found.group("name", "given", "rest", "body")
+    names = {one: _renamed(name, one) for one in ("narrow", "wide")}
+    types = [one.split()[0] for one in given.split(", ")]
+    handed = ", ".join(f"{kind} %{k}" for k, kind in enumerate(types))
+    own = {"narrow": "noinline", "wide": f'noinline "target-features"="{WIDE}"'}
+    versions = [
+        f"define internal i32 @{names[one]}({given}){rest} {own[one]} {{\n{body}}}" for one in names
+    ]
+    return "\n".join(
+        [
+            *versions,
+            f"define internal i32 @{name}({handed}) {{",
+            "  %wide = load i32, ptr @native_wide",
+            "  %is_wide = icmp ne i32 %wide, 0",
+            "  br i1 %is_wide, label %by_wide, label %by_narrow",
+            *(
+                f"by_{one}:\n  %of_{one} = call i32 @{names[one]}({handed})\n  ret i32 %of_{one}"
+                for one in names
+            ),
+            "}",
+        ]
+    )
+
+
+def _renamed(name: str, one: str) -> str:
+    """A name of LLVM's, perhaps in quotes, with an ending."""
+    return f'{name[:-1]}.{one}"' if name.endswith('"') else f"{name}.{one}"
+
+
 def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) -> bytes:
     """Object file of a module, which may call what it `asks` for besides `OPEN`."""
     from llvmlite import binding
 
     machine = _machine(target)
-    module = binding.parse_assembly(text)
+    x86 = target.triple.startswith("x86_64")
+    module = binding.parse_assembly(in_two_versions(text) if x86 else text)
     module.triple = target.triple
     module.data_layout = str(machine.target_data)
     options = binding.create_pipeline_tuning_options(speed_level=OPTIMISATION)

@@ -31,7 +31,23 @@ struct Pool { Piece *free[POWERS], *all; };
 
 static _Thread_local Pool *pool;        /* of the call that this thread is in */
 
-Pool *pool_make(void) { return calloc(1, sizeof(Pool)); }
+#ifdef __x86_64__
+INTERNAL int native_wide;               /* whether the processor has vectors of four numbers (native_code.in_two_versions) */
+
+static void look_at_processor(void)
+{
+    __builtin_cpu_init();
+    native_wide = __builtin_cpu_supports("avx2");
+}
+#else
+static void look_at_processor(void) {}
+#endif
+
+Pool *pool_make(void)
+{
+    look_at_processor();
+    return calloc(1, sizeof(Pool));
+}
 
 void pool_free(Pool *p)
 {
