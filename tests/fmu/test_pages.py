@@ -35,9 +35,12 @@ CASES = {
     "twin": ("twin", [("time.stop", "12 deg")]),
 }
 """A case, and what is changed for it to be short."""
+SLOW = {"twin": pytest.mark.slow}
 
 
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=SLOW.get(name, ())) for name in CASES]
+)
 def seen(request, tmp_path_factory):
     """A run, its results and its page, the results in a folder that is not named after the case."""
     if not found():
