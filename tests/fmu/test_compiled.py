@@ -5,76 +5,79 @@ import os
 import shutil
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
 
-STEP = """
-import json, sys
-import numpy as np
-from piston_cosim.fmu_{part}.slave import {slave}
-from piston_cosim.master.participants.local import LocalParticipant
-assert sys.modules["piston_cosim"].__file__.startswith({tree!r})
-one = LocalParticipant("one", {slave}(instance_name="one", resources={resources!r}))
-one.start({parameters!r}, 0.0, 1.0)
-one.step(0.0, 2e-5)
-print(json.dumps(float(np.sum(one.get({output!r})))))
-"""
-PARTS = {
-    "ehd": dict(
-        slave="Ehd",
-        parameters={"roughness_rms": 1e-6, "film_thickness": 1.5e-6},
-        output="nodal_pressure_force",
+CALLS = {
+    "contact of the film": """
+from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table
+from piston_cosim.fmu_ehd.contact import contact
+constants = ContactConstants(1e-6, 1e9, 0.1, 0.1, 0.0, contact_table())
+h = np.full((4, 3), 1.5e-6)
+value = contact(h, 0 * h, h < 0, constants, False).pressure.sum()
+""",
+    "posture of the piston": """
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import posture
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+mechanism = Mechanism(0.05, 0.15, 0.0, 0.5, 1e-3, 0.3, 0.1)
+crank = CrankMotion(1.0, 300.0, 0.0)
+value = posture(mechanism, FIXED, Motion(*np.zeros((3, 2))), crank).link.axial_acceleration
+""",
+}
+LEAVES = {  # in other files than the kernel called
+    "contact of the film": ("fmu_ehd/hermite.py", "value = y0 +", "value = 2.0 * y0 +"),
+    "posture of the piston": (
+        "fmu_mfbd/dynamics/slider_crank.py",
+        "axial = py + f1 *",
+        "axial = 2.0 * py + f1 *",
     ),
-    "mfbd": dict(slave="Mfbd", parameters={"crank_speed": 300.0}, output="sliding_velocity"),
-}
-LEAVES = {
-    "ehd": ("fmu_ehd/hermite.py", "value = y0 +", "value = 2.0 * y0 +"),
-    "mfbd": ("fmu_mfbd/dynamics/slider_crank.py", "slope = -xi / f", "slope = -2.0 * xi / f"),
 }
 
 
-class Tree:
-    """A copy of the project, its compiled kernels included, and a step of one part in it."""
-
-    def __init__(self, folder, part, fmu):
-        self.part, self.tree = part, folder / "piston_cosim"
-        self.resources = folder / "resources"
-        for name in ("fmu_ehd", "fmu_mfbd", "master"):
-            shutil.copytree(ROOT / name, self.tree / name)
-        shutil.copy(ROOT / "__init__.py", self.tree)
-        with zipfile.ZipFile(fmu) as archive:
-            archive.extractall(folder)
-        self.environment = os.environ | {"PYTHONPATH": str(folder), "HOME": str(folder)}
-
-    def step(self):
-        """The sum of a field after a step, in a new process."""
-        chosen = PARTS[self.part]
-        code = STEP.format(
-            part=self.part, tree=str(self.tree), resources=str(self.resources), **chosen
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
-        )
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
+@pytest.fixture
+def tree(tmp_path):
+    """A copy of the project, its compiled kernels included."""
+    for name in ("fmu_ehd", "fmu_mfbd", "master"):
+        shutil.copytree(ROOT / name, tmp_path / "piston_cosim" / name)
+    shutil.copy(ROOT / "__init__.py", tmp_path / "piston_cosim")
+    return tmp_path / "piston_cosim"
 
 
-@pytest.fixture(params=["ehd", pytest.param("mfbd", marks=pytest.mark.slow)])
-def tree(request, tmp_path, fmu, bodies_fmu):
-    """Each part with the FMU whose resources its slave is given."""
-    return Tree(tmp_path, request.param, {"ehd": fmu, "mfbd": bodies_fmu}[request.param])
+def value(tree, call):
+    """What a call gives in a new process of the copy, and how many kernels it had to compile."""
+    code = f"""
+import json
+import numpy as np
+from numba.core import event
+compiled = event.RecordingListener()
+event.register("numba:compile", compiled)
+{call}
+starts = [one for _, one in compiled.buffer if one.is_start]
+print(json.dumps([__import__("piston_cosim").__file__, float(value), len(starts)]))
+"""
+    environment = os.environ | {"PYTHONPATH": str(tree.parent), "HOME": str(tree.parent)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    file, found, count = json.loads(done.stdout)
+    assert file == str(tree / "__init__.py")
+    return found, count
 
 
-def test_an_edited_leaf_takes_effect(tree):
-    before = tree.step()
-    file, old, new = LEAVES[tree.part]
-    text = (tree.tree / file).read_text()
+@pytest.mark.parametrize("name", CALLS)
+def test_an_edited_leaf_takes_effect(tree, name):
+    file, old, new = LEAVES[name]
+    text = (tree / file).read_text()
     assert old in text
-    (tree.tree / file).write_text(text.replace(old, new))
-    assert tree.step() != pytest.approx(before, rel=1e-6)
-    (tree.tree / file).write_text(text)
-    assert tree.step() == before
+    before, _ = value(tree, CALLS[name])
+    assert value(tree, CALLS[name]) == (before, 0)  # kept
+    (tree / file).write_text(text.replace(old, new))
+    assert value(tree, CALLS[name])[0] != pytest.approx(before, rel=1e-6)
+    (tree / file).write_text(text)
+    assert value(tree, CALLS[name])[0] == before
