@@ -140,10 +140,11 @@ def test_oil_in_plenty_is_a_flooded_skirt(open_cells):
         assert np.array_equal(a["nodal_friction_force"], b["nodal_friction_force"])
 
 
+@pytest.mark.parametrize("cycles", [2, pytest.param(10, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("supply, capacity", [("bore", 1.0), ("bore_and_ring", 1e-8)])
-def test_oil_is_kept_over_ten_cycles(supply, capacity):
+def test_oil_is_kept_over_cycles(supply, capacity, cycles):
     p = Parameters(SHAPE, oil_supply=supply, initial_oil_layer=5e-6, chamfer_capacity=capacity)
-    history = turns(p, 20, oil_splash=1e-5 if supply == "bore_and_ring" else 0.0)
+    history = turns(p, 2 * cycles, oil_splash=1e-5 if supply == "bore_and_ring" else 0.0)
     totals = np.array([total(outputs) for outputs in history])
     assert np.abs(totals / totals[0] - 1.0).max() <= 1e-10  # round-off
     assert min(outputs["film_fraction"].min() for outputs in history) >= -1e-15
