@@ -45,8 +45,9 @@ def build_fmu(
     fmi : {"2.0", "3.0"}
         Version of the standard; 3.0 needs a C compiler.
     platforms : sequence of str
-        "linux64", "win64", "aarch64-linux": an FMU of machine code for these, which needs no
-        Python; each needs its C compiler here. Without any the FMU is Python.
+        "linux64", "win64", "aarch64-linux", "darwin64", "aarch64-darwin": an FMU of machine code
+        for these, which needs no Python; each needs a C compiler here, unless the release has
+        brought its library. Without any the FMU is Python.
     say : callable
         Told a line of text before long work.
 

@@ -132,7 +132,8 @@ def _uncovered_ahead(case, platforms):
     """Sentences on what machine code does not cover, as far as the case tells it before anything is
     computed.
     """
-    faults = [*cannot_build(platforms), *uncovered(case.coupling), *uncovered_wires(case.wires)]
+    faults = [*uncovered(case.coupling), *uncovered_wires(case.wires)]
+    packages = set()
     for name, table in case.participants.items():
         if not table.package:
             continue
@@ -141,6 +142,7 @@ def _uncovered_ahead(case, platforms):
         except BadInput as refusal:
             faults += refusal.faults
             continue
+        packages.add(table.package)
         ahead = part.uncovered_ahead(table.build)
         faults += [f"participants.{name}: {fault}" for fault in ahead]
         for parameter, value in table.parameters.items():
@@ -150,7 +152,7 @@ def _uncovered_ahead(case, platforms):
                 faults.append(
                     f"participants.{name}: {parameter} = {value}: a native FMU covers {words}"
                 )
-    return faults
+    return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 
 
 def _pack_native(options, prepared, system, usual, progress, made_for):
@@ -171,7 +173,7 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
     version, platforms = made_for
     slave = _coupled_slave(options)
     packages = {name: path.partition(".")[0] for name, path in slave.inside.participants.items()}
-    codes = list(dict.fromkeys(packages.values()))
+    codes = sorted(set(packages.values()))
     parts = {name: part_of(package) for name, package in packages.items()}
     faults = [
         f"participants.{name}: {fault}"

@@ -43,8 +43,9 @@ def command(
         Machine code that needs no Python; choices of physics that it does not cover are refused by
         name.
     platform
-        What native FMUs are for, several with commas between: linux64, win64, aarch64-linux; each
-        needs its C compiler here.
+        What native FMUs are for, several with commas between: linux64, win64, aarch64-linux,
+        darwin64, aarch64-darwin; each needs a C compiler here, unless the release has brought its
+        library.
     """
     options = {"grid": parse_grid(grid)} if grid else {}
     fewer = {"no_fields": True} if no_fields else {}

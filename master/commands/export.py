@@ -48,8 +48,9 @@ def command(
         One FMU of machine code that needs no Python; what it does not cover (another method than
         newton, several film surfaces, choices of physics ..) is refused by name.
     platform
-        What a native FMU is for, several with commas between: linux64, win64, aarch64-linux; each
-        needs its C compiler here.
+        What a native FMU is for, several with commas between: linux64, win64, aarch64-linux,
+        darwin64, aarch64-darwin; each needs a C compiler here, unless the release has brought its
+        library.
     """
     if native and kind == "ssp":
         raise BadInput("--native: is for fmu; an SSP holds FMUs, give those of build --native")

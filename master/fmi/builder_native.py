@@ -1,8 +1,9 @@
 """Build an FMU that needs no Python: one library a platform, made of the participant's entries and
 the C front, beside the model description and a file that says what the slave is like.
 
-The library knows no grid: every FMU of a participant has the same one. What it is made of is kept
-by the content of the kernels; linked it is anew, which takes a second.
+The library knows no grid: every FMU of a participant has the same one. A release brings those of
+all platforms (`.ci/release`); where there is none of the same content, what it is made of is kept
+by the content of the kernels, and linked anew, which takes a second.
 """
 
 import fcntl
@@ -11,11 +12,14 @@ import os
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from hashlib import sha256
 from importlib import import_module
 from importlib.metadata import version as version_of
+from importlib.util import find_spec
 from inspect import getfile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -52,25 +56,55 @@ class Platform(NamedTuple):
     folders: Mapping[str, str]
 
 
+def _zig(target):
+    """The compiler that has the headers and libraries of all platforms with it (pip install
+    ziglang).
+    """
+    return ("zig", "cc", "-target", target)
+
+
+COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
 ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack")
+MACH_O = ("-fPIC", "-fvisibility=hidden")
 PLATFORMS = {
     "linux64": Platform(
-        ((os.environ.get("CC", "cc"),),), ELF, ".so", {"2.0": "linux64", "3.0": "x86_64-linux"}
+        ((os.environ.get("CC", "cc"),), _zig("x86_64-linux-gnu.2.17")),
+        ELF,
+        ".so",
+        {"2.0": "linux64", "3.0": "x86_64-linux"},
     ),
     "win64": Platform(
-        (("x86_64-w64-mingw32-gcc",),),
-        ("-static-libgcc", "-static", "-D__USE_MINGW_ANSI_STDIO=1"),
+        (
+            ("x86_64-w64-mingw32-gcc", "-static-libgcc", "-static"),
+            _zig("x86_64-windows-gnu"),
+        ),
+        ("-D__USE_MINGW_ANSI_STDIO=1",),
         ".dll",
         {"2.0": "win64", "3.0": "x86_64-windows"},
     ),
     "aarch64-linux": Platform(
-        (("aarch64-linux-gnu-gcc",),),
+        (("aarch64-linux-gnu-gcc",), _zig("aarch64-linux-gnu.2.17")),
         ELF,
         ".so",
         {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
     ),
+    "darwin64": Platform(
+        (_zig("x86_64-macos.11.0"),),
+        MACH_O,
+        ".dylib",
+        {"2.0": "darwin64", "3.0": "x86_64-darwin"},
+    ),
+    "aarch64-darwin": Platform(
+        (_zig("aarch64-macos.11.0"),),
+        MACH_O,
+        ".dylib",
+        {"2.0": "aarch64-darwin", "3.0": "aarch64-darwin"},
+    ),
 }
 """By the names of `native_code.TARGETS`."""
+
+AHEAD = Path(__file__).parent / "libraries"
+"""Where a release has libraries made ahead, `library_name` each."""
 
 SOURCES = ("native.c", "runtime.c", "common.c")
 OF_COUPLED = "parts.c"
@@ -84,6 +118,8 @@ def compiler_of(platform: str) -> tuple[str, ...] | None:
     for command in PLATFORMS[platform].compilers:
         if found := shutil.which(command[0]):
             return (found, *command[1:])
+        if command[0] == "zig" and find_spec("ziglang"):
+            return (sys.executable, "-m", "ziglang", *command[1:])
     return None
 
 
@@ -158,15 +194,11 @@ def pack_native_fmu(
         Packages whose entries those of a coupled slave call.
     """
     slave = inside.slave
-    codes = {
-        one: object_files(one, platforms, progress) for one in (package or name, *participants)
-    }
+    made = libraries((package or name, *participants), platforms, version, progress)
     members = texts_of(slave, version, any_host=True, platforms=platforms)
-    for platform in platforms:
-        own = {one: files[platform] for one, files in codes.items()}
+    for platform, library in made.items():
         ends = PLATFORMS[platform]
-        path = f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"
-        members[path] = link(platform, version, own)
+        members[f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"] = library
     members["resources/slave.bin"] = slave_file(slave, inside.part, inside.given)
     members["resources/build.json"] = json.dumps(slave.options, sort_keys=True).encode()
     digest = sha256()
@@ -195,7 +227,7 @@ def check_native(
         As `build_native_fmu`.
     """
     part = part_of(package)
-    if faults := [*cannot_build(platforms), *part.uncovered_ahead(options)]:
+    if faults := [*cannot_build(platforms, (package,)), *part.uncovered_ahead(options)]:
         raise BadInput(faults)
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     if faults := list(part.uncovered(resolved)):
@@ -203,11 +235,18 @@ def check_native(
     return part, resolved, files
 
 
-def cannot_build(platforms: Sequence[str]) -> list[str]:
-    """Why there can be no native FMU for these platforms on this machine."""
+def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]:
+    """Why there can be no native FMU of these packages (as for `libraries`) for these platforms on
+    this machine.
+    """
     if unknown := [name for name in platforms if name not in PLATFORMS]:
         return [f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}"]
-    return [*_missing_compilers(platforms), *too_old()]
+    made = [
+        name
+        for name in platforms
+        if not all((AHEAD / library_name(packages, name, one)).exists() for one in FRONTS)
+    ]
+    return [*_missing_compilers(made), *too_old()] if made else []
 
 
 def part_of(package: str) -> NativePart:
@@ -258,6 +297,44 @@ def slave_inside(
 # ---- the library
 
 
+def libraries(
+    packages: Sequence[str],
+    platforms: Sequence[str],
+    version: str,
+    progress: Callable[[str], object] = lambda text: None,
+) -> dict[str, bytes]:
+    """Platform -> library: the one made ahead, else made here.
+
+    Parameters
+    ----------
+    packages : sequence of str
+        Whose entries a slave has; behind it, of a coupled one, those whose entries it calls.
+    platforms, version, progress
+        As for `build_native_fmu`.
+    """
+    ahead = {name: AHEAD / library_name(packages, name, version) for name in platforms}
+    missing = [name for name, path in ahead.items() if not path.exists()]
+    codes = {one: object_files(one, missing, progress) for one in packages} if missing else {}
+    return {
+        name: link(name, version, {one: files[name] for one, files in codes.items()})
+        if name in missing
+        else ahead[name].read_bytes()
+        for name in platforms
+    }
+
+
+def library_name(packages: Sequence[str], platform: str, version: str) -> str:
+    """Name of a library made ahead, by the content of all that is compiled for it."""
+    ends = PLATFORMS[platform]
+    digest = sha256(repr((COMMON, ends.options, native_code.TARGETS[platform])).encode())
+    for one in packages:
+        digest.update(_sources(one))
+    headers = [path.name for path in HOME.glob("*.h")]
+    for file in sorted([*SOURCES, FRONTS[version], OF_COUPLED, *headers]):
+        digest.update((HOME / file).read_bytes())
+    return "-".join([*packages, platform, version, digest.hexdigest()[:16]]) + ends.ending
+
+
 def object_files(package, platforms, progress=lambda text: None):
     """Name of a platform to object file of the entries, from the cache where it was made before, or
     is being made by another process.
@@ -286,12 +363,16 @@ def _compile(package, kept, module, progress):
 
 def _digest_of_code(package):
     """Of all that machine code is made of: kernels and what translates them."""
+    versions = "".join(map(version_of, ("numba", "llvmlite"))).encode()
+    return sha256(versions + _sources(package)).hexdigest()[:16]
+
+
+@cache
+def _sources(package):
+    """All files that a package's machine code is made of, in one."""
     files = reached(Path(getfile(import_part(f"{package}.native"))).resolve())
-    files |= {Path(native_code.__file__)}
-    digest = sha256("".join(map(version_of, ("numba", "llvmlite"))).encode())
-    for path in sorted(files):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    files |= {Path(native_code.__file__).resolve()}
+    return b"".join(path.read_bytes() for path in sorted(files))
 
 
 def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
@@ -322,9 +403,7 @@ def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
         files = [str(HOME / name) for name in sources]
         command = [
             *(compiler_of(platform) or ()),
-            "-std=gnu11",
-            "-O2",
-            "-shared",
+            *COMMON,
             *PLATFORMS[platform].options,
             *definitions(package, participants),
             *files,

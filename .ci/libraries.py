@@ -1,0 +1,19 @@
+"""Libraries of native FMUs for all platforms, into the checkout's package: what a wheel brings."""
+
+from piston_cosim.master.fmi.builder_native import (
+    AHEAD,
+    FRONTS,
+    PLATFORMS,
+    libraries,
+    library_name,
+)
+
+SLAVES = (("fmu_ehd",), ("fmu_mfbd",), ("master.coupling", "fmu_ehd", "fmu_mfbd"))
+
+AHEAD.mkdir(exist_ok=True)
+for packages in SLAVES:
+    for version in FRONTS:
+        for platform, library in libraries(packages, list(PLATFORMS), version, print).items():
+            name = library_name(packages, platform, version)
+            (AHEAD / name).write_bytes(library)
+            print(f"{name}: {len(library) / 1e3:.0f} kB")

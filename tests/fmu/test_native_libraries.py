@@ -1,0 +1,97 @@
+"""Libraries of native FMUs: those a release brings are taken as they are, those for macOS export
+what a host calls and ask for its system library alone.
+"""
+
+import struct
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from piston_cosim.master.fmi import builder_native
+from piston_cosim.master.fmi.builder_native import (
+    PLATFORMS,
+    build_native_fmu,
+    compiler_of,
+    library_name,
+)
+from piston_cosim.master.fmi.errors import BadInput
+
+GRID = {"grid": [8, 6]}
+MACS = {"darwin64": 0x01000007, "aarch64-darwin": 0x0100000C}  # CPU_TYPE_X86_64, CPU_TYPE_ARM64
+
+
+@pytest.fixture
+def brought(monkeypatch, tmp_path):
+    """A folder of libraries made ahead, on a machine that can compile nothing."""
+    monkeypatch.setattr(builder_native, "AHEAD", tmp_path)
+    monkeypatch.setattr(builder_native, "compiler_of", lambda platform: None)
+    monkeypatch.setattr(builder_native, "too_old", lambda: ["numba is too old"])
+    monkeypatch.setattr(builder_native, "object_files", lambda *_: pytest.fail("compiled"))
+    return tmp_path
+
+
+def bring(folder, platform, content):
+    for version in ("2.0", "3.0"):
+        name = library_name(["fmu_ehd"], platform, version)
+        (folder / name).write_bytes(content + version.encode())
+
+
+@pytest.mark.parametrize("version, place", [("2.0", "win64"), ("3.0", "x86_64-windows")])
+def test_a_library_made_ahead_is_taken(brought, version, place):
+    bring(brought, "win64", b"made ahead for ")
+    fmu = build_native_fmu("fmu_ehd", GRID, Path("."), version=version, platforms=["win64"])
+    with zipfile.ZipFile(fmu) as archive:
+        library = archive.read(f"binaries/{place}/fmu_ehd.dll")
+    assert library == b"made ahead for " + version.encode()
+
+
+def test_what_was_not_made_ahead_asks_for_a_compiler(brought):
+    bring(brought, "win64", b"")
+    with pytest.raises(BadInput) as refusal:
+        build_native_fmu("fmu_ehd", GRID, Path("."), platforms=["win64", "aarch64-linux"])
+    assert refusal.value.faults == [
+        "platform = aarch64-linux: needs a C compiler, aarch64-linux-gnu-gcc or zig",
+        "numba is too old",
+    ]
+
+
+def test_a_library_of_other_sources_is_not_taken(brought, monkeypatch):
+    bring(brought, "win64", b"")
+    monkeypatch.setattr(builder_native, "_sources", lambda package: b"edited since")
+    with pytest.raises(BadInput, match="platform = win64: needs a C compiler"):
+        build_native_fmu("fmu_ehd", GRID, Path("."), platforms=["win64"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("platform", MACS)
+def test_a_library_for_macos(platform):
+    if compiler_of(platform) is None:
+        pytest.skip("needs zig (pip install ziglang)")
+    fmu = build_native_fmu("fmu_ehd", GRID, Path("."), platforms=[platform])
+    with zipfile.ZipFile(fmu) as archive:
+        folder = PLATFORMS[platform].folders["2.0"]
+        processor, defined, asked = symbols(archive.read(f"binaries/{folder}/fmu_ehd.dylib"))
+    assert processor == MACS[platform]
+    assert {"_fmi2Instantiate", "_fmi2DoStep", "_fmi2GetDirectionalDerivative"} <= defined
+    assert not any(word in name for name in asked for word in ("Py", "numba", "NRT"))
+    assert "_malloc" in asked or "_calloc" in asked
+
+
+def symbols(library):
+    """Processor, names defined for others and names asked for of a 64-bit Mach-O file."""
+    magic, processor, _, _, commands, *_ = struct.unpack_from("<8I", library)
+    assert magic == 0xFEEDFACF
+    place, defined, asked = 32, set(), set()
+    for _ in range(commands):
+        kind, size = struct.unpack_from("<2I", library, place)
+        if kind == 2:  # LC_SYMTAB
+            table, count, texts, _ = struct.unpack_from("<4I", library, place + 8)
+            for k in range(count):
+                name, flags = struct.unpack_from("<IB", library, table + 16 * k)
+                start = texts + name
+                word = library[start : library.index(b"\0", start)].decode()
+                if flags & 1:  # N_EXT
+                    (defined if flags & 0x0E else asked).add(word)  # N_TYPE: 0 is N_UNDF
+        place += size
+    return processor, defined, asked
