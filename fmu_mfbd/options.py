@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
+from .dynamics.pin_shapes import MOST
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
 from .geometry.pin import PIN_SURFACES
 
@@ -340,6 +341,10 @@ class FloatingPin(BaseModel):
     """Of the rod's eye along the pin."""
     boss_modes: Annotated[int, Field(ge=0, le=190)] = 0
     """How many of the piston's modes are chosen for its bosses, which yield to their films then."""
+    pin_shapes: Annotated[int, Field(ge=0, le=MOST)] = 0
+    """In how many shapes the pin moves in its shells beside its shift: 0 none, it stays parallel to
+    them; 1 it tilts; each further one is a way to bend.
+    """
 
 
 class MotionInSpace(BaseModel):
