@@ -9,9 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
-from .dynamics.pin_shapes import MOST
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
 from .geometry.pin import PIN_SURFACES
+from .geometry.pin_shapes import MOST
 
 Count = Annotated[int, Field(ge=4, le=400)]
 Length = Annotated[float, in_unit("m")]

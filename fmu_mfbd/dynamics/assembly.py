@@ -11,6 +11,7 @@ from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
 from ..geometry.pin import pin_surface, shell_modes
+from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
     barrel,
@@ -36,7 +37,6 @@ from .motion_in_space import Bodies, SpaceBody, Stop
 from .parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
-from .pin_shapes import Beam, HollowPin, free_beam
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace

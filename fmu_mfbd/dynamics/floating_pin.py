@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.pin import PinResultants, across, turned
+from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .floating_frame import RIGID as FRAME
 from .floating_frame import (
     TURN,
@@ -23,7 +24,6 @@ from .floating_frame import (
     mode_coupling,
 )
 from .generalised_alpha import Motion
-from .pin_shapes import STRAIGHT, AxisShapes
 from .piston_motion import LATERAL, ROCKING, Load
 from .slider_crank import (
     CrankMotion,

@@ -24,6 +24,7 @@ from ..geometry.pin import (
     turned,
     yielded,
 )
+from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .build_options import FilmGrid
 from .energy import Ledger
 from .floating_pin import (
@@ -61,7 +62,6 @@ from .instant import (
     work_error,
 )
 from .model import Inputs, PistonInBore
-from .pin_shapes import STRAIGHT, AxisShapes
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .slider_crank import CrankMotion, height, motion, rod_turn
 
