@@ -1,8 +1,8 @@
 """Shapes of a pin's axis: a hollow cylinder that tilts and bends as a free beam.
 
-The beam is Timoshenko's: a gudgeon pin is some two to three diameters long, and what its sections
-shear is as large as what they bend. No shape has a part in the pin's shift or in another shape, in
-both directions across the axis the same ones hold. Left out: sections that become oval, and the
+The beam is Timoshenko's: a piston pin is some two to three diameters long, and what its sections
+shear is as large as what they bend. No shape has a part in the pin's shift or in another shape; the
+same ones hold in both directions across the axis. Left out: sections that become oval, and the
 moments of a pin that turns while it tilts.
 
 References
@@ -25,14 +25,14 @@ MOST = 11
 
 
 class HollowPin(NamedTuple):
-    """Steel cylinder with a bore.
+    """Cylinder with a bore.
 
     Parameters
     ----------
     mass : float
         [kg]
     length, radius, bore_radius : float
-        [m]; the radius of the bore is less than that of the pin, 0 of a solid one.
+        [m]; the bore's is less than the pin's, 0 of a solid one.
     young, poisson : float
         [Pa], [-]
     """

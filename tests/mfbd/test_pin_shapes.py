@@ -73,6 +73,21 @@ def bending_in_bosses():
     return assemble_floating(piston, block, built, PARAMETERS, PinParameters(), bosses, AXIS)
 
 
+@pytest.mark.parametrize(("bore", "share"), [(0.0, 7.8 / 8.8), (0.9999, 2.6 / 4.9)])
+def test_stiffness_of_a_section_by_hand(bore, share):
+    """Cowper's share of a solid circle, 6 (1 + nu)/(7 + 6 nu), and of a thin tube, 2 (1 + nu)/(4 +
+    3 nu), which a wall of 1e-4 of the radius misses by as much squared.
+    """
+    pin = PIN._replace(bore_radius=bore * PIN.radius)
+    of = section(pin)
+    area = np.pi * PIN.radius**2 * (1 - bore**2)
+    second = area * PIN.radius**2 * (1 + bore**2) / 4
+    assert of.shear == pytest.approx(share * 206e9 / 2.6 * area, rel=1e-6)
+    assert of.bending == pytest.approx(206e9 * second, rel=1e-12)
+    assert of.mass == pytest.approx(0.5 / 86e-3, rel=1e-12)
+    assert of.turning == pytest.approx(of.mass * second / area, rel=1e-12)
+
+
 def test_a_slender_pin_has_the_frequencies_of_a_free_beam():
     """omega = (beta L)^2 (E I/m L^3)^1/2 with cos cosh = 1. What shears and turns in a beam of 1000
     diameters takes (beta r/2)^2 (1 + E/(kappa G))/2 or so of it, 5e-5 for the fourth.
