@@ -10,7 +10,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import pin_surface, shell_modes
+from ..geometry.pin import pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
@@ -149,9 +149,11 @@ def assemble_floating(
         return PistonOnFloatingPin(tied, surfaces, grids, pin.pin_inertia or solid)
     beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
     rows = pin_rows(options.floating_pin, bosses)
+    reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
+    wider = zip(reliefs, options.floating_pin.lengths().values())
     surfaces = tuple(
-        pin_surface(radius, one, grid.shape, shell, beam.at(z))
-        for (one, grid, shell), z in zip(films, rows)
+        pin_surface(radius, relieved(one, relief, z, long), grid.shape, shell, beam.at(z))
+        for (one, grid, shell), z, (relief, long) in zip(films, rows, wider)
     )
     own_damping = damping(
         beam.omega,

@@ -171,7 +171,7 @@ class PinParameters:
 @dataclass(frozen=True)
 class AxisParameters:
     """Those of a body FMU whose floating pin tilts or bends, beside `PinParameters`, in SI; the
-    pin's density is its mass by its volume.
+    pin's density is its mass by its volume, relief is what keeps it from bearing at edges.
     """
 
     pin_length: float = _declared(
@@ -186,6 +186,12 @@ class AxisParameters:
     )
     pin_young: float = _declared("Pa", "Young's modulus of the floating pin", 206e9, 1e8, 1e12)
     pin_poisson: float = _declared("1", "Poisson's ratio of the floating pin", 0.3, 0.0, 0.49)
+    boss_relief: float = _declared(
+        "m", "By which a boss is wider in radius at its ends than amid, a parabola", 0.0, 0.0, 1e-3
+    )
+    small_end_relief: float = _declared(
+        "m", "By which the rod's eye is wider at its ends than amid, a parabola", 0.0, 0.0, 1e-3
+    )
 
 
 @dataclass(frozen=True)

@@ -57,8 +57,10 @@ class PinSurface(NamedTuple):
     ----------
     outward, onward : ndarray, shape (2, c)
         Across the film and along it, in the shell's axes: (cos a, sin a), (-sin a, cos a).
-    radius, clearance : float
-        Of the pin; of the shell minus that of the pin [m].
+    radius : float
+        Of the pin [m].
+    clearance : float or ndarray, shape (a,)
+        Radius of the shell minus that of the pin [m]; by row of a relieved shell.
     shape : (int, int)
         (c, a), cells around and along the shell.
     modes : ShellModes, optional
@@ -70,7 +72,7 @@ class PinSurface(NamedTuple):
     outward: np.ndarray
     onward: np.ndarray
     radius: float
-    clearance: float
+    clearance: float | np.ndarray
     shape: tuple[int, int]
     modes: ShellModes | None = None
     axis: np.ndarray | None = None
@@ -123,7 +125,7 @@ def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
 
 def pin_surface(
     radius: float,
-    clearance: float,
+    clearance: float | np.ndarray,
     shape: tuple[int, int],
     modes: ShellModes | None = None,
     axis: np.ndarray | None = None,
@@ -134,6 +136,28 @@ def pin_surface(
     outward = np.array([np.cos(angle), np.sin(angle)])
     onward = np.array([-np.sin(angle), np.cos(angle)])
     return PinSurface(outward, onward, radius, clearance, shape, modes, axis)
+
+
+def relieved(clearance: float, relief: float, rows: np.ndarray, length: float) -> np.ndarray:
+    """Clearance of a shell that widens towards its ends, by row.
+
+    Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length
+
+    Parameters
+    ----------
+    clearance, relief : float
+        c amid, r more at the ends [m].
+    rows : ndarray, shape (a,)
+        z of the grid's rows [m].
+    length : float
+        L [m].
+
+    Returns
+    -------
+    ndarray, shape (a,)
+        [m]
+    """
+    return clearance + relief * (2 * (rows - rows.mean()) / length) ** 2  # Eq. (H12)
 
 
 def turned(angle: float) -> np.ndarray:

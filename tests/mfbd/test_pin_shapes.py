@@ -216,6 +216,22 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     assert power == pytest.approx(2.0 * (0.02 - 3e-6) * 30.0, rel=1e-12)
 
 
+def test_a_relieved_shell_by_hand():
+    """Wider by 8 um at its ends, four rows: at 3/4 and 1/4 of the way to them, 4.5 and 0.5 um."""
+    plain, wide = bending_model(2), bending_model(2, boss_relief=8e-6)
+    inputs = random_inputs(plain, 3)
+    gaps = []
+    for model in (plain, wide):
+        state, _ = model.start(0.3, 2e-6, 1e-4, inputs)
+        _, out = model.advance(state, inputs, STEP)
+        gaps.append(out)
+    for name in ("boss_left", "boss_right"):
+        more = gaps[1][f"{name}.film_thickness"] - gaps[0][f"{name}.film_thickness"]
+        wanted = np.array([4.5e-6, 0.5e-6, 0.5e-6, 4.5e-6])
+        np.testing.assert_allclose(more, np.tile(wanted, (PIN_GRID[0], 1)), atol=1e-15)
+    assert np.array_equal(*(one["small_end.film_thickness"] for one in gaps))
+
+
 def test_rows_of_the_shapes_by_hand():
     """A shape of 3 kg, 7 N/m, 2 N s/m in place of the pin's own; the other rows are those of a pin
     without shapes.
