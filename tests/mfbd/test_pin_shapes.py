@@ -245,12 +245,14 @@ def test_rows_of_the_shapes_by_hand():
     rigid = Motion(*(one[:COORDINATES] for one in now))
     crank = CrankMotion(0.7, 100.0, 0.0)
     load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
-    films = [PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)]
+    films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
     on_x, on_y = 5.0, -4.0
-    split = [np.array([[2.0, 1.0]]), np.array([[on_x - 2.0, on_y - 1.0]])]
-    leaning_films = [one._replace(on_shapes=two) for one, two in zip(films, split)]
-    found = imbalance(plain._replace(shapes=own), load, now, crank, PinFilms(*leaning_films))
-    without = imbalance(plain, load, rigid, crank, PinFilms(*films))
+    on_leaning = PinFilms(
+        films.bosses._replace(on_shapes=np.array([[2.0, 1.0]])),
+        films.eye._replace(on_shapes=np.array([[on_x - 2.0, on_y - 1.0]])),
+    )
+    found = imbalance(plain._replace(shapes=own), load, now, crank, on_leaning)
+    without = imbalance(plain, load, rigid, crank, films)
     assert np.array_equal(found.residual[:COORDINATES], without.residual)
     for k, force in enumerate((on_x, on_y), start=COORDINATES):
         s, v, a = (one[k] for one in now)
@@ -499,7 +501,8 @@ def test_the_bodies_account_holds_a_tilting_pin():
         state, out = model.advance(state, given, 1e-6)
     tilt = model.bodies.bent(state.velocity)[0, 0]
     push = -5.0 * PIN_GRID[0] / 2
-    assert tilt == pytest.approx(push * model.pins[0].axis[0, 0] / 0.5 * 3e-6, rel=1e-6)
+    at_first_row = np.ravel(model.pins[0].axis)[0]
+    assert tilt == pytest.approx(push * at_first_row / 0.5 * 3e-6, rel=1e-6)
     moved = out["kinetic_energy"]
     still = state.velocity.copy()
     still[COORDINATES:] = 0.0
