@@ -98,6 +98,7 @@ def test_a_pin_tilts_towards_the_thinner_oil(tmp_path):
     assert tilt[firing].max() > 1e-6
     assert tilt[firing].mean() > 0.0
     assert results.series("bodies.boss_left.interface_work_error").values.max() <= 1e-12
+    assert results.summary
     assert results.summary["unconverged_steps"] == 0
 
 

@@ -245,7 +245,8 @@ def test_rows_of_the_shapes_by_hand():
     rigid = Motion(*(one[:COORDINATES] for one in now))
     crank = CrankMotion(0.7, 100.0, 0.0)
     load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
-    films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
+    of_film = [PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)]
+    films = PinFilms(of_film[0], of_film[1])
     on_x, on_y = 5.0, -4.0
     on_leaning = PinFilms(
         films.bosses._replace(on_shapes=np.array([[2.0, 1.0]])),
@@ -501,7 +502,9 @@ def test_the_bodies_account_holds_a_tilting_pin():
         state, out = model.advance(state, given, 1e-6)
     tilt = model.bodies.bent(state.velocity)[0, 0]
     push = -5.0 * PIN_GRID[0] / 2
-    at_first_row = np.ravel(model.pins[0].axis)[0]
+    axis = model.pins[0].axis
+    assert axis is not None
+    at_first_row = axis[0, 0]
     assert tilt == pytest.approx(push * at_first_row / 0.5 * 3e-6, rel=1e-6)
     moved = out["kinetic_energy"]
     still = state.velocity.copy()
