@@ -211,7 +211,9 @@ def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
 def floating_pin(build: Build) -> FloatingPin | None:
     """Films of the floating pin that a build table names."""
     pin = build.floating_pin
-    return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length) if pin else None
+    if pin is None:
+        return None
+    return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length, pin_shapes=pin.pin_shapes)
 
 
 def boss_films(build: Build | Bodies) -> BossFilms | None:

@@ -11,6 +11,7 @@ from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
 from .geometry.pin import PIN_SURFACES
+from .geometry.pin_shapes import MOST
 
 Count = Annotated[int, Field(ge=4, le=400)]
 Length = Annotated[float, in_unit("m")]
@@ -340,6 +341,10 @@ class FloatingPin(BaseModel):
     """Of the rod's eye along the pin."""
     boss_modes: Annotated[int, Field(ge=0, le=190)] = 0
     """How many of the piston's modes are chosen for its bosses, which yield to their films then."""
+    pin_shapes: Annotated[int, Field(ge=0, le=MOST)] = 0
+    """In how many shapes the pin moves in its shells beside its shift: 0 none, it stays parallel to
+    them; 1 it tilts; each further one is a way to bend.
+    """
 
 
 class MotionInSpace(BaseModel):

@@ -19,9 +19,9 @@ from .build import (
     in_space_ahead,
     read_tables,
 )
-from .dynamics.assembly import bore_shape, faults, pin_radius, skirt_gap
+from .dynamics.assembly import bore_shape, faults, pin_beam, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
-from .dynamics.parameters import Parameters
+from .dynamics.parameters import AxisParameters, Parameters
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
@@ -107,12 +107,14 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if piston is None or block is None:
         return Preview(faults=wrong)
     prepared = _prepared(build, tables)
+    axis = _axis(prepared, given, build)
     if None not in parameters.values():
-        wrong += faults(piston.body, block.body, prepared, chosen)
+        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis)
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),
         *_of_pin(prepared, piston, chosen),
+        *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
@@ -296,6 +298,35 @@ def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[F
         Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
     ]
     return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
+
+
+def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisParameters | None:
+    """Parameters of a pin that tilts or bends; None where the places of its bosses are those of a
+    mesh that is not reduced yet.
+    """
+    pin = prepared.floating_pin
+    if pin is None or not pin.pin_shapes or (build.floating_pin and build.floating_pin.boss_modes):
+        return None
+    known = {one.name for one in fields(AxisParameters)}
+    return AxisParameters(**{name: value for name, value in given.items() if name in known})
+
+
+def _of_axis(
+    prepared: BuildOptions, piston: Sized, chosen: Parameters, axis: AxisParameters
+) -> list[Figure]:
+    """What a pin that tilts or bends is made of."""
+    assert prepared.floating_pin
+    beam = pin_beam(piston.body, prepared.floating_pin, chosen, None, axis)
+    pin = beam.pin
+    area = np.pi * (pin.radius**2 - pin.bore_radius**2)
+    figures = [
+        Figure("pin", "pin_length", pin.length, "m"),
+        Figure("pin", "pin_density", pin.mass / (area * pin.length), "kg/m3"),
+    ]
+    if len(beam.omega) > 1:
+        frequency = beam.omega[1] / (2 * np.pi)
+        figures.append(Figure("pin", "pin_bending_frequency", frequency, "Hz", "of the free pin"))
+    return figures
 
 
 def _basis(body: Piston | Block) -> str:

@@ -16,7 +16,7 @@ from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
 from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged, PistonInBore, State
-from .dynamics.parameters import Parameters, PinParameters, SpaceParameters
+from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
 from .reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, load
@@ -84,12 +84,15 @@ class Mfbd(FieldSlave):
         block = load(ReducedBlock, self.resources / options.block.file)
         pin = options.floating_pin
         bosses = load(ReducedBosses, self.resources / pin.bosses) if pin and pin.bosses else None
-        wrong = faults(piston, block, options, parameters, bosses)
+        axis = None
+        if pin and pin.pin_shapes:
+            axis = AxisParameters(**{one.name: values[one.name] for one in fields(AxisParameters)})
+        wrong = faults(piston, block, options, parameters, bosses, axis)
         if wrong:
             raise BadInput(wrong)
         if pin:
             own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
-            self.model = assemble_floating(piston, block, options, parameters, own, bosses)
+            self.model = assemble_floating(piston, block, options, parameters, own, bosses, axis)
         elif options.in_space:
             own = SpaceParameters(**{one.name: values[one.name] for one in fields(SpaceParameters)})
             self.model = assemble_in_space(piston, block, options, parameters, own)

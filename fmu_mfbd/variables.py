@@ -5,7 +5,7 @@ from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BuildOptions, FilmGrid
-from .dynamics.parameters import Parameters, PinParameters, SpaceParameters
+from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 
 
 def variables(options: BuildOptions) -> list[Variable]:
@@ -18,12 +18,15 @@ def signals(options: BuildOptions) -> list[Variable]:
     modes = options.piston.modes + options.block.modes
     films = options.film_grids()
     pins = options.pin_grids()
+    bending = options.floating_pin is not None and options.floating_pin.pin_shapes > 0
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
+    if bending:
+        answers = answers + axis_outputs()
     if options.mounted:
         acting, answers = acting + block_inputs(), answers + block_outputs()
     if options.in_space:
         answers = answers + space_outputs()
-    return acting + answers + parameters(bool(pins), options.in_space is not None)
+    return acting + answers + parameters(bool(pins), options.in_space is not None, bending)
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
@@ -356,6 +359,17 @@ def block_outputs() -> list[Variable]:
     ]
 
 
+def axis_outputs() -> list[Variable]:
+    """How a floating pin tilts and bends."""
+    middle = "Middle of the floating pin's axis from the mean of both ends, along"
+    return [
+        output_variable("pin_tilt_x", "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4),
+        output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
+        output_variable("pin_bending_x", "m", f"{middle} x", 1e-5),
+        output_variable("pin_bending_y", "m", f"{middle} y", 1e-5),
+    ]
+
+
 def space_outputs() -> list[Variable]:
     """Motion of a piston out of the plane of the crank, and what holds it."""
     return [
@@ -376,11 +390,16 @@ def space_outputs() -> list[Variable]:
     ]
 
 
-def parameters(floating: bool = False, in_space: bool = False) -> list[Variable]:
-    """What a user may set, as `Parameters` declares it, `PinParameters` of a floating pin and
-    `SpaceParameters` of a piston that moves in space.
+def parameters(
+    floating: bool = False, in_space: bool = False, bending: bool = False
+) -> list[Variable]:
+    """What a user may set, as `Parameters` declares it, `PinParameters` of a floating pin,
+    `AxisParameters` of one that tilts or bends and `SpaceParameters` of a piston that moves in
+    space.
     """
-    kinds = [Parameters, *[PinParameters] * floating, *[SpaceParameters] * in_space]
+    kinds = [Parameters]
+    kinds += [PinParameters] * floating + [AxisParameters] * bending
+    kinds += [SpaceParameters] * in_space
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     return [
         Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)

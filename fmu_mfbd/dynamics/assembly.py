@@ -8,9 +8,10 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
-from ..geometry.grid import cell_centres
+from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import pin_surface, shell_modes
+from ..geometry.pin import pin_surface, relieved, shell_modes
+from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
     barrel,
@@ -27,13 +28,13 @@ from ..reduction.reduced_body import (
     ReducedPiston,
     mode_classes,
 )
-from .build_options import BlockOptions, BuildOptions, DampingBand, PistonOptions
+from .build_options import BlockOptions, BuildOptions, DampingBand, FloatingPin, PistonOptions
 from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
-from .parameters import Parameters, PinParameters, SpaceParameters
+from .parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
@@ -128,9 +129,10 @@ def assemble_floating(
     parameters: Parameters,
     pin: PinParameters,
     bosses: ReducedBosses | None = None,
+    axis: AxisParameters | None = None,
 ) -> PistonOnFloatingPin:
     """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
-    flexible piston, others as of `assemble`.
+    flexible piston, `axis` the parameters of a pin with shapes, others as of `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
@@ -139,16 +141,68 @@ def assemble_floating(
     shells = []
     if bosses:
         shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
-    surfaces = [
-        pin_surface(radius, one, grid.shape, shell)
-        for one, grid, shell in zip_longest(clearances, grids, shells)
-    ]
-    return PistonOnFloatingPin(
-        assemble(piston, block, options, parameters),
-        tuple(surfaces),
-        grids,
-        pin.pin_inertia or parameters.pin_mass * radius**2 / 2,
+    films = list(zip_longest(clearances, grids, shells))
+    tied = assemble(piston, block, options, parameters)
+    if axis is None:
+        surfaces = tuple(pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
+        solid = parameters.pin_mass * radius**2 / 2
+        return PistonOnFloatingPin(tied, surfaces, grids, pin.pin_inertia or solid)
+    beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
+    rows = pin_rows(options.floating_pin, bosses)
+    reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
+    wider = zip(reliefs, options.floating_pin.lengths().values())
+    surfaces = tuple(
+        pin_surface(radius, relieved(one, relief, z, long), grid.shape, shell, beam.at(z))
+        for (one, grid, shell), z, (relief, long) in zip(films, rows, wider)
     )
+    own_damping = damping(
+        beam.omega,
+        damping_bands(options, parameters),
+        parameters.rayleigh_mass_factor,
+        parameters.rayleigh_stiffness_factor,
+    )
+    spin = pin.pin_inertia or beam.pin.spin_inertia()
+    return PistonOnFloatingPin(tied, surfaces, grids, spin, beam.shapes(own_damping))
+
+
+def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
+    """z of the rows of all films of the pin [m]; those of bosses lie where the mesh has its own,
+    and of a piston without one begin beside the rod's eye.
+    """
+    half = pin.small_end_length / 2
+    outer = half + pin.boss_length
+    ends = (-outer, -half), (half, outer), (-half, half)
+    left, right, eye = (film_rows(*pair, pin.grid) for pair in ends)
+    if bosses:
+        left, right = bosses.boss_stations
+    return left, right, eye
+
+
+def pin_span(pin: FloatingPin, bosses: ReducedBosses | None) -> float:
+    """Least length of a pin that reaches through all its films [m]."""
+    _, along = pin.grid
+    lengths = pin.lengths().values()
+    rows = pin_rows(pin, bosses)
+    return max(2 * np.abs(z).max() + long / along for z, long in zip(rows, lengths))
+
+
+def pin_beam(
+    piston: ReducedPiston,
+    pin: FloatingPin,
+    parameters: Parameters,
+    bosses: ReducedBosses | None,
+    axis: AxisParameters,
+) -> Beam:
+    """A floating pin as a free beam with the shapes of the build table."""
+    hollow = HollowPin(
+        mass=parameters.pin_mass,
+        length=axis.pin_length or pin_span(pin, bosses),
+        radius=pin_radius(piston.radius, parameters),
+        bore_radius=axis.pin_bore_radius,
+        young=axis.pin_young,
+        poisson=axis.pin_poisson,
+    )
+    return free_beam(hollow, pin.pin_shapes)
 
 
 def assemble_in_space(
@@ -249,6 +303,7 @@ def faults(
     options: BuildOptions,
     parameters: Parameters,
     bosses: ReducedBosses | None = None,
+    axis: AxisParameters | None = None,
 ) -> list[str]:
     """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
     bore, a pin that is not its bosses'.
@@ -281,6 +336,8 @@ def faults(
         )
     if options.floating_pin:
         out += floating_faults(piston, block, parameters, bosses)
+        if axis:
+            out += axis_faults(piston, options.floating_pin, parameters, bosses, axis)
     if options.in_space:
         out += space_faults(piston, block, parameters)
     height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
@@ -347,6 +404,30 @@ def floating_faults(
         given = getattr(parameters, name)
         if given not in (0.0, getattr(usual, name)):
             out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
+    return out
+
+
+def axis_faults(
+    piston: ReducedPiston,
+    pin: FloatingPin,
+    parameters: Parameters,
+    bosses: ReducedBosses | None,
+    axis: AxisParameters,
+) -> list[str]:
+    """Sentences about a pin that cannot be as its parameters say."""
+    out = []
+    radius = pin_radius(piston.radius, parameters)
+    if axis.pin_bore_radius >= radius:
+        out.append(
+            f"pin_bore_radius = {1e3 * axis.pin_bore_radius:.4g} mm: must be less than the radius "
+            f"of the pin, {1e3 * radius:.4g} mm"
+        )
+    span = pin_span(pin, bosses)
+    if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
+        out.append(
+            f"pin_length = {1e3 * axis.pin_length:.4g} mm: must reach through all films of the "
+            f"pin, {1e3 * span:.4g} mm, or be 0, which takes that"
+        )
     return out
 
 

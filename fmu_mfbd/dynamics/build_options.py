@@ -100,12 +100,15 @@ class FloatingPin:
         Of one boss and of the rod's eye, along the pin [m].
     bosses : str
         File of the piston's modes in its bosses, among the FMU's resources; "" of a rigid piston.
+    pin_shapes : int
+        In which the pin tilts and bends; 0: it stays parallel to its shells.
     """
 
     grid: tuple[int, int]
     boss_length: float
     small_end_length: float
     bosses: str = ""
+    pin_shapes: int = 0
 
     def lengths(self) -> dict[str, float]:
         """Of each surface of `PIN_SURFACES` [m]."""
@@ -207,8 +210,10 @@ class BuildOptions:
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
         if self.floating_pin is None:
             del content["floating_pin"]
-        elif not self.floating_pin.bosses:  # an FMU with rigid bosses stays the same file
-            del content["floating_pin"]["bosses"]
+        else:  # an FMU with rigid bosses or a pin without shapes stays the same file
+            for name in ("bosses", "pin_shapes"):
+                if not content["floating_pin"][name]:
+                    del content["floating_pin"][name]
         if not self.mounted:  # an FMU with a block at rest stays the same file
             del content["mounted"]
         if self.in_space is None:  # likewise of a piston in its plane

@@ -1,11 +1,11 @@
 """Equations of motion of a piston, its floating pin and its rod, in coordinates [x_A, rocking
 angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y), angle of the pin, modal
-coordinates of the piston].
+coordinates of the piston, shapes of the pin's axis along x, along y].
 
 Bosses and eye hold the pin by their films alone. Where the films are thin the pin moves by
 micrometres in them: relative coordinates keep these digits, and the rod stays on the crank without
-a constraint to drift from. Plain numpy but for the piston's frame: seven equations and one a mode,
-whatever the films' grids.
+a constraint to drift from. Plain numpy but for the piston's frame: seven equations, one a mode and
+two a shape, whatever the films' grids.
 """
 
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.pin import PinResultants, across, turned
+from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .floating_frame import RIGID as FRAME
 from .floating_frame import (
     TURN,
@@ -40,7 +41,7 @@ BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
 x and y in space; its angle about +z [rad]."""
 
 COORDINATES = 7
-"""Without modes, which follow."""
+"""Without modes and shapes of the pin, which follow."""
 
 NO_MODES = np.zeros(0)
 """Modal coordinates or forces of a rigid piston."""
@@ -50,11 +51,27 @@ PLAY = np.array([BOSS_X, BOSS_Y, EYE_X, EYE_Y])
 
 
 class Bodies(NamedTuple):
-    """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2]."""
+    """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2],
+    shapes of its axis.
+    """
 
     piston: FlexibleBody
     mechanism: Mechanism
     spin_inertia: float
+    shapes: AxisShapes = STRAIGHT
+
+    def modal(self, coordinates: np.ndarray) -> np.ndarray:
+        """Those of the piston's modes, (k,)."""
+        return coordinates[COORDINATES : COORDINATES + len(self.piston.stiffness)]
+
+    def bent(self, coordinates: np.ndarray) -> np.ndarray:
+        """Those of the pin's shapes, (n, 2)."""
+        first = COORDINATES + len(self.piston.stiffness)
+        return coordinates[first:].reshape(2, -1).T
+
+    def size(self) -> int:
+        """Number of coordinates."""
+        return COORDINATES + len(self.piston.stiffness) + 2 * len(self.shapes.mass)
 
 
 class PinFilms(NamedTuple):
@@ -103,8 +120,8 @@ class Lack(NamedTuple):
 
     Parameters
     ----------
-    residual : ndarray, shape (7 + k,)
-        [N], [N m], [kg^-1/2 N]
+    residual : ndarray, shape (7 + k + 2 n,)
+        [N], [N m], [kg^-1/2 N], [N]
     on_piston : ndarray, shape (2,)
         Force that piston needs of its pin, G [N].
     above_eye : float
@@ -140,7 +157,7 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     ----------
     bodies : Bodies
     now : Motion
-        n = 7 + k.
+        (7 + k + 2 n,)
     crank : CrankMotion
     """
     eye = eye_motion(now)
@@ -157,9 +174,9 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
         ay=up,
         alpha=float(a[ROCKING]),
         w=float(now.velocity[ROCKING]),
-        q=now.position[COORDINATES:],
-        dq=now.velocity[COORDINATES:],
-        ddq=a[COORDINATES:],
+        q=bodies.modal(now.position),
+        dq=bodies.modal(now.velocity),
+        ddq=bodies.modal(a),
     )
     return Place(link, rod, axes, piston, np.array([a[LATERAL] + a[BOSS_X], high]), frame)
 
@@ -173,6 +190,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
                 e:      -N - E_x = 0,   T - E_y = 0
                 phi:    J phi'' - M_pin = 0
                 modes:  F_q - modal = 0
+                shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y
@@ -187,7 +205,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
     load : Load
         On the piston, all but the pin's; `modal` with that of the bosses' films.
     now : Motion
-        n = 7 + k.
+        (7 + k + 2 n,)
     crank : CrankMotion
     films : PinFilms
     """
@@ -214,11 +232,24 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
         above_eye - eye_y,
         bodies.spin_inertia * now.acceleration[SPIN] - on_pin,
     ]
-    residual = np.concatenate([rigid, force.modal - load.modal])
+    residual = np.concatenate([rigid, force.modal - load.modal, _bending(bodies, now, films)])
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
     torque = above_eye * lever + link.rod_moment - films.eye.on_shell * at.rod.lever
     return Lack(residual, on_piston, float(above_eye), float(torque))
+
+
+def _bending(bodies: Bodies, now: Motion, films: PinFilms) -> np.ndarray:
+    """Rows of the pin's shapes (Eq. (D21)), (2 n,)."""
+    position, velocity, acceleration = (bodies.bent(one).T for one in now)
+    shapes = bodies.shapes
+    held = shapes.damping * velocity + shapes.stiffness * position
+    return (shapes.mass * acceleration + held - on_shapes(films)).ravel()
+
+
+def on_shapes(films: PinFilms) -> np.ndarray:
+    """Forces of all films on the pin's shapes along x and y, (2, n) [N]."""
+    return (films.bosses.on_shapes + films.eye.on_shapes).T
 
 
 def tangent(
@@ -237,12 +268,12 @@ def tangent(
     ----------
     bodies, load, now, crank, films
         As for `imbalance`; the films' nodal forces are held, and turn with their shells.
-    to_velocity, to_position : ndarray, shape (7 + k,)
+    to_velocity, to_position : ndarray, shape (7 + k + 2 n,)
         [s], [s2]; all modes alike.
 
     Returns
     -------
-    ndarray, shape (7 + k, 7 + k)
+    ndarray, shape (7 + k + 2 n, 7 + k + 2 n)
     """
     at = place_of(bodies, now, crank)
     link = at.link
@@ -251,7 +282,7 @@ def tangent(
     c2 = to_position
     unit = np.eye(len(now.position))
     angle = unit[ROCKING]
-    modes = unit[COORDINATES:]
+    modes = bodies.modal(unit)
     force = frame_force(bodies.piston, at.frame)
     above_eye = imbalance(bodies, load, now, crank, films).above_eye
 
@@ -288,6 +319,8 @@ def tangent(
     levers = levers + float(from_boss @ films.bosses.force) * boss_turn
     levers = levers + eye_y * c2[EYE_X] * unit[EYE_X] - eye_x * c2[EYE_Y] * unit[EYE_Y]
     levers = levers + float(from_eye @ films.eye.force) * eye_turn
+    bent, bending = _bending_tangent(bodies, now, films, (boss_turn, eye_turn), (c1, c2))
+    levers = levers + bent
     rigid = [
         on_piston[0] + on_pin[0] + sideways,
         rocking,
@@ -297,7 +330,42 @@ def tangent(
         lifting - in_eye[1],
         bodies.spin_inertia * unit[SPIN] + levers - slope_push,
     ]
-    return np.vstack([rigid, rows[FRAME:]])
+    return np.vstack([rigid, rows[FRAME:], bending])
+
+
+def _bending_tangent(
+    bodies: Bodies,
+    now: Motion,
+    films: PinFilms,
+    turns: tuple[np.ndarray, np.ndarray],
+    reach: tuple[np.ndarray, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives of the moment of the shapes' levers (Eq. (G8)), by all coordinates, and of the
+    shapes' rows, (2 n, 7 + k + 2 n); `turns`: of bosses and eye, by all coordinates.
+    """
+    shapes = bodies.shapes
+    count = len(shapes.mass)
+    size = len(now.position)
+    lever = np.zeros(size)
+    rows = np.zeros((2 * count, size))
+    if not count:
+        return lever, rows
+    to_velocity, to_position = reach
+    own = np.arange(size - 2 * count, size)
+    along_x, along_y = own.reshape(2, count)
+    twice = (np.tile(one, 2) for one in (shapes.mass, shapes.damping, shapes.stiffness))
+    mass, damping, stiffness = twice
+    rows[:, own] = np.diag(mass + damping * to_velocity[own] + stiffness * to_position[own])
+    push_x, push_y = on_shapes(films)
+    lever[along_x] = push_y * to_position[along_x]
+    lever[along_y] = -push_x * to_position[along_y]
+    position = bodies.bent(now.position)
+    for one, turn in zip((films.bosses, films.eye), turns):
+        # the film's force turns with its shell
+        x, y = one.on_shapes.T
+        rows -= np.outer(np.concatenate([-y, x]), turn)
+        lever += float(np.sum(position * one.on_shapes)) * turn
+    return lever, rows
 
 
 def _frame_tangent(
@@ -323,7 +391,7 @@ def pushed(
     skirt: tuple[float, float, float],
     modal: np.ndarray = NO_MODES,
 ) -> np.ndarray:
-    """What changes of the forces add to the residual (Eq. (D21)), shape (7 + k,).
+    """What changes of the forces add to the residual (Eq. (D21)), shape (7 + k + 2 n,).
 
     Parameters
     ----------
@@ -348,20 +416,20 @@ def pushed(
         -axial - eye_y,
         -films.bosses.on_pin - films.eye.on_pin,
     ]
-    return np.concatenate([rigid, -modal])
+    return np.concatenate([rigid, -modal, -on_shapes(films).ravel()])
 
 
 def inertia(bodies: Bodies) -> np.ndarray:
-    """M, (7 + k, 7 + k), of the motion across the bore and of the pin in its shells.
+    """M, (7 + k + 2 n, 7 + k + 2 n), of the motion across the bore and of the pin in its shells.
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye at rest
-                                     along the bore
+                                     along the bore; each shape by its own mass
 
     Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
     """
     piston = bodies.piston
-    unit = np.eye(COORDINATES + len(piston.stiffness))
-    modes = unit[COORDINATES:]
+    unit = np.eye(bodies.size())
+    modes = bodies.modal(unit)
     a = np.array([unit[LATERAL], unit[EYE_Y] - unit[BOSS_Y]])
     pin = np.array([unit[LATERAL] + unit[BOSS_X], unit[EYE_Y]])
     coupled = np.outer(unit[ROCKING], across(piston.S) @ a + piston.g @ modes)
@@ -370,11 +438,13 @@ def inertia(bodies: Bodies) -> np.ndarray:
     M = piston.mass * a.T @ a + coupled + coupled.T + bodies.mechanism.pin_mass * pin.T @ pin
     M[ROCKING, ROCKING] += piston.I0
     M[SPIN, SPIN] += bodies.spin_inertia
+    own = np.arange(len(M) - 2 * len(bodies.shapes.mass), len(M))
+    M[own, own] += np.tile(bodies.shapes.mass, 2)
     return M + modes.T @ modes
 
 
 def inertia_with_rod(bodies: Bodies) -> np.ndarray:
-    """M of `inertia`, (7 + k, 7 + k), and of the rod that swings with its eye (Eqs. (K12),
+    """M of `inertia` and of the rod that swings with its eye (Eqs. (K12),
     (K16)).
     """
     M = inertia(bodies)

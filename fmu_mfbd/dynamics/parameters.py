@@ -169,6 +169,32 @@ class PinParameters:
 
 
 @dataclass(frozen=True)
+class AxisParameters:
+    """Those of a body FMU whose floating pin tilts or bends, beside `PinParameters`, in SI; the
+    pin's density is its mass by its volume, relief is what keeps it from bearing at edges.
+    """
+
+    pin_length: float = _declared(
+        "m",
+        "Of the floating pin; 0: from the outer end of one boss to that of the other",
+        0.0,
+        0.0,
+        1.0,
+    )
+    pin_bore_radius: float = _declared(
+        "m", "Of the bore along the floating pin; 0: a solid one", 0.0, 0.0, 0.5
+    )
+    pin_young: float = _declared("Pa", "Young's modulus of the floating pin", 206e9, 1e8, 1e12)
+    pin_poisson: float = _declared("1", "Poisson's ratio of the floating pin", 0.3, 0.0, 0.49)
+    boss_relief: float = _declared(
+        "m", "By which a boss is wider in radius at its ends than amid, a parabola", 0.0, 0.0, 1e-3
+    )
+    small_end_relief: float = _declared(
+        "m", "By which the rod's eye is wider at its ends than amid, a parabola", 0.0, 0.0, 1e-3
+    )
+
+
+@dataclass(frozen=True)
 class SpaceParameters:
     """Those of a body FMU whose piston moves in space, beside `Parameters`, in SI; what holds the
     piston across its plane beside the film is our own choice (`motion_in_space`).

@@ -1,5 +1,6 @@
 """A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses, which may yield, and in the rod's eye; pin, rod and block are rigid.
+bosses, which may yield, and in the rod's eye. The pin is rigid or tilts and bends; rod and block
+are rigid.
 """
 
 from typing import Any, NamedTuple
@@ -8,12 +9,14 @@ import numpy as np
 
 from ..geometry.film import FilmForces, NodalForces, film_now, opening, sliding
 from ..geometry.pin import (
+    Bent,
     PinForces,
     PinResultants,
     PinSurface,
     Yielding,
     across,
     grid_power,
+    leaning,
     modal_push,
     opening_of,
     resultants_on,
@@ -21,6 +24,7 @@ from ..geometry.pin import (
     turned,
     yielded,
 )
+from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .build_options import FilmGrid
 from .energy import Ledger
 from .floating_pin import (
@@ -39,6 +43,7 @@ from .floating_pin import (
     imbalance,
     inertia,
     inertia_with_rod,
+    on_shapes,
     place_of,
     pushed,
     tangent,
@@ -78,6 +83,8 @@ class Shell(NamedTuple):
         Of the pin's axis from the shell's, in space [m], [m/s].
     own_turning, turning : float
         chi' of the shell, phi' - chi' of the pin in it [rad/s].
+    bent : Bent
+        Of the pin, in space.
     """
 
     axes: np.ndarray
@@ -85,6 +92,7 @@ class Shell(NamedTuple):
     velocity: np.ndarray
     own_turning: float
     turning: float
+    bent: Bent
 
     def own_place(self) -> np.ndarray:
         """d of Eq. (H6) [m]."""
@@ -94,10 +102,18 @@ class Shell(NamedTuple):
         """d' [m/s]."""
         return self.axes.T @ (self.velocity - self.own_turning * across(self.place))
 
+    def own_bent(self) -> Bent:
+        """How the pin tilts and bends in the axes of the shell."""
+        return Bent(self.bent.position @ self.axes, self.moved(*self.bent, self.own_turning))
+
+    def moved(self, position: np.ndarray, change: np.ndarray, turn: float) -> np.ndarray:
+        """Change of shapes' coordinates, (n, 2), in the axes of the shell, which turns [m]."""
+        return (change - turn * np.column_stack([-position[:, 1], position[:, 0]])) @ self.axes
+
 
 class Reach(NamedTuple):
     """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
-    end of a step, shape (7 + k,).
+    end of a step, shape (7 + k + 2 n,).
     """
 
     velocity: np.ndarray
@@ -155,6 +171,8 @@ class PistonOnFloatingPin(PistonInBore):
         Names and shapes of their fields.
     spin_inertia : float
         Of the pin about its axis [kg m2].
+    shapes : AxisShapes
+        In which it tilts and bends; `pins` have their values.
     """
 
     def __init__(
@@ -163,14 +181,15 @@ class PistonOnFloatingPin(PistonInBore):
         pins: tuple[PinSurface, ...],
         grids: tuple[FilmGrid, ...],
         spin_inertia: float,
+        shapes: AxisShapes = STRAIGHT,
     ):
         vars(self).update(vars(tied))
         self.pins = pins
         self.grids = grids
-        self.coordinates = COORDINATES + self.modes
+        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes)
+        self.coordinates = self.bodies.size()
         # what is held so stiffly that a step sees none of its inertia
         self.held = np.append(PLAY, np.arange(COORDINATES, self.coordinates))
-        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia)
         self.inertia = inertia(self.bodies)
         self.with_rod = inertia_with_rod(self.bodies)
 
@@ -212,7 +231,7 @@ class PistonOnFloatingPin(PistonInBore):
 
         guided_velocity = guided.lever * crank.speed
         height_now, axial_velocity = self._height(end, crank)
-        of_skirt = Motion(*(_of_skirt(one) for one in end))
+        of_skirt = Motion(*(self._of_skirt(one) for one in end))
         thickness = np.empty(len(push))
         velocity = np.empty(len(push))
         errors = []
@@ -301,7 +320,7 @@ class PistonOnFloatingPin(PistonInBore):
                 acceleration,
             )
             shells = self._shells(end, crank)
-            each = self._resultants(shells, forces, end.position[COORDINATES:])
+            each = self._resultants(shells, forces, self.bodies.modal(end.position))
             films = _together(each, slopes)
             lack = imbalance(self.bodies, load, end, crank, films)
             slope = tangent(self.bodies, load, end, crank, films, *reach)
@@ -326,12 +345,14 @@ class PistonOnFloatingPin(PistonInBore):
         rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
         aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
         rod_angle = -np.arcsin(aside / mechanism.rod_length)  # Eq. (K3)
+        bent = Bent(self.bodies.bent(position), self.bodies.bent(velocity))
         boss = Shell(
             turned(position[ROCKING]),
             position[BOSS_X : BOSS_Y + 1],
             velocity[BOSS_X : BOSS_Y + 1],
             velocity[ROCKING],
             velocity[SPIN] - velocity[ROCKING],
+            bent,
         )
         small_end = Shell(
             turned(rod_angle),
@@ -339,6 +360,7 @@ class PistonOnFloatingPin(PistonInBore):
             velocity[EYE_X : EYE_Y + 1],
             rod.velocity,
             velocity[SPIN] - rod.velocity,
+            bent,
         )
         return (*[boss] * BOSSES, small_end)
 
@@ -348,7 +370,7 @@ class PistonOnFloatingPin(PistonInBore):
         """Of each film of the pin, the bosses yielding by their modal coordinates."""
         out = []
         for surface, one, shell in zip(self.pins, forces, shells):
-            found = resultants_on(surface, one, shell.place, shell.axes)
+            found = resultants_on(surface, one, shell.place, shell.axes, shell.bent.position)
             if surface.modes is not None:
                 found = found.with_slopes(float(slope_push(surface, one.pressure) @ modal))
             out.append(found)
@@ -379,7 +401,7 @@ class PistonOnFloatingPin(PistonInBore):
     ) -> tuple[Motion, np.ndarray, Reach]:
         """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
 
-        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e and modes by Eq. (N8)
+        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, modes and shapes by Eq. (N8)
 
         Films hold the pin within its play, springs the modes that bend away from it: what inertia
         does there is over within microseconds, and a method that remembers it rings.
@@ -395,6 +417,10 @@ class PistonOnFloatingPin(PistonInBore):
         reach.position[held] = c.step**2
         return Motion(position, velocity, np.zeros(n)), carried, reach
 
+    def _of_skirt(self, coordinates: np.ndarray) -> np.ndarray:
+        """Coordinates of the skirt's film: x_A, rocking angle, modes."""
+        return np.append(coordinates[:RIGID], self.bodies.modal(coordinates))
+
     def _height(self, end: Motion, crank: CrankMotion) -> tuple[float, float]:
         """Height of A [m] and its velocity [m/s] (Eq. (K16))."""
         eye = eye_motion(end)
@@ -404,13 +430,19 @@ class PistonOnFloatingPin(PistonInBore):
         return float(now.height + place), float(driven + speed)
 
     def _forces(self, skirt: FilmForces, films: PinFilms, modal: np.ndarray) -> np.ndarray:
-        """Generalised forces of all films, but for what they do along the driven motion, (7 + k,);
-        `modal` those on the modes.
+        """Generalised forces of all films, but for what they do along the driven motion,
+        (7 + k + 2 n,); `modal` those on the modes.
         """
         on_pin = films.bosses.on_pin + films.eye.on_pin
         rocking = skirt.moment + films.bosses.on_shell
         rigid = [skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin]
-        return np.append(rigid, modal)
+        return np.concatenate([rigid, modal, on_shapes(films).ravel()])
+
+    def _elastic(self, position: np.ndarray) -> float:
+        """Energy of the piston's modes and of the pin's shapes [J]."""
+        stored = float(self.system.piston.stiffness @ self.bodies.modal(position) ** 2) / 2
+        bent = self.bodies.bent(position)
+        return stored + float((self.bodies.shapes.stiffness @ bent**2).sum()) / 2
 
     def _ledger(
         self, before: Motion, kept: Motion, end: Motion, forces: np.ndarray, driven: float
@@ -423,7 +455,7 @@ class PistonOnFloatingPin(PistonInBore):
         last = float(kept.velocity @ M @ kept.velocity)
         return Ledger(
             kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
-            elastic=float(self.system.piston.stiffness @ kept.position[COORDINATES:] ** 2) / 2,
+            elastic=self._elastic(kept.position),
             film_work=float(forces @ way) + driven,  # Eq. (D11)
             error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
             axial_work=driven,
@@ -439,7 +471,9 @@ class PistonOnFloatingPin(PistonInBore):
             surface = self.pins[k]
             shell = pin.shells[k]
             gap = surface.clearance + opening_of(surface, shell.own_place())
-            gap = gap + yielded(surface, position[COORDINATES:])
+            gap = gap + yielded(surface, self.bodies.modal(position))
+            if surface.axis is not None:
+                gap = gap + leaning(surface, shell.own_bent().position)
             outputs |= {
                 f"{grid.prefix}film_thickness": gap,
                 f"{grid.prefix}sliding_velocity": np.zeros(grid.shape),
@@ -451,18 +485,36 @@ class PistonOnFloatingPin(PistonInBore):
             }
         eye_x, eye_y = pin.films.eye.force
         if self.modes:
-            outputs["modal_coordinate"] = position[COORDINATES:].copy()
-            outputs["modal_velocity"] = now.kept_velocity[COORDINATES:].copy()
-        return outputs | {
-            "pin_displacement_x": position[BOSS_X],
-            "pin_displacement_y": position[BOSS_Y],
-            "small_end_displacement_x": position[EYE_X],
-            "small_end_displacement_y": position[EYE_Y],
-            "pin_angle": position[SPIN],
-            "pin_rotation_speed": now.kept_velocity[SPIN],
-            "small_end_force_x": -eye_x,
-            "small_end_force_y": -eye_y,
-            "small_end_friction_moment": pin.films.eye.on_shell,
+            outputs["modal_coordinate"] = self.bodies.modal(position).copy()
+            outputs["modal_velocity"] = self.bodies.modal(now.kept_velocity).copy()
+        return (
+            outputs
+            | self._axis(position)
+            | {
+                "pin_displacement_x": position[BOSS_X],
+                "pin_displacement_y": position[BOSS_Y],
+                "small_end_displacement_x": position[EYE_X],
+                "small_end_displacement_y": position[EYE_Y],
+                "pin_angle": position[SPIN],
+                "pin_rotation_speed": now.kept_velocity[SPIN],
+                "small_end_force_x": -eye_x,
+                "small_end_force_y": -eye_y,
+                "small_end_friction_moment": pin.films.eye.on_shell,
+            }
+        )
+
+    def _axis(self, position: np.ndarray) -> dict[str, Any]:
+        """How a pin with shapes tilts and bends."""
+        shapes = self.bodies.shapes
+        if not len(shapes.mass):
+            return {}
+        bent = self.bodies.bent(position)
+        tilt, sag = shapes.slope @ bent, shapes.sag @ bent
+        return {
+            "pin_tilt_x": float(tilt[0]),
+            "pin_tilt_y": float(tilt[1]),
+            "pin_bending_x": float(sag[0]),
+            "pin_bending_y": float(sag[1]),
         }
 
     def _work_error(self, k: int, shell: Shell) -> float:
@@ -471,13 +523,15 @@ class PistonOnFloatingPin(PistonInBore):
         forces = self._pin_forces[k]
         surface = self.pins[k]
         end = self._pin.end
-        yielding = Yielding(end.position[COORDINATES:], end.velocity[COORDINATES:])
-        power, size = grid_power(
-            surface, forces, shell.own_place(), shell.own_velocity(), shell.turning, yielding
-        )
+        yielding = Yielding(*(self.bodies.modal(one) for one in (end.position, end.velocity)))
+        place, velocity = shell.own_place(), shell.own_velocity()
+        bent = shell.own_bent()
+        power, size = grid_power(surface, forces, place, velocity, shell.turning, yielding, bent)
         parts = found.force @ shell.velocity, found.on_shell * shell.own_turning
         if surface.modes is not None:
             parts = (*parts, float(modal_push(surface, forces) @ yielding.velocity))
+        if surface.axis is not None:
+            parts = (*parts, float(np.sum(found.on_shapes * shell.bent.velocity)))
         pin = found.on_pin * (shell.own_turning + shell.turning)
         size += sum(abs(one) for one in (*parts, pin))
         return float(abs(power - sum(parts) - pin) / size) if size > 0.0 else 0.0
@@ -512,7 +566,7 @@ class PistonOnFloatingPin(PistonInBore):
             skirt.axial + rings.axial,
             skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         )
-        now = end.position[COORDINATES:]
+        now = self.bodies.modal(end.position)
         films = _together(self._resultants(last.shells, pins, now), NO_MODES)
         at = place_of(self.bodies, end, last.crank)
         if self._linear is None:
@@ -536,7 +590,7 @@ class PistonOnFloatingPin(PistonInBore):
         for surface in system.surfaces:
             window = window_of(surface, last.guided)
             sides = (surface.skirt, surface.bore, window)
-            bent, bending = place[COORDINATES:], speed[COORDINATES:]
+            bent, bending = (self.bodies.modal(one) for one in (place, speed))
             gaps.append(opening(*sides, place[LATERAL], place[ROCKING], bent, none).ravel())
             velocities.append(sliding(*sides, rising, speed[ROCKING], bending, none).ravel())
         out: dict[str, Any] = {
@@ -558,21 +612,20 @@ class PistonOnFloatingPin(PistonInBore):
             which = int(k >= BOSSES)
             way = shell.axes.T @ (ways[which] - turn[which] * across(shell.place))
             faster = surface.radius * (speed[SPIN] - turning[which])
+            gap = opening_of(surface, way) + yielded(surface, self.bodies.modal(place))
+            if surface.axis is not None:
+                aside = self.bodies.bent(place)
+                gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn[which]))
             out |= {
-                f"{grid.prefix}film_thickness": opening_of(surface, way)
-                + yielded(surface, place[COORDINATES:]),
+                f"{grid.prefix}film_thickness": gap,
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
             }
         return out
 
 
-def _of_skirt(coordinates: np.ndarray) -> np.ndarray:
-    """Coordinates of the skirt's film: x_A, rocking angle, modes."""
-    return np.append(coordinates[:RIGID], coordinates[COORDINATES:])
-
-
 def _together(each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
     """Films of both bosses as one, and that in the eye."""
     *bosses, eye = each
-    force, on_pin, on_shell = (sum(parts) for parts in zip(*bosses))
-    return PinFilms(PinResultants(np.asarray(force), float(on_pin), float(on_shell)), eye, slopes)
+    force, on_pin, on_shell, on_axis = (sum(parts) for parts in zip(*bosses))
+    both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
+    return PinFilms(both, eye, slopes)

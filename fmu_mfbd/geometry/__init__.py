@@ -2,6 +2,7 @@
 
 film         thickness, sliding, forces back
 pin          films of a pin in its shells
+pin_shapes   tilt and bending of that pin (J)
 space        shift along the pin, roll and yaw
 profile      machined, measured, heated shapes (I)
 grid         cell centres on the developed skirt

@@ -2,8 +2,8 @@
 turns, and forces back on pin and shell.
 
 Points (i, j) of the grid rest on the shell; arrays are (n_circumferential, n_axial). i counts from
-the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin stays parallel to the
-shell, and does not move along it.
+the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin does not move along the
+shell. It stays parallel to it, or tilts and bends by shapes of its axis, which are read row by row.
 """
 
 from typing import NamedTuple
@@ -37,6 +37,19 @@ class Yielding(NamedTuple):
     velocity: np.ndarray
 
 
+class Bent(NamedTuple):
+    """How a pin tilts and bends, and how fast: coordinates of its n shapes along x and y [m], and
+    their velocities [m/s], (n, 2).
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+PARALLEL = np.zeros((0, 2))
+"""Coordinates of a pin without shapes, or forces on them."""
+
+
 class PinSurface(NamedTuple):
     """A pin in a shell.
 
@@ -44,20 +57,25 @@ class PinSurface(NamedTuple):
     ----------
     outward, onward : ndarray, shape (2, c)
         Across the film and along it, in the shell's axes: (cos a, sin a), (-sin a, cos a).
-    radius, clearance : float
-        Of the pin; of the shell minus that of the pin [m].
+    radius : float
+        Of the pin [m].
+    clearance : float or ndarray, shape (a,)
+        Radius of the shell minus that of the pin [m]; by row of a relieved shell.
     shape : (int, int)
         (c, a), cells around and along the shell.
     modes : ShellModes, optional
         None: a rigid shell.
+    axis : ndarray, shape (a, n), optional
+        Values psi of the pin's shapes at the grid's rows [-]; None: it stays parallel to the shell.
     """
 
     outward: np.ndarray
     onward: np.ndarray
     radius: float
-    clearance: float
+    clearance: float | np.ndarray
     shape: tuple[int, int]
     modes: ShellModes | None = None
+    axis: np.ndarray | None = None
 
 
 class PinForces(NamedTuple):
@@ -78,11 +96,14 @@ class PinResultants(NamedTuple):
         On the pin, in space; its opposite acts on the shell [N].
     on_pin, on_shell : float
         Moments about the pin's axis and about the shell's, about +z [N m].
+    on_shapes : ndarray, shape (n, 2)
+        Forces on the pin's shapes, along x and y in space [N].
     """
 
     force: np.ndarray
     on_pin: float
     on_shell: float
+    on_shapes: np.ndarray = PARALLEL
 
     def with_slopes(self, moment: float) -> "PinResultants":
         """With the moment of pressure by the slopes of a yielding shell (Eq. (G5)) [N m]."""
@@ -103,14 +124,40 @@ def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
 
 
 def pin_surface(
-    radius: float, clearance: float, shape: tuple[int, int], modes: ShellModes | None = None
+    radius: float,
+    clearance: float | np.ndarray,
+    shape: tuple[int, int],
+    modes: ShellModes | None = None,
+    axis: np.ndarray | None = None,
 ) -> PinSurface:
     """Film surface on a grid (c, a)."""
     around, _ = shape
     angle = shell_angles(around)
     outward = np.array([np.cos(angle), np.sin(angle)])
     onward = np.array([-np.sin(angle), np.cos(angle)])
-    return PinSurface(outward, onward, radius, clearance, shape, modes)
+    return PinSurface(outward, onward, radius, clearance, shape, modes, axis)
+
+
+def relieved(clearance: float, relief: float, rows: np.ndarray, length: float) -> np.ndarray:
+    """Clearance of a shell that widens towards its ends, by row.
+
+    Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length
+
+    Parameters
+    ----------
+    clearance, relief : float
+        c amid, r more at the ends [m].
+    rows : ndarray, shape (a,)
+        z of the grid's rows [m].
+    length : float
+        L [m].
+
+    Returns
+    -------
+    ndarray, shape (a,)
+        [m]
+    """
+    return clearance + relief * (2 * (rows - rows.mean()) / length) ** 2  # Eq. (H12)
 
 
 def turned(angle: float) -> np.ndarray:
@@ -161,6 +208,27 @@ def _lines(surface, values):
     return np.repeat(values[:, None], surface.shape[1], axis=1)
 
 
+def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
+    """What the pin's tilt and bending add to the film thickness, or to its change in time.
+
+    Eq. (H11):  d_j = d + sum_k psi_kj s_k      in place of d in Eq. (H6), row by row
+
+    Parameters
+    ----------
+    surface : PinSurface
+    shapes : ndarray, shape (n, 2)
+        s in the axes of the shell [m], or its change.
+
+    Returns
+    -------
+    ndarray, shape (c, a)
+        [m]
+    """
+    if surface.axis is None:
+        return np.zeros(surface.shape)
+    return -(surface.axis @ shapes @ surface.outward).T  # Eq. (H11)
+
+
 def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
     """What the shell's yielding adds to the film thickness, or to its change in time.
 
@@ -205,12 +273,17 @@ def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
 
 
 def resultants_on(
-    surface: PinSurface, forces: PinForces, place: np.ndarray, axes: np.ndarray
+    surface: PinSurface,
+    forces: PinForces,
+    place: np.ndarray,
+    axes: np.ndarray,
+    shapes: np.ndarray = PARALLEL,
 ) -> PinResultants:
     """What a film does to pin and shell.
 
     Eq. (G3):  F = R(chi) sum (-p e + f t),   M_shell = -R sum f,   M_pin = R sum f - d x F
                t = (-sin a, cos a)
+    Eq. (G8):  Q_k = sum_j psi_kj F_j,   M_pin = .. - sum_k s_k x Q_k      F_j: F of row j
 
     f is the opposite of the shear on the shell, about whose axis pressure has no moment: what is
     left of the film's balance about it acts on the pin, with the lever of its force.
@@ -224,14 +297,24 @@ def resultants_on(
         P - C in space [m].
     axes : ndarray, shape (2, 2)
         R(chi), of `turned`.
+    shapes : ndarray, shape (n, 2)
+        s_k in space [m].
     """
     shape = surface.shape
-    push = forces.pressure.reshape(shape).sum(axis=1)
-    drag = forces.circumferential.reshape(shape).sum(axis=1)
+    pushes = forces.pressure.reshape(shape)
+    drags = forces.circumferential.reshape(shape)
+    push = pushes.sum(axis=1)
+    drag = drags.sum(axis=1)
     # Eq. (G3)
     force = axes @ (surface.onward @ drag - surface.outward @ push)
     on_shell = -surface.radius * float(drag.sum())
-    return PinResultants(force, -on_shell - cross(place, force), on_shell)
+    on_pin = -on_shell - cross(place, force)
+    if surface.axis is None:
+        return PinResultants(force, on_pin, on_shell)
+    rows = axes @ (surface.onward @ drags - surface.outward @ pushes)
+    on_shapes = (rows @ surface.axis).T  # Eq. (G8)
+    lever = sum(cross(*pair) for pair in zip(shapes, on_shapes))
+    return PinResultants(force, on_pin - lever, on_shell, on_shapes)
 
 
 def grid_power(
@@ -241,6 +324,7 @@ def grid_power(
     velocity: np.ndarray,
     turning: float,
     yielding: Yielding | None = None,
+    bent: Bent | None = None,
 ) -> tuple[float, float]:
     """Power of the film on pin and shell, from what every cell sees, and the sum of the absolute
     values of its terms.
@@ -261,6 +345,8 @@ def grid_power(
         w [rad/s].
     yielding : Yielding, optional
         Of a shell with modes.
+    bent : Bent, optional
+        Of a pin with shapes, in the axes of the shell; d is d_j then (Eq. (H11)).
 
     Returns
     -------
@@ -279,4 +365,9 @@ def grid_power(
         outward += turning * (surface.modes.slope @ yielding.position)
         along = surface.modes.onward @ yielding.velocity
         terms = (*terms, push.ravel() * outward, -drag.ravel() * along)
+    if surface.axis is not None and bent is not None:
+        aside, moving = (surface.axis @ one for one in bent)
+        closing = -(moving @ surface.outward) - turning * (aside @ surface.onward)
+        onward = moving @ surface.onward - turning * (aside @ surface.outward)
+        terms = (*terms, push.T * closing, drag.T * onward)
     return sum(float(one.sum()) for one in terms), sum(float(np.abs(one).sum()) for one in terms)

@@ -1,0 +1,199 @@
+"""Shapes of a pin's axis: a hollow cylinder that tilts and bends as a free beam.
+
+The beam is Timoshenko's: a piston pin is some two to three diameters long, and what its sections
+shear is as large as what they bend. No shape has a part in the pin's shift or in another shape; the
+same ones hold in both directions across the axis. Left out: sections that become oval, and the
+moments of a pin that turns while it tilts.
+
+References
+----------
+[Cowper1966], [Timoshenko1921]
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+DEGREE = 30
+"""Of the polynomials for deflection and turning of the sections: the tenth bending shape to 1e-9
+of its frequency.
+"""
+
+MOST = 11
+"""As many shapes as are offered: tilt and ten that bend."""
+
+
+class HollowPin(NamedTuple):
+    """Cylinder with a bore.
+
+    Parameters
+    ----------
+    mass : float
+        [kg]
+    length, radius, bore_radius : float
+        [m]; the bore's is less than the pin's, 0 of a solid one.
+    young, poisson : float
+        [Pa], [-]
+    """
+
+    mass: float
+    length: float
+    radius: float
+    bore_radius: float
+    young: float
+    poisson: float
+
+    def spin_inertia(self) -> float:
+        """About its axis [kg m2].
+
+        Eq. (J26):  J = m (R^2 + r^2)/2
+        """
+        return self.mass * (self.radius**2 + self.bore_radius**2) / 2  # Eq. (J26)
+
+
+class Section(NamedTuple):
+    """Stiffness of a beam against shear kappa G A [N] and bending E I [N m2]; mass [kg/m] and
+    moment of inertia about a diameter [kg m], both by length.
+    """
+
+    shear: float
+    bending: float
+    mass: float
+    turning: float
+
+
+class AxisShapes(NamedTuple):
+    """n shapes of a pin's axis, the same along x and y; no shape: a pin that stays parallel to its
+    shells. Coordinates s are displacements [m]: each shape has the mass of the pin.
+
+    Parameters
+    ----------
+    mass, stiffness, damping : ndarray, shape (n,)
+        [kg], [N/m], [N s/m]
+    slope : ndarray, shape (n,)
+        Tilt of the whole pin by s [1/m].
+    sag : ndarray, shape (n,)
+        Displacement of the middle from the mean of both ends, by s [-].
+    """
+
+    mass: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    slope: np.ndarray
+    sag: np.ndarray
+
+
+STRAIGHT = AxisShapes(*[np.zeros(0)] * 5)
+"""Of a pin that neither tilts nor bends."""
+
+
+class Beam(NamedTuple):
+    """Its shapes before they are damped.
+
+    Parameters
+    ----------
+    pin : HollowPin
+    omega : ndarray, shape (n,)
+        [rad/s], 0 of tilt.
+    polynomials : ndarray, shape (degree + 1, n)
+        Legendre's, of 2 z/L.
+    """
+
+    pin: HollowPin
+    omega: np.ndarray
+    polynomials: np.ndarray
+
+    def at(self, z: np.ndarray) -> np.ndarray:
+        """Value of each shape at places along the pin [m] from its middle, (len(z), n)."""
+        return legendre.legval(2 * z / self.pin.length, self.polynomials).T
+
+    def shapes(self, damping: np.ndarray) -> AxisShapes:
+        """With damping by mass, 2 zeta omega [rad/s], (n,)."""
+        n = len(self.omega)
+        mass = np.full(n, self.pin.mass)
+        ends = self.pin.length / 2 * np.array([-1.0, 0.0, 1.0])
+        low, middle, high = self.at(ends)
+        slope = np.zeros(n)
+        slope[:1] = high[:1] * 2 / self.pin.length
+        return AxisShapes(
+            mass=mass,
+            stiffness=mass * self.omega**2,
+            damping=mass * damping,
+            slope=slope,
+            sag=middle - (low + high) / 2,
+        )
+
+
+def section(pin: HollowPin) -> Section:
+    """Of a pin.
+
+    Eq. (J27):  A = pi (R^2 - r^2),   I = pi (R^4 - r^4)/4,   G = E/(2 (1 + nu))
+    Eq. (J28):  kappa = 6 (1 + nu) (1 + m^2)^2/((7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2)
+                m = r/R       share of a hollow circle that shears [Cowper1966]
+    """
+    # Eq. (J27)
+    area = np.pi * (pin.radius**2 - pin.bore_radius**2)
+    second = np.pi * (pin.radius**4 - pin.bore_radius**4) / 4
+    rigidity = pin.young / (2 * (1 + pin.poisson))
+    # Eq. (J28)
+    m2 = (pin.bore_radius / pin.radius) ** 2
+    whole = (1 + m2) ** 2
+    nu = pin.poisson
+    kappa = 6 * (1 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m2)
+    by_length = pin.mass / pin.length
+    return Section(
+        shear=float(kappa * rigidity * area),
+        bending=float(pin.young * second),
+        mass=by_length,
+        turning=float(by_length * second / area),
+    )
+
+
+def free_beam(pin: HollowPin, n: int) -> Beam:
+    """Its first n shapes: tilt, then those that bend, by rising frequency.
+
+    Eq. (J29):  2 T = int (rho A w'^2 + rho I b'^2) dz
+                2 V = int (kappa G A (dw/dz - b)^2 + E I (db/dz)^2) dz
+                w, b: displacement of the axis and turning of the section, Legendre polynomials
+    Eq. (J30):  2 T = m s'^2 of each;   tilt: w = s z (12/(L^2 + 12 I/A))^1/2
+
+    Ends are free by themselves: nothing holds w or b there. Shapes are orthogonal in T, to the
+    pin's shift as well.
+
+    Parameters
+    ----------
+    pin : HollowPin
+    n : int
+        0 to `MOST`.
+
+    References
+    ----------
+    [Timoshenko1921]. Checked against the frequencies of Euler's slender beam and against the
+    frequency equation of Timoshenko's in tests/mfbd/test_pin_shapes.py.
+    """
+    of = section(pin)
+    length = pin.length
+    size = DEGREE + 1
+    points, weights = legendre.leggauss(size)
+    weights = weights * length / 2
+    norm = np.sqrt((2 * np.arange(size) + 1) / length)
+    value = legendre.legvander(points, DEGREE) * norm
+    rate = legendre.legval(points, legendre.legder(np.diag(norm))).T * 2 / length
+    # Eq. (J29), each unknown by the root of its mass: int of the values' squares is 1
+    sheared = np.hstack([rate / np.sqrt(of.mass), -value / np.sqrt(of.turning)])
+    turned = np.hstack([np.zeros_like(rate), rate / np.sqrt(of.turning)])
+    stiffness = of.shear * (sheared.T * weights) @ sheared
+    stiffness += of.bending * (turned.T * weights) @ turned
+    square, vectors = np.linalg.eigh(stiffness)
+    # the first two are shift and tilt, at rest
+    bending = slice(2, 2 + max(n - 1, 0))
+    polynomials = norm[:, None] * vectors[:size, bending] / np.sqrt(of.mass)
+    tilt = np.zeros((size, min(n, 1)))
+    tilt[1:2] = 1 / np.sqrt(pin.mass / 3 + 4 * of.turning / length)
+    both = np.sqrt(pin.mass) * np.hstack([tilt, polynomials])  # Eq. (J30)
+    return Beam(
+        pin,
+        omega=np.concatenate([np.zeros(min(n, 1)), np.sqrt(square[bending])]),
+        polynomials=both * np.where(both.sum(axis=0) < 0.0, -1.0, 1.0),
+    )
