@@ -9,6 +9,8 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     roughness  average flow factors (R)
     asperity   Greenwood-Tripp contact (A)
     oil        viscosity laws (O)
+    piezoviscosity viscosity by pressure (O)
+    flow_film  films of any oil, smooth or rough
     coating    soft layer (L)
     hermite    tables
     reynolds   film balance on faces and cells (E), its stencils
@@ -20,9 +22,10 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     transport  sharp fronts of oil (T)
     oil_layer  oil on the bore (T)
 
-What composes them, kernels too: film_step (one step of the balance and its tangent), faults (what
-is refused), step_parts (begin, forces, sums and derivatives of a step). In Python: parameters,
-surroundings, model (everything, with `advance` and `tangent`). The FMU: variables, slave, build;
-without Python: native_step (the same parts on one block), native (where in memory that lies).
+What composes them, kernels too: film_step (one step of the balance and its tangent), coated_film
+(the same under a coating), faults (what is refused), step_parts (begin, forces, sums and
+derivatives of a step). In Python: parameters, surroundings, model (everything, with `advance` and
+`tangent`). The FMU: variables, slave, build; without Python: native_step (the same parts on one
+block), native (where in memory that lies).
 Proof: verification (V), on films of its own and of motored.
 """

@@ -22,26 +22,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from .contact import Contact
 from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
+from .piezoviscosity import TruePressure
 
 LIMIT = 40  # Newton iterations
 TOLERANCE = 1e-11  # last change over the deflection: what is left is second order in it
 NEGLIGIBLE = 1e-19  # [m]
 LARGEST_CHANGE = 0.3  # of a film in one iteration
-
-
-class PressureTangent(NamedTuple):
-    """Pressure as a linear function of the reduced pressure q of a step, arrays of shape (n_c,
-    n_a): p = pressure + ratio (q - reduced).
-
-    pressure : last p [Pa]; ratio : dp/dq [-]; reduced : last q [Pa].
-    """
-
-    pressure: Array
-    ratio: Array | float
-    reduced: Array
 
 
 class Softness(NamedTuple):
@@ -57,6 +46,7 @@ class Softness(NamedTuple):
     offset: Array
 
 
+@compilable
 def compliance(thickness: float, modulus: float, poisson: float) -> float:
     """Compliance c of the layer [m/Pa], Eq. (L1).
 
@@ -73,15 +63,32 @@ def compliance(thickness: float, modulus: float, poisson: float) -> float:
     return constrained / (modulus * (1.0 - poisson))  # Eq. (L1)
 
 
-def yielding(c: float, contact: Contact) -> Array:
-    """k of Eq. (L3) [-], by which the asperities relieve the layer."""
-    stiffness = -contact.pressure_slope.sum(axis=0)  # all of a cell moves with its layer
-    return 1.0 / (1.0 + c * stiffness)
+@compiled
+def yielding(c: float, contact_slope: Array):
+    """k of Eq. (L3) [-], by which the asperities relieve the layer, shape (n_c, n_a).
+
+    Parameters
+    ----------
+    c : float
+        [m/Pa].
+    contact_slope : ndarray, shape (5, n_c, n_a)
+        `pressure_slope` of `contact.Contact` [Pa/m].
+    """
+    _, n_c, n_a = contact_slope.shape
+    k = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            stiffness = 0.0  # all of a cell moves with its layer
+            for m in range(5):
+                stiffness -= contact_slope[m, i, j]
+            k[i, j] = 1.0 / (1.0 + c * stiffness)
+    return k
 
 
+@compiled
 def linear_deflection(
-    c: float, deflection: Array, contact: Contact, tangent: PressureTangent
-) -> tuple[Array, Array]:
+    c: float, deflection: Array, contact: Contact, under: TruePressure, reduced: Array
+):
     """Change of the deflection as a linear function of the (reduced) pressure of the step, Eq.
     (L3).
 
@@ -93,17 +100,27 @@ def linear_deflection(
         w_0 [m].
     contact : contact.Contact
         At h and w_0.
-    tangent : PressureTangent
+    under : piezoviscosity.TruePressure
+        Last p, and dp/dq there.
+    reduced : ndarray, shape (n_c, n_a)
+        Last q [Pa].
 
     Returns
     -------
     weight, offset : ndarray, shape (n_c, n_a)
         w - w_0 = weight q + offset [m/Pa], [m].
     """
-    k = yielding(c, contact)
-    at_zero = tangent.pressure - tangent.ratio * tangent.reduced
-    weight = k * c * tangent.ratio  # Eq. (L3)
-    offset = k * (c * (at_zero + contact.pressure) - deflection)
+    n_c, n_a = deflection.shape
+    k = yielding(c, contact.pressure_slope)
+    weight = np.empty((n_c, n_a))
+    offset = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            ratio = under.ratio[i, j] if under.ratio.size > 0 else 1.0
+            at_zero = under.pressure[i, j] - ratio * reduced[i, j]
+            weight[i, j] = k[i, j] * c * ratio  # Eq. (L3)
+            pressed = c * (at_zero + contact.pressure[i, j])
+            offset[i, j] = k[i, j] * (pressed - deflection[i, j])
     return weight, offset
 
 
@@ -139,16 +156,103 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
                 right[i, j] -= slopes[k, i, j] * offset[a, b]
 
 
-def limited(change: Array, film_thickness: Array) -> Array:
-    """A change of the deflection that leaves each film its size, but for a share of it [m].
+# ---- an iteration
+
+
+class Yielded(NamedTuple):
+    """What an iteration makes of a deflection.
+
+    deflection : ndarray, shape (n_c, n_a), to go on with [m];
+    change : the largest, of either sign [m]; i, j : its cell;
+    converged : whether that is round-off.
+    """
+
+    deflection: Array
+    change: float
+    i: int
+    j: int
+    converged: bool
+
+
+@compiled
+def yielded(deflection: Array, softness: Softness, reduced: Array, film_thickness: Array):
+    """`Yielded` by the pressure that was found.
 
     Far from the solution Newton's method closes films, which then carry pressures that no later
-    iteration finds back from; near it nothing is cut.
+    iteration finds back from: each film is left its size but for a share of it. Near the solution
+    nothing is cut.
+
+    Parameters
+    ----------
+    deflection : ndarray, shape (n_c, n_a)
+        [m].
+    softness : Softness
+    reduced : ndarray, shape (n_c, n_a)
+        q [Pa].
+    film_thickness : ndarray, shape (n_c, n_a)
+        Not below the floor [m].
     """
-    most = LARGEST_CHANGE * film_thickness
-    return np.clip(change, -most, most)
+    n_c, n_a = deflection.shape
+    moved = np.empty((n_c, n_a))
+    largest = 0.0
+    most_i = 0
+    most_j = 0
+    deepest = 0.0
+    for i in range(n_c):
+        for j in range(n_a):
+            change = softness.weight[i, j] * reduced[i, j] + softness.offset[i, j]  # Eq. (L3)
+            if not abs(change) <= abs(largest):
+                largest = change
+                most_i = i
+                most_j = j
+            deepest = max(deepest, abs(deflection[i, j]))
+            most = LARGEST_CHANGE * film_thickness[i, j]
+            moved[i, j] = deflection[i, j] + min(max(change, -most), most)
+    converged = abs(largest) <= TOLERANCE * deepest + NEGLIGIBLE
+    return Yielded(moved, largest, most_i, most_j, converged)
 
 
-def has_converged(change: Array, deflection: Array) -> bool:
-    """Whether the last change of the deflection is round-off."""
-    return bool(np.abs(change).max() <= TOLERANCE * np.abs(deflection).max() + NEGLIGIBLE)
+# ---- tangent
+
+
+@compiled
+def pushed(weight: Array, by_contact: Array, film_thickness: Array):
+    """Changes of the film without the pressure's part: the asperities yield, shape (m, n_c, n_a).
+
+    Parameters
+    ----------
+    weight : ndarray, shape (n_c, n_a)
+        c k [m/Pa].
+    by_contact, film_thickness : ndarray, shape (m, n_c, n_a)
+        Changes of the asperity pressure with the deflection held [Pa], and of the hard film [m].
+    """
+    m, n_c, n_a = film_thickness.shape
+    out = np.empty((m, n_c, n_a))
+    for q in range(m):
+        for i in range(n_c):
+            for j in range(n_a):
+                out[q, i, j] = film_thickness[q, i, j] + weight[i, j] * by_contact[q, i, j]
+    return out
+
+
+@compiled
+def deflection_changes(weight: Array, by_contact: Array, pressure_share: Array, unknown: Array):
+    """Changes of the deflection, Eq. (L3), shape (m, n_c, n_a) [m].
+
+    Parameters
+    ----------
+    weight, by_contact
+        As in `pushed`.
+    pressure_share : ndarray, shape (n_c, n_a)
+        Derivative of the pressure to the signed unknown.
+    unknown : ndarray, shape (m, n_c, n_a)
+        Changes of that.
+    """
+    m, n_c, n_a = unknown.shape
+    out = np.empty((m, n_c, n_a))
+    for q in range(m):
+        for i in range(n_c):
+            for j in range(n_a):
+                pressed = by_contact[q, i, j] + pressure_share[i, j] * unknown[q, i, j]
+                out[q, i, j] = weight[i, j] * pressed  # Eq. (L3)
+    return out

@@ -28,6 +28,9 @@ FAULTS = (
     "pressure_openings = {a} Pa: must not be below cavitation_pressure = {b} Pa",
     "film_fraction_openings = {c} (unit 1) at pressure_openings = {a} Pa: what is only partly "
     "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
+    "flow_factors = patir_cheng_1978: needs roughness_rms > 0 m",
+    "deflection of the coating did not converge in {a} iterations: last change {b} m at [{i},{j}]",
+    "film_thickness[{i},{j}] = {a} m: must be finite",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (
@@ -44,6 +47,9 @@ FAULTS = (
     NO_TANGENT,
     OPENINGS_BELOW_CAVITATION,
     OPENINGS_PARTLY_FILLED,
+    FACTORS_WITHOUT_ROUGHNESS,
+    DEFLECTION_NOT_FOUND,
+    FILM_NOT_FINITE,
 ) = range(len(FAULTS))
 MOST_FAULTS = 8
 OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c

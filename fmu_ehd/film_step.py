@@ -5,7 +5,7 @@ Python runs it as written with a sparse solver; with dense blocks, and in a nati
 kernel.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 HARD = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+NO_FILM = np.zeros((0, 0, 0))  # not known yet
 NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
 
@@ -466,14 +467,28 @@ class FilmStep:
         ------
         cavitation.NotConverged
         """
-        faults = none_yet()
         given = Given(film, entrainment, edges, start, full, softness, lift)
+        return self.keep(given, self.run(solve, given))
+
+    def run(self, way: Any, *arguments: Any) -> Any:
+        """What `solve`, or a function that calls it, makes of its first arguments.
+
+        Raises
+        ------
+        cavitation.NotConverged
+        """
+        faults = none_yet()
         if type(self.solver) is BlockTridiagonal:
-            found = solve.dispatcher(given, self.domain, self.solver.factors, faults)
-            self.solver.stencil = found.stencil
+            found = way.dispatcher(*arguments, self.domain, self.solver.factors, faults)
         else:
-            found = solve(given, self.domain, self.solver, faults)
+            found = way(*arguments, self.domain, self.solver, faults)
         raise_noted(faults)
+        return found
+
+    def keep(self, given: Given, found: FilmSolution) -> FilmSolution:
+        """Keep a solved step for its tangent."""
+        if type(self.solver) is BlockTridiagonal:
+            self.solver.stencil = found.stencil
         self._given = given
         self._solution = found
         return found

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .grid import Array, Flags
+from .grid import Array
 from .hermite import interpolate
 from .roughness import (
     COUETTE_FACTOR,
@@ -47,10 +47,6 @@ from .roughness import (
 # s, t [m];  g across i and j [m3/(Pa s)];  c [Pa s/m];  b [m]
 STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, POISEUILLE = range(6)
 QUANTITIES = 6
-
-# which of them shear thinning raises with mu_0/mu, and which it lowers with mu/mu_0
-RAISED_BY_THINNING = (CONDUCTIVITY_C, CONDUCTIVITY_A)
-LOWERED_BY_THINNING = (COUETTE,)
 
 
 class FilmSlopes(NamedTuple):
@@ -103,48 +99,6 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
             by_film[COUETTE, i, j] = -dh * shear / h
             by_film[POISEUILLE, i, j] = 0.5 * dh
     return quantities, by_film
-
-
-def thin(
-    quantities: Array,
-    by_film: Array,
-    factor: Array,
-    slope: Array,
-    thickness: Array,
-    above_floor: Flags,
-    sliding_velocity: Array,
-) -> FilmSlopes:
-    """Shear thinning: conductivities grow by mu_0/mu, Couette stress falls by mu/mu_0;
-    `quantities` and `by_film` in place.
-
-    Parameters
-    ----------
-    quantities, by_film : ndarray, shape (6, n_c, n_a)
-        From `smooth_film` or `rough_film` with the low-shear viscosity.
-    factor, slope : ndarray, shape (n_c, n_a)
-        mu/mu_0 [-] and its derivative [s] at the shear rate |V|/h, `oil.Oil.thinning`.
-    thickness : ndarray, shape (n_c, n_a)
-        h [m], not below the floor.
-    above_floor : ndarray of bool, shape (n_c, n_a)
-    sliding_velocity : ndarray, shape (n_c, n_a)
-        V [m/s].
-
-    Returns
-    -------
-    FilmSlopes
-        Of the thinned film.
-    """
-    factor_by_film = np.where(above_floor, -slope * np.abs(sliding_velocity) / thickness**2, 0.0)
-    factor_by_velocity = slope * np.sign(sliding_velocity) / thickness
-    by_velocity = np.zeros_like(by_film)
-    for names, power in ((RAISED_BY_THINNING, -1.0), (LOWERED_BY_THINNING, 1.0)):
-        scale = factor**power
-        dscale = power * factor ** (power - 1.0)
-        for name in names:
-            by_velocity[name] = quantities[name] * dscale * factor_by_velocity
-            by_film[name] = by_film[name] * scale + quantities[name] * dscale * factor_by_film
-            quantities[name] *= scale
-    return FilmSlopes(by_film, by_velocity)
 
 
 @compiled(inline="always")

@@ -5,22 +5,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import asperity, cavitation, circumferential, coating, friction, openings
+from . import asperity, circumferential, coated_film, coating, friction, openings
 from . import step_parts as parts
 from .asperity import ContactConstants
-from .cavitation import NotConverged
 from .circumferential import Changes, Turning, TurningSlopes
-from .coating import PressureTangent, Softness
-from .contact import Contact, contact_changes
-from .contact import contact as cell_contact
+from .coated_film import Layer, Pressed
+from .contact import contact_changes
 from .faults import none_yet, raise_noted
-from .film_step import HARD, NO_LIFT, FilmSolution, FilmStep, film_slopes, lift_along
-from .films import COUETTE, STORED, FilmSlopes, rough_film, smooth_film, thin
+from .film_step import HARD, NO_FILM, NO_LIFT, FilmSolution, FilmStep, Given
+from .films import COUETTE, STORED, FilmSlopes
+from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .friction import ForceSlopes
 from .grid import BOTH_AXIAL_EDGES, Array, Entrainment, Flags, Grid
 from .oil_layer import Bore, OilLayer, Passed
 from .parameters import FULL_TURN, Parameters
-from .reynolds import BY_FILM, Filling
+from .piezoviscosity import TruePressure, raised, true_pressure
 from .roughness import factor_table
 from .storage import EulerStep
 from .summary import halves
@@ -122,18 +121,6 @@ class Inputs(NamedTuple):
         return self.hard_film + self.deflection  # Eq. (L2)
 
 
-class FlowFilm(NamedTuple):
-    """A film as flow and shear see it.
-
-    quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes, slopes_around :
-    films.FilmSlopes, their velocity the axial and the circumferential one.
-    """
-
-    quantities: Array
-    slopes: FilmSlopes
-    slopes_around: FilmSlopes
-
-
 @dataclass(frozen=True)
 class Film:
     """A solved film; arrays of shape (n_c, n_a).
@@ -142,19 +129,15 @@ class Film:
     ----------
     inputs : Inputs
     flow : FlowFilm
-    pressure, fraction : ndarray
-        Above cavitation pressure [Pa], film fraction [-].
-    ratio, dratio : ndarray
-        mu/mu_0 = dp/dq of the piezoviscosity [-] and its derivative to the pressure [1/Pa]; None
-        without.
+    fraction : ndarray
+        Film fraction [-].
+    under : piezoviscosity.TruePressure
     """
 
     inputs: Inputs
     flow: FlowFilm
-    pressure: Array
     fraction: Array
-    ratio: Array | None
-    dratio: Array | None
+    under: TruePressure
 
 
 class Last(NamedTuple):
@@ -168,7 +151,8 @@ class Last(NamedTuple):
 class Linear(NamedTuple):
     """What every direction of a tangent shares.
 
-    film : friction.ForceSlopes; around : circumferential.TurningSlopes, None on a skirt;
+    film : friction.ForceSlopes; weight : ndarray, shape (n_c, n_a), c k of Eq. (L3) [m/Pa], of
+    shape (0, 0) without a coating; around : circumferential.TurningSlopes, None on a skirt;
     touching : whether any cell is in contact;
     contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
     the contact's forces to the film thickness of a cell and its neighbours, as of
@@ -176,6 +160,7 @@ class Linear(NamedTuple):
     """
 
     film: ForceSlopes
+    weight: Array
     around: TurningSlopes | None
     touching: bool
     contact_pressure: Array
@@ -220,17 +205,17 @@ class LubricationModel:
             p.boundary_shear_strength,
             asperity.contact_table(p.contact_law),
         )
-        self._factors = None
+        factors = NOTHING
         if p.flow_factors == "patir_cheng_1978":
-            self._factors = factor_table(
+            factors = factor_table(
                 p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
             )
+        self._laws = FilmLaws(p.minimum_flow_film, p.roughness_rms, factors, p.oil.thinning)
         self._compliance = coating.compliance(
             p.coating_thickness, p.coating_modulus, p.coating_poisson
         )
         self._zero = np.zeros(p.shape)
         self._no_deflection = np.zeros((BATCH, *p.shape))
-        self._no_slopes = np.zeros((0, *p.shape))
         # entrainment velocity in the frame of the grid to the sliding velocity: along, around
         self._share = 0.5 if self._bearing else -0.5
         share = np.full(p.shape, self._share)
@@ -522,12 +507,13 @@ class LubricationModel:
         if not self._compliance:
             unknown = self.film_step.tangent(dfilm, dvelocity, dturning)
             return self._no_deflection[: len(dfilm)], unknown
-        weight = self._compliance * coating.yielding(self._compliance, last.forces.contact)
         by_contact = contact_changes(
             last.forces.contact.pressure_slope, dfilm, np.zeros_like(dfilm)
         )
-        dunknown = self.film_step.tangent(dfilm + weight * by_contact, dvelocity, dturning)
-        return weight * (by_contact + linear.film.pressure_share * dunknown), dunknown
+        moved = coating.pushed(linear.weight, by_contact, dfilm)
+        dunknown = self.film_step.tangent(moved, dvelocity, dturning)
+        share = linear.film.pressure_share
+        return coating.deflection_changes(linear.weight, by_contact, share, dunknown), dunknown
 
     def _linearise(self, last: Last) -> Linear:
         """Derivatives of the forces of the last step that every direction shares."""
@@ -536,24 +522,9 @@ class LubricationModel:
         contact = acted.contact
         slopes = film.flow.slopes
         slopes_around = film.flow.slopes_around
-        to_pressure, to_fraction = self.film_step.linearise(slopes, self._dentrainment)
+        shares = self.film_step.linearise(slopes, self._dentrainment)
         if turning is not None:
             self.film_step.linearise_around(slopes_around, self._dentrainment_around)
-        by_pressure = by_pressure_around = self._zero
-        if film.ratio is not None:
-            quantities = film.flow.quantities
-            by_pressure = (
-                -self.area * shear.shearing * shear.velocity * quantities[COUETTE] * film.dratio
-            )
-            if turning is not None:
-                by_pressure_around = (
-                    -self.area * shear.shearing * turning.velocity * quantities[COUETTE]
-                ) * film.dratio
-            slopes = _raised_slopes(slopes, film.ratio)
-            slopes_around = _raised_slopes(slopes_around, film.ratio)
-            to_pressure = to_pressure * film.ratio  # dp/dq, Eq. (O6)
-        if not self._surfaces.by_oil:
-            to_fraction = self._zero
         contact_pressure = contact_shear = contact_around = NOTHING
         if acted.touching:
             contact_pressure, contact_shear = parts.contact_slopes(
@@ -565,19 +536,24 @@ class LubricationModel:
             axial, across = circumferential.boundary_shares(shear, turning)
             contact_shear = axial * contact.shear_stress_slope
             contact_around = across * contact.shear_stress_slope
-            around = circumferential.force_slopes(
-                shear, turning, (slopes, slopes_around), by_pressure_around
-            )
+            quantities = film.flow.quantities
+            ratio = film.under.ratio
+            by_pressure = self._zero
+            if ratio.size:
+                by_pressure = (
+                    -self.area * shear.shearing * turning.velocity * quantities[COUETTE]
+                ) * film.under.slope
+            both = _raised_slopes(slopes, ratio), _raised_slopes(slopes_around, ratio)
+            around = circumferential.force_slopes(shear, turning, both, by_pressure)
             along = shear._replace(boundary_stress=self._zero)  # stands in `around`
-        of_film = ForceSlopes(
-            friction.shear_slopes(along, slopes, by_pressure),
-            self.area,
-            to_pressure,
-            to_fraction,
-            self.grid.cells.dy,
+        of_film = parts.force_slopes(
+            along, film.flow.quantities, slopes, shares, film.under, self._surfaces.by_oil
         )
+        weight = NOTHING
+        if self._compliance:
+            weight = self._compliance * coating.yielding(self._compliance, contact.pressure_slope)
         return Linear(
-            of_film, around, acted.touching, contact_pressure, contact_shear, contact_around
+            of_film, weight, around, acted.touching, contact_pressure, contact_shear, contact_around
         )
 
     # ---- ways to a film
@@ -614,56 +590,21 @@ class LubricationModel:
     def _coated(
         self, state: State, begin: EulerStep, inputs: Inputs, guess: Flags, lift: Lift
     ) -> StepFilm:
-        """Film under a coating that yields to the pressure, by Newton's method, `coating`."""
-        edges = inputs.surroundings.edges
-        entrainment = self._entrainment(inputs)
-        deflection = state.deflection
-        unknown = state.unknown
-        full = state.unknown > 0.0
-        factorisations = 0
-        change = deflection
-        for _ in range(coating.LIMIT):
-            inputs = inputs._replace(deflection=deflection)
-            flow = self._flow_film(inputs)
-            model = self.film_step.domain.model
-            reduced, deficit = cavitation.interpret(model, unknown, full)
-            lift_a = lift_along(lift, entrainment.axial, model)
-            filling = Filling(reduced, 1.0 + deficit, lift_a)
-            slopes = film_slopes(
-                flow.quantities,
-                flow.slopes,
-                entrainment,
-                self._dentrainment,
-                filling,
-                edges,
-                begin.length,
-                self.film_step.domain,
-            )
-            weight, offset = coating.linear_deflection(
-                self._compliance,
-                deflection,
-                self._contact(inputs),
-                _pressure_tangent(reduced, inputs.surroundings),
-            )
-            softness = Softness(slopes[BY_FILM], weight, offset)
-            solution = self.film_step.solve(
-                flow.quantities, entrainment, edges, begin, guess, softness, lift
-            )
-            factorisations += solution.iterations
-            change = weight * solution.pressure + offset
-            if coating.has_converged(change, deflection):
-                solution = solution._replace(iterations=factorisations)
-                return StepFilm(inputs, flow, solution, deflection)
-            film = np.maximum(inputs.film_thickness, self.parameters.minimum_flow_film)
-            deflection = deflection + coating.limited(change, film)
-            unknown = solution.unknown
-            full = solution.full
-            guess = solution.full
-        i, j = np.unravel_index(np.argmax(np.abs(change)), change.shape)
-        raise NotConverged(
-            f"deflection of the coating did not converge in {coating.LIMIT} iterations: last "
-            f"change {change[i, j]:g} m at [{i + 1},{j + 1}]"
+        """Film under a coating that yields to the pressure."""
+        around = inputs.surroundings
+        layer = Layer(
+            self._compliance,
+            self._contact_constants,
+            self._laws,
+            around.pressure_law,
+            self._share,
         )
+        pressed = Pressed(inputs.hard_film, state.deflection, state.unknown, self._sheared(inputs))
+        given = Given(NO_FILM, self._entrainment(inputs), around.edges, begin, guess, HARD, lift)
+        found = self.film_step.run(coated_film.solve, pressed, layer, given)
+        self.film_step.keep(found.given, found.solution)
+        inputs = inputs._replace(deflection=found.deflection)
+        return StepFilm(inputs, found.flow, found.solution, found.deflection)
 
     # ---- parts of a step
 
@@ -676,47 +617,19 @@ class LubricationModel:
             oil_supplied=layer.supplied,
         )
 
+    def _sheared(self, inputs: Inputs) -> Sheared:
+        """Oil that is sheared."""
+        around = inputs.surroundings
+        return Sheared(
+            inputs.sliding_velocity,
+            inputs.circumferential_velocity,
+            around.viscosity,
+            np.ascontiguousarray(around.temperature),
+        )
+
     def _flow_film(self, inputs: Inputs) -> FlowFilm:
         """Film seen by flow and shear."""
-        p = self.parameters
-        film_thickness = inputs.film_thickness
-        sliding_velocity = inputs.sliding_velocity
-        around = inputs.surroundings
-        if self._factors is None:
-            quantities, by_film = smooth_film(film_thickness, around.viscosity, p.minimum_flow_film)
-        else:
-            quantities, by_film = rough_film(
-                film_thickness,
-                around.viscosity,
-                p.minimum_flow_film,
-                p.roughness_rms,
-                self._factors,
-            )
-        if not p.oil.thins:
-            slopes = FilmSlopes(by_film, self._no_slopes)
-            return FlowFilm(quantities, slopes, slopes)
-        if self._bearing:
-            sliding_velocity = np.hypot(sliding_velocity, inputs.circumferential_velocity)
-        thickness = np.maximum(film_thickness, p.minimum_flow_film)
-        factor, slope = p.oil.thinning(np.abs(sliding_velocity) / thickness, around.temperature)
-        slopes = thin(
-            quantities,
-            by_film,
-            factor,
-            slope,
-            thickness,
-            film_thickness > p.minimum_flow_film,
-            sliding_velocity,
-        )
-        if not self._bearing:
-            return FlowFilm(quantities, slopes, slopes)
-        # what follows the speed, to its two parts
-        size = np.where(sliding_velocity > 0.0, sliding_velocity, 1.0)
-        along, across = (
-            FilmSlopes(slopes.by_film, slopes.by_velocity * (velocity / size))
-            for velocity in (inputs.sliding_velocity, inputs.circumferential_velocity)
-        )
-        return FlowFilm(quantities, along, across)
+        return flow_film(inputs.film_thickness, self._sheared(inputs), self._laws)
 
     def _surroundings(self, conditions: dict[str, Any]) -> Surroundings:
         """What is around the skirt, whatever the temperature in cells without a film."""
@@ -733,24 +646,11 @@ class LubricationModel:
         stacked = given.reshape(-1, *self.grid.shape)
         return openings.filled(self._beside, stacked).reshape(given.shape)
 
-    def _contact(self, inputs: Inputs) -> Contact:
-        """Asperity contact; none in cells without a film."""
-        return cell_contact(
-            inputs.hard_film,
-            inputs.deflection,
-            self._open_cells,
-            self._contact_constants,
-            self.grid.ring,
-        )
-
     def _film(self, inputs: Inputs, flow: FlowFilm, reduced: Array, fraction: Array) -> Film:
         """The film with true pressure."""
-        law = inputs.surroundings.piezoviscosity
-        if law is None:
-            return Film(inputs, flow, reduced, fraction, None, None)
-        pressure = law.pressure(reduced)
-        ratio, dratio = law.ratio(pressure)
-        return Film(inputs, flow, pressure, fraction, ratio, dratio)
+        return Film(
+            inputs, flow, fraction, true_pressure(inputs.surroundings.pressure_law, reduced)
+        )
 
     def _outputs(self, film: Film) -> tuple[Last, parts.Powers, dict[str, Any]]:
         """What the tangent needs, powers, and fields and scalars that every lubrication FMU has,
@@ -759,16 +659,13 @@ class LubricationModel:
         p = self.parameters
         inputs = film.inputs
         around = inputs.surroundings
-        quantities = film.flow.quantities
-        if film.ratio is not None:
-            quantities = _raised(quantities, film.ratio)
         seen = parts.Film(
             inputs.hard_film,
             inputs.deflection,
             inputs.sliding_velocity,
             inputs.circumferential_velocity,
-            quantities,
-            film.pressure,
+            raised(film.flow.quantities, film.under.ratio),
+            film.under.pressure,
             film.fraction,
             around.lower,
             around.upper,
@@ -823,27 +720,6 @@ class LubricationModel:
         return Last(film, acted, turning), powers, outputs
 
 
-def _pressure_tangent(reduced: Array, around: Surroundings) -> PressureTangent:
-    """Pressure about a reduced pressure [Pa]."""
-    law = around.piezoviscosity
-    if law is None:
-        return PressureTangent(reduced, 1.0, reduced)
-    pressure = law.pressure(reduced)
-    ratio, _ = law.ratio(pressure)
-    return PressureTangent(pressure, ratio, reduced)
-
-
 def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
-    """Derivatives of `_raised` quantities."""
-    return FilmSlopes(_raised(slopes.by_film, ratio), _raised(slopes.by_velocity, ratio))
-
-
-def _raised(quantities: Array, ratio: Array) -> Array:
-    """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
-    Couette stress times mu/mu_0.
-    """
-    if len(quantities) == 0:
-        return quantities
-    raised = quantities.copy()
-    raised[COUETTE] *= ratio
-    return raised
+    """Derivatives of `raised` quantities."""
+    return FilmSlopes(raised(slopes.by_film, ratio), raised(slopes.by_velocity, ratio))

@@ -28,6 +28,7 @@ from .native_step import (
     GIVEN_HEAD,
     LAST_FIELDS,
     LAST_NUMBERS,
+    LAW_NUMBERS,
     LINEAR_FIELDS,
     NUMBERS,
     OIL_TEMPERATURE,
@@ -43,20 +44,18 @@ from .native_step import (
     check_surroundings,
     filled,
     place_openings,
+    roughen,
     warm_by_edges,
     warm_by_field,
 )
 from .options import BuildOptions
+from .piezoviscosity import TABLE as LAW_TABLE
+from .roughness import TABLE as FACTORS
 from .summary import halves
 from .variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
 
 COVERED: dict[str, tuple[str, ...] | float] = {
-    "cavitation_model": ("jfo",),
-    "flow_factors": ("none",),
     "oil_supply": ("edges",),
-    "pressure_viscosity_law": ("none",),
-    "shear_thinning_law": ("none",),
-    "coating_thickness": 0.0,
 }
 """Choices, or the only value of a number, that are in the library; all else is free."""
 
@@ -117,7 +116,7 @@ def uncovered(options: dict[str, Any]) -> Iterable[str]:
 @compiled(inline="always")
 def _state(n_c, n_a):
     """Where the state begins, and its length."""
-    first = HALVES + 2 * n_c + len(NUMBERS) + len(CHOSEN) + 3 * n_c * n_a
+    first = HALVES + 2 * n_c + len(NUMBERS) + len(CHOSEN) + 4 * n_c * n_a
     length = STATE_FIELDS * n_c * n_a + 2 * n_c * (n_a + 1) + STATE_NUMBERS
     return first, length
 
@@ -128,7 +127,8 @@ def whole_size(n_c: int, n_a: int):
     first, length = _state(n_c, n_a)
     fields = (LAST_FIELDS + LINEAR_FIELDS) * n_c * n_a + n_c * (n_a + 1) + LAST_NUMBERS
     factors = n_a * n_c * (n_c + 2) + n_a + 1
-    return first + length + fields + factors + ROOM
+    laws = FACTORS[0] * FACTORS[1] + LAW_NUMBERS + LAW_TABLE[0] * LAW_TABLE[1]
+    return first + length + fields + factors + laws + ROOM
 
 
 @compiled
@@ -150,6 +150,8 @@ def block_of(memory: Array):
     a += len(NUMBERS)
     chosen = memory[a : a + len(CHOSEN)]
     a += len(CHOSEN)
+    temperature = memory[a : a + n].reshape((n_c, n_a))
+    a += n
     viscosity = memory[a : a + n].reshape((n_c, n_a))
     a += n
     # the state, in one piece
@@ -177,6 +179,12 @@ def block_of(memory: Array):
     a += n_a
     direction = memory[a : a + 1]
     a += 1
+    flow_factors = memory[a : a + FACTORS[0] * FACTORS[1]].reshape(FACTORS)
+    a += FACTORS[0] * FACTORS[1]
+    law = memory[a : a + LAW_NUMBERS]
+    a += LAW_NUMBERS
+    law_table = memory[a : a + LAW_TABLE[0] * LAW_TABLE[1]].reshape(LAW_TABLE)
+    a += LAW_TABLE[0] * LAW_TABLE[1]
     faults = memory[a : a + ROOM]
     tables = memory[TABLES:HALVES].reshape((2, TABLE[0], TABLE[1]))
     return Block(
@@ -188,7 +196,11 @@ def block_of(memory: Array):
         sine,
         mask,
         beside,
+        temperature,
         viscosity,
+        flow_factors,
+        law,
+        law_table,
         fields,
         faces,
         counts,
@@ -239,6 +251,7 @@ def take_numbers(real, integer, memory, block, all_of_them):
         for k in range(len(CHOSEN)):
             block.chosen[k] = float(integer[_place(memory, OF_CHOSEN + k)])
         place_openings(block)
+        roughen(block)
     if changed:
         check_surroundings(block)
     field = _place(memory, OF_INPUTS + OIL_TEMPERATURE)

@@ -4,9 +4,7 @@
 kernels of the model (`step_parts`, `film_step`), so every number has the same bits; viscosities
 differ by the last bit of exp and log where the C library does.
 
-Covered is the film that `native.COVERED` describes: a skirt, cut-outs or none, with oil in plenty,
-cavitation that conserves oil, hard surfaces with or without asperity contact, any viscosity by
-temperature.
+Covered is the film that `native.COVERED` describes: a skirt, cut-outs or none, with oil in plenty.
 """
 
 from typing import NamedTuple
@@ -17,8 +15,9 @@ from ..master.fmi.compiled import compiled
 from . import (
     blocks,
     cavitation,
+    coated_film,
+    coating,
     film_step,
-    films,
     friction,
     openings,
     reynolds,
@@ -26,8 +25,11 @@ from . import (
 )
 from .asperity import ContactConstants, pressure_scale
 from .blocks import Factors
+from .coated_film import Layer, Pressed
 from .coating import Softness
+from .contact import contact_changes
 from .faults import (
+    FACTORS_WITHOUT_ROUGHNESS,
     LOWER_BELOW_CAVITATION,
     LOWER_PARTLY_FILLED,
     NO_TANGENT,
@@ -39,22 +41,30 @@ from .faults import (
     VISCOSITIES_REVERSED,
     refuse,
 )
-from .film_step import Domain, Given
+from .film_step import Domain, FilmSolution, Given
 from .films import QUANTITIES, STORED, FilmSlopes
+from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .friction import ForceSlopes, ShearConstants, ShearInputs, ShearSlopes
 from .grid import (
-    FIRST,
-    LAST,
     LOWER,
-    OPENINGS,
     UPPER,
     Array,
     Cells,
     Edges,
     Entrainment,
 )
-from .oil import ZERO_CELSIUS, walther_viscosity
+from .oil import NO_THINNING, TWO_POINT, LowShear, Thinning, low_shear_viscosity
+from .piezoviscosity import NONE as NO_LAW
+from .piezoviscosity import (
+    PressureLaw,
+    TruePressure,
+    pressure_law,
+    raised,
+    reduced_at_edges,
+    true_pressure,
+)
 from .reynolds import Filling
+from .roughness import fill_factor_table
 from .step_parts import (
     Before,
     Film,
@@ -97,6 +107,17 @@ NUMBERS = (
     "density",
     "viscosity_40",
     "viscosity_100",
+    "pressure_viscosity_coefficient",
+    "high_shear_ratio",
+    "shear_thinning_exponent",
+    "critical_shear_rate_a",
+    "critical_shear_rate_b",
+    "roughness_share_skirt",
+    "peklenik_number_skirt",
+    "peklenik_number_bore",
+    "coating_thickness",
+    "coating_modulus",
+    "coating_poisson",
 )
 (
     BORE_RADIUS,
@@ -128,14 +149,43 @@ NUMBERS = (
     DENSITY,
     VISCOSITY_40,
     VISCOSITY_100,
+    PRESSURE_VISCOSITY_COEFFICIENT,
+    HIGH_SHEAR_RATIO,
+    SHEAR_THINNING_EXPONENT,
+    CRITICAL_SHEAR_RATE_A,
+    CRITICAL_SHEAR_RATE_B,
+    ROUGHNESS_SHARE_SKIRT,
+    PEKLENIK_NUMBER_SKIRT,
+    PEKLENIK_NUMBER_BORE,
+    COATING_THICKNESS,
+    COATING_MODULUS,
+    COATING_POISSON,
 ) = range(len(NUMBERS))
 
-CHOSEN = ("viscosity_law", "cavity_shear", "contact_law", "opening_supply")
-VISCOSITY_LAW, OF_CAVITY_SHEAR, CONTACT_LAW, OPENING_SUPPLY = range(len(CHOSEN))
-CONSTANT, VOGEL_1921, WALTHER_1931, TWO_POINT = range(1, 5)
+CHOSEN = (
+    "viscosity_law",
+    "cavity_shear",
+    "contact_law",
+    "opening_supply",
+    "cavitation_model",
+    "pressure_viscosity_law",
+    "shear_thinning_law",
+    "flow_factors",
+)
+(
+    VISCOSITY_LAW,
+    OF_CAVITY_SHEAR,
+    CONTACT_LAW,
+    OPENING_SUPPLY,
+    CAVITATION_MODEL,
+    PRESSURE_VISCOSITY_LAW,
+    SHEAR_THINNING_LAW,
+    OF_FLOW_FACTORS,
+) = range(len(CHOSEN))
 FILM_FRACTION, _ = range(1, 3)
 GREENWOOD_TRIPP_1970, _ = range(1, 3)
 _, OWN = range(1, 3)
+_, PATIR_CHENG_1978 = range(1, 3)
 
 FIELD_INPUTS = ("film_thickness", "sliding_velocity", "oil_temperature")
 FILM_THICKNESS, SLIDING_VELOCITY, OIL_TEMPERATURE = range(len(FIELD_INPUTS))
@@ -192,20 +242,27 @@ PASSED, TRAVEL = range(2)  # shape (n_c, n_a + 1)
 STEP_BEFORE, FRICTION_WORK, BOUNDARY_WORK, ENERGY, VOLUME = range(5)
 STATE_NUMBERS = 5
 
-# fields of the last step, for its tangent
+OF_LEVEL, OF_Z, OF_LIMIT, OF_MOST = range(4)  # of `PressureLaw`, between its alpha and its table
+LAW_NUMBERS = 4
+
+# fields of the last step, for its tangent; the pressure that the balance was solved with, and the
+# true one with what stands under it
 (
-    THICKNESS_NOW,
     VELOCITY_NOW,
+    SOLVED_NOW,
     PRESSURE_NOW,
+    RATIO_NOW,
+    RATIO_SLOPE_NOW,
     FRACTION_NOW,
     FULL_NOW,
     SHEARING_NOW,
     STRESS_NOW,
     UNKNOWN_NOW,
     FILM_NOW,
-) = range(9)
+) = range(11)
 SLOPES_NOW = FILM_NOW + QUANTITIES
-PRESSURE_SLOPE_NOW = SLOPES_NOW + QUANTITIES
+BY_VELOCITY_NOW = SLOPES_NOW + QUANTITIES
+PRESSURE_SLOPE_NOW = BY_VELOCITY_NOW + QUANTITIES
 STRESS_SLOPE_NOW = PRESSURE_SLOPE_NOW + 5
 MATRIX_NOW = STRESS_SLOPE_NOW + 5
 LAST_FIELDS = MATRIX_NOW + 5
@@ -213,10 +270,17 @@ EULER_LENGTH, TOUCHING, LINEAR = range(3)
 LAST_NUMBERS = 3
 
 # fields that every direction of a tangent shares: the stencils, then these
-TO_FILM, TO_VELOCITY, TO_SHEARING, TO_GRADIENT, TO_PRESSURE, PRESSURE_SHARE, FRACTION_SHARE = range(
-    10, 17
-)
-CONTACT_PRESSURE = 17
+(
+    TO_FILM,
+    TO_VELOCITY,
+    TO_SHEARING,
+    TO_GRADIENT,
+    TO_PRESSURE,
+    PRESSURE_SHARE,
+    FRACTION_SHARE,
+    WEIGHT,
+    CONTACT_PRESSURE,
+) = range(10, 19)
 CONTACT_SHEAR = CONTACT_PRESSURE + 5
 LINEAR_FIELDS = CONTACT_SHEAR + 5
 
@@ -230,7 +294,9 @@ class Block(NamedTuple):
     share, sine : of `summary.Halves`, shape (n_c,);
     mask : shape (n_c, n_a), 1 where there is a film, 0 in cut-outs;
     beside : shape (n_c, n_a), of `openings.nearest`;
-    viscosity : shape (n_c, n_a) [Pa s];
+    temperature, viscosity : shape (n_c, n_a) [K], [Pa s];
+    factors : of `roughness.fill_factor_table`, shape (2049, 14);
+    law, law_table : of `piezoviscosity.PressureLaw`, shapes (4,), (3, 2001);
     fields, faces, counts : the state, shapes (18, n_c, n_a), (2, n_c, n_a + 1), (5,);
     last, last_faces, last_numbers : of the last step, shapes (.., n_c, n_a), (n_c, n_a + 1), (3,);
     linear : what directions share;
@@ -245,7 +311,11 @@ class Block(NamedTuple):
     sine: Array
     mask: Array
     beside: Array
+    temperature: Array
     viscosity: Array
+    factors: Array
+    law: Array
+    law_table: Array
     fields: Array
     faces: Array
     counts: Array
@@ -268,12 +338,13 @@ class Inputs(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """A solved film: quantities of `films`, pressure above cavitation pressure [Pa], film
-    fraction [-].
+    """A solved film: deflection of the coating [m], flow_film.FlowFilm,
+    piezoviscosity.TruePressure, film fraction [-].
     """
 
-    quantities: Array
-    pressure: Array
+    deflection: Array
+    flow: FlowFilm
+    under: TruePressure
     fraction: Array
 
 
@@ -284,9 +355,8 @@ class Outputs(NamedTuple):
     scalars: Array
 
 
-CONSERVING = cavitation.CAVITATION["jfo"]
+JFO, REYNOLDS, GUMBEL, FULL_FILM = cavitation.CAVITATION.values()
 _pressure_scale = compiled(pressure_scale)
-_walther_viscosity = compiled(walther_viscosity)
 (
     MINIMUM,
     HIGHEST,
@@ -417,69 +487,168 @@ def check_surroundings(block: Block):
         check_edge(block, pressure, fraction, OPENINGS_BELOW_CAVITATION, OPENINGS_PARTLY_FILLED)
     elif fraction != 1.0 or pressure != 0.0:
         refuse(block.faults, OPENINGS_WITHOUT_EFFECT, 0, 0, fraction, pressure, 0.0)
+    if block.chosen[OF_FLOW_FACTORS] == PATIR_CHENG_1978 and x[ROUGHNESS_RMS] <= 0.0:
+        refuse(block.faults, FACTORS_WITHOUT_ROUGHNESS, 0, 0, 0.0, 0.0, 0.0)
+
+
+@compiled
+def outside_of(block: Block):
+    """`step_parts.Outside`."""
+    x = block.numbers
+    least = x[CAVITATION_PRESSURE]
+    lower = x[PRESSURE_LOWER_EDGE] - least
+    opening = x[PRESSURE_OPENINGS] - least if block.chosen[OPENING_SUPPLY] == OWN else lower
+    return Outside(least, lower, x[PRESSURE_UPPER_EDGE] - least, opening)
 
 
 @compiled
 def edges_of(block: Block, shape: tuple[int, int]):
-    """`grid.Edges` of oil in plenty."""
+    """`grid.Edges` of oil in plenty, with reduced pressures."""
     x = block.numbers
     n_c, n_a = shape
-    lower = x[PRESSURE_LOWER_EDGE] - x[CAVITATION_PRESSURE]
+    outside = outside_of(block)
+    own = block.chosen[OPENING_SUPPLY] == OWN
     below = x[FILM_FRACTION_LOWER_EDGE]
-    pressure = np.full(5, lower)
-    fraction = np.full(5, below)
-    pressure[UPPER] = x[PRESSURE_UPPER_EDGE] - x[CAVITATION_PRESSURE]
+    pressure = np.full(5, outside.opening)
+    fraction = np.full(5, x[FILM_FRACTION_OPENINGS] if own else below)
+    pressure[LOWER] = outside.lower
+    fraction[LOWER] = below
+    pressure[UPPER] = outside.upper
     fraction[UPPER] = x[FILM_FRACTION_UPPER_EDGE]
-    if block.chosen[OPENING_SUPPLY] == OWN:
-        for k in (FIRST, LAST, OPENINGS):
-            pressure[k] = x[PRESSURE_OPENINGS] - x[CAVITATION_PRESSURE]
-            fraction[k] = x[FILM_FRACTION_OPENINGS]
-    return Edges(pressure, fraction, np.full((n_c, n_a + 1), np.inf))
+    reduced = reduced_at_edges(law_of(block), pressure)
+    return Edges(reduced, fraction, np.full((n_c, n_a + 1), np.inf))
 
 
 @compiled
-def viscosity_at(block: Block, temperature: float):
-    """Low-shear viscosity [Pa s] at a temperature [K], Eqs. (O1) to (O3)."""
+def low_shear_of(block: Block):
+    """`oil.LowShear`."""
     x = block.numbers
-    law = block.chosen[VISCOSITY_LAW]
-    if law == VOGEL_1921:
-        celsius = temperature - ZERO_CELSIUS
-        return x[VOGEL_VISCOSITY] * np.exp(x[VOGEL_B] / (celsius + x[VOGEL_C]))  # Eq. (O1)
-    if law == WALTHER_1931:
-        return x[DENSITY] * _walther_viscosity(x[WALTHER_A], x[WALTHER_M], temperature)
-    if law == TWO_POINT:
-        cold = ZERO_CELSIUS + 40.0
-        thick = np.log10(np.log10(1e6 * (x[VISCOSITY_40] / x[DENSITY]) + 0.7))
-        thin = np.log10(np.log10(1e6 * (x[VISCOSITY_100] / x[DENSITY]) + 0.7))
-        m = (thick - thin) / np.log10((ZERO_CELSIUS + 100.0) / cold)  # Eq. (O3)
-        return x[DENSITY] * _walther_viscosity(thick + m * np.log10(cold), m, temperature)
-    return x[VISCOSITY]
+    return LowShear(
+        int(block.chosen[VISCOSITY_LAW]) - 1,
+        x[VISCOSITY],
+        x[VOGEL_VISCOSITY],
+        x[VOGEL_B],
+        x[VOGEL_C],
+        x[WALTHER_A],
+        x[WALTHER_M],
+        x[DENSITY],
+        x[VISCOSITY_40],
+        x[VISCOSITY_100],
+    )
 
 
 @compiled
 def warm_by_edges(block: Block):
-    """Viscosity of every cell for temperatures linear between both edges."""
+    """Temperature of every cell, linear between both edges, and what follows from it."""
     cold = block.numbers[OIL_TEMPERATURE_LOWER_EDGE]
     hot = block.numbers[OIL_TEMPERATURE_UPPER_EDGE]
     n_c, n_a = block.viscosity.shape
+    oil = low_shear_of(block)
     for j in range(n_a):
         along = (j + 0.5) / n_a
-        here = viscosity_at(block, cold * (1.0 - along) + hot * along)
+        temperature = cold * (1.0 - along) + hot * along
+        viscosity = low_shear_viscosity(oil, temperature)
         for i in range(n_c):
-            block.viscosity[i, j] = here
+            block.temperature[i, j] = temperature
+            block.viscosity[i, j] = viscosity
+    thicken(block)
 
 
 @compiled
 def warm_by_field(block: Block, temperature: Array):
-    """Viscosity of every cell for a temperature of each, shape (n_c, n_a) [K]."""
+    """The same for a temperature of each, shape (n_c, n_a) [K]."""
+    oil = low_shear_of(block)
     for i in range(temperature.shape[0]):
         for j in range(temperature.shape[1]):
-            block.viscosity[i, j] = viscosity_at(block, temperature[i, j])
+            block.temperature[i, j] = temperature[i, j]
+            block.viscosity[i, j] = low_shear_viscosity(oil, temperature[i, j])
+    thicken(block)
+
+
+@compiled
+def thicken(block: Block):
+    """The pressure law for the viscosity of the cells, into the block."""
+    kind = int(block.chosen[PRESSURE_VISCOSITY_LAW]) - 1
+    alpha = block.numbers[PRESSURE_VISCOSITY_COEFFICIENT]
+    law = pressure_law(kind, alpha, block.viscosity, block.law_table)
+    block.law[OF_LEVEL] = law.level
+    block.law[OF_Z] = law.z
+    block.law[OF_LIMIT] = law.limit
+    block.law[OF_MOST] = law.most
+
+
+@compiled
+def law_of(block: Block):
+    """`piezoviscosity.PressureLaw` in the block."""
+    law = block.law
+    return PressureLaw(
+        int(block.chosen[PRESSURE_VISCOSITY_LAW]) - 1,
+        block.numbers[PRESSURE_VISCOSITY_COEFFICIENT],
+        law[OF_LEVEL],
+        law[OF_Z],
+        law[OF_LIMIT],
+        law[OF_MOST],
+        block.law_table,
+    )
+
+
+@compiled
+def roughen(block: Block):
+    """The table of the flow factors, into the block."""
+    x = block.numbers
+    if block.chosen[OF_FLOW_FACTORS] == PATIR_CHENG_1978:
+        fill_factor_table(
+            x[ROUGHNESS_SHARE_SKIRT],
+            x[PEKLENIK_NUMBER_SKIRT],
+            x[PEKLENIK_NUMBER_BORE],
+            block.factors,
+        )
+
+
+@compiled
+def laws_of(block: Block):
+    """`flow_film.FilmLaws`."""
+    x = block.numbers
+    factors = np.zeros((0, 0))
+    if block.chosen[OF_FLOW_FACTORS] == PATIR_CHENG_1978:
+        factors = block.factors
+    thinning = Thinning(
+        int(block.chosen[SHEAR_THINNING_LAW]) - 1,
+        x[HIGH_SHEAR_RATIO],
+        x[SHEAR_THINNING_EXPONENT],
+        x[CRITICAL_SHEAR_RATE_A],
+        x[CRITICAL_SHEAR_RATE_B],
+    )
+    return FilmLaws(x[MINIMUM_FLOW_FILM], x[ROUGHNESS_RMS], factors, thinning)
+
+
+@compiled
+def sheared_of(block: Block, velocity: Array):
+    """`flow_film.Sheared` on a skirt."""
+    return Sheared(velocity, np.zeros(velocity.shape), block.viscosity, block.temperature)
+
+
+@compiled
+def compliance_of(block: Block):
+    """Of the coating [m/Pa], 0 without."""
+    x = block.numbers
+    return coating.compliance(x[COATING_THICKNESS], x[COATING_MODULUS], x[COATING_POISSON])
+
+
+@compiled
+def model_of(block: Block):
+    """`cavitation.Cavitation`."""
+    number = int(block.chosen[CAVITATION_MODEL]) - 1
+    if number == 1:
+        return REYNOLDS
+    if number == 2:
+        return GUMBEL
+    return JFO if number == 0 else FULL_FILM
 
 
 @compiled
 def domain_of(block: Block):
-    """`film_step.Domain` of the skirt, in which oil is conserved."""
+    """`film_step.Domain` of the skirt."""
     n_c, n_a = block.mask.shape
     open_cells = open_of(block)
     has_openings = False
@@ -488,7 +657,7 @@ def domain_of(block: Block):
             has_openings = has_openings or open_cells[i, j]
     cells = cells_of(block, block.mask.shape)
     together = cavitation.at_once(n_c, n_a)
-    return Domain(cells, open_cells, has_openings, CONSERVING, together)
+    return Domain(cells, open_cells, has_openings, model_of(block), together)
 
 
 @compiled
@@ -507,11 +676,11 @@ def factors_of(block: Block):
 
 
 @compiled
-def surfaces_of(block: Block):
-    """`step_parts.Surfaces` of hard surfaces."""
+def contact_of(block: Block):
+    """`asperity.ContactConstants`."""
     x = block.numbers
     exact = block.chosen[CONTACT_LAW] == GREENWOOD_TRIPP_1970
-    constants = ContactConstants(
+    return ContactConstants(
         x[ROUGHNESS_RMS],
         _pressure_scale(x[ASPERITY_PRODUCT], x[ASPERITY_SLOPE], x[CONTACT_MODULUS]),
         np.pi**2 * x[ASPERITY_PRODUCT] ** 2,
@@ -519,11 +688,17 @@ def surfaces_of(block: Block):
         x[BOUNDARY_SHEAR_STRENGTH],
         block.tables[0 if exact else 1],
     )
+
+
+@compiled
+def surfaces_of(block: Block):
+    """`step_parts.Surfaces`."""
+    x = block.numbers
     return Surfaces(
         area_of(block),
-        constants,
+        contact_of(block),
         Halves(block.share, block.sine),
-        0.0,
+        compliance_of(block),
         x[CAVITATION_PRESSURE],
         x[FRICTION_ROUNDING_VELOCITY],
         block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION,
@@ -549,21 +724,21 @@ def before_of(block: Block):
 
 
 @compiled
-def forces_of(block: Block, inputs: Inputs, solved: Solved, edges: Edges, outputs: Outputs):
+def forces_of(block: Block, inputs: Inputs, solved: Solved, outputs: Outputs):
     """`step_parts.Forces` of a solved film; fields and scalars that it alone says, into `outputs`.
     A fault is noted where forces are not finite.
     """
-    none = np.zeros(solved.pressure.shape)
+    outside = outside_of(block)
     film = Film(
         inputs.film_thickness,
-        none,
+        solved.deflection,
         inputs.sliding_velocity,
-        none,
-        solved.quantities,
-        solved.pressure,
+        np.zeros(solved.fraction.shape),
+        raised(solved.flow.quantities, solved.under.ratio),
+        solved.under.pressure,
         solved.fraction,
-        edges.pressure[LOWER],
-        edges.pressure[UPPER],
+        outside.lower,
+        outside.upper,
     )
     acted = step_parts.forces(film, surfaces_of(block), domain_of(block), block.faults)
     keep(outputs.fields[OF_PRESSURE_FORCE], acted.pressure)
@@ -620,14 +795,16 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     shape = film_thickness.shape
     n_c, n_a = shape
     x = block.numbers
-    if block.chosen[VISCOSITY_LAW] == TWO_POINT and x[VISCOSITY_40] <= x[VISCOSITY_100]:
+    if int(block.chosen[VISCOSITY_LAW]) - 1 == TWO_POINT and x[VISCOSITY_40] <= x[VISCOSITY_100]:
         refuse(block.faults, VISCOSITIES_REVERSED, 0, 0, x[VISCOSITY_40], x[VISCOSITY_100], 0.0)
     if block.faults[0] > 0.0:
         return
     edges = edges_of(block, shape)
     lower = edges.pressure[LOWER]
     upper = edges.pressure[UPPER]
-    quantities, by_film = films.smooth_film(film_thickness, block.viscosity, x[MINIMUM_FLOW_FILM])
+    sheared = sheared_of(block, inputs.sliding_velocity)
+    flow = flow_film(film_thickness, sheared, laws_of(block))
+    quantities = flow.quantities
     initial = x[INITIAL_FILM_FRACTION]
     fraction = np.full(shape, initial)
     pressure = np.zeros(shape)
@@ -637,8 +814,9 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
             for j in range(n_a):
                 pressure[i, j] = lower + (upper - lower) * ((j + 0.5) / n_a)
                 unknown[i, j] = pressure[i, j]
-    solved = Solved(quantities, pressure, fraction)
-    acted = forces_of(block, inputs, solved, edges, outputs)
+    under = true_pressure(law_of(block), pressure)
+    solved = Solved(np.zeros(shape), flow, under, fraction)
+    acted = forces_of(block, inputs, solved, outputs)
     if block.faults[0] > 0.0:
         return
     for part in (block.fields, block.faces):
@@ -654,6 +832,46 @@ def start(block: Block, inputs: Inputs, outputs: Outputs):
     outputs.scalars[OIL_IN_FILM] = step_parts.oil_in(block.fields[CONTENT], acted.shear.area)
     block.counts[STEP_BEFORE] = 0.0
     keep_totals(block, Totals(0.0, 0.0, acted.stored, acted.volume))
+
+
+class Found(NamedTuple):
+    """Film of a step: deflection of the coating [m], flow_film.FlowFilm, film_step.FilmSolution."""
+
+    deflection: Array
+    flow: FlowFilm
+    solution: FilmSolution
+
+
+@compiled
+def coated(block: Block, inputs: Inputs, given: Given, domain: Domain):
+    """`Found` under a coating, `given` without its film; a fault is noted where there is none."""
+    layer = Layer(compliance_of(block), contact_of(block), laws_of(block), law_of(block), -0.5)
+    pressed = Pressed(
+        inputs.film_thickness,
+        block.fields[DEFLECTION],
+        block.fields[UNKNOWN],
+        sheared_of(block, inputs.sliding_velocity),
+    )
+    whole = coated_film.solve(pressed, layer, given, domain, factors_of(block), block.faults)
+    return Found(whole.deflection, whole.flow, whole.solution)
+
+
+@compiled
+def bare(block: Block, inputs: Inputs, given: Given, domain: Domain):
+    """`Found` between hard surfaces, as `coated`."""
+    sheared = sheared_of(block, inputs.sliding_velocity)
+    flow = flow_film(inputs.film_thickness, sheared, laws_of(block))
+    whole = Given(
+        flow.quantities,
+        given.entrainment,
+        given.edges,
+        given.start,
+        given.full,
+        given.softness,
+        given.lift,
+    )
+    found = film_step.solve(whole, domain, factors_of(block), block.faults)
+    return Found(block.fields[DEFLECTION], flow, found)
 
 
 @compiled
@@ -683,22 +901,27 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     step_parts.check_film(film_thickness, block.faults)
     if block.faults[0] > 0.0:
         return 0
-    x = block.numbers
     fields = block.fields
     edges = edges_of(block, shape)
     domain = domain_of(block)
     before = before_of(block)
     begun = step_parts.begin(before, step)
     lift = step_parts.lift(before, begun.pace, edges, step, domain)
-    quantities, by_film = films.smooth_film(film_thickness, block.viscosity, x[MINIMUM_FLOW_FILM])
     entrainment = Entrainment(np.zeros(shape), -0.5 * velocity)
-    hard = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
-    given = Given(quantities, entrainment, edges, begun.start, begun.guess, hard, lift)
-    found = film_step.solve(given, domain, factors_of(block), block.faults)
+    nothing = np.zeros((0, 0))
+    unknown_yet = np.zeros((0, 0, 0))
+    hard = Softness(unknown_yet, nothing, nothing)
+    given = Given(unknown_yet, entrainment, edges, begun.start, begun.guess, hard, lift)
+    if compliance_of(block) > 0.0:
+        deflection, flow, found = coated(block, inputs, given, domain)
+    else:
+        deflection, flow, found = bare(block, inputs, given, domain)
     if block.faults[0] > 0.0:
         return 0
-    solved = Solved(quantities, found.pressure, found.film_fraction)
-    acted = forces_of(block, inputs, solved, edges, outputs)
+    quantities = flow.quantities
+    under = true_pressure(law_of(block), found.pressure)
+    solved = Solved(deflection, flow, under, found.film_fraction)
+    acted = forces_of(block, inputs, solved, outputs)
     if block.faults[0] > 0.0:
         return 0
 
@@ -706,12 +929,7 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     to = outputs.scalars
     went = step_parts.passage(before, begun, found, entrainment.axial, step, domain)
     powers = Powers(to[POWER], acted.boundary_power, acted.rubbing_power + acted.boundary_power)
-    outside = Outside(
-        x[CAVITATION_PRESSURE],
-        edges.pressure[LOWER],
-        edges.pressure[UPPER],
-        edges.pressure[OPENINGS],
-    )
+    outside = outside_of(block)
     totals = Totals(
         block.counts[FRICTION_WORK],
         block.counts[BOUNDARY_WORK],
@@ -733,21 +951,27 @@ def advance(block: Block, inputs: Inputs, step: float, outputs: Outputs):
     keep(fields[GROWTH_BEFORE], fields[GROWTH])
     keep(fields[GROWTH], went.growth)
     keep(fields[CONTENT], found.content)
+    keep(fields[DEFLECTION], deflection)
     keep(fields[FILM_BEFORE:], fields[FILM:FILM_BEFORE])
     keep(fields[FILM:FILM_BEFORE], quantities)
     keep(block.faces[PASSED], went.passed)
     keep(block.faces[TRAVEL], went.travel)
 
     last = block.last
-    keep(last[THICKNESS_NOW], film_thickness)
     keep(last[VELOCITY_NOW], velocity)
-    keep(last[PRESSURE_NOW], found.pressure)
+    keep(last[SOLVED_NOW], found.unknown if domain.model.clipping else found.pressure)
+    keep(last[PRESSURE_NOW], under.pressure)
+    if under.ratio.size > 0:
+        keep(last[RATIO_NOW], under.ratio)
+        keep(last[RATIO_SLOPE_NOW], under.slope)
     keep(last[FRACTION_NOW], found.film_fraction)
     keep(last[UNKNOWN_NOW], found.unknown)
     keep(last[SHEARING_NOW], acted.shear.shearing)
     keep(last[STRESS_NOW], acted.contact.shear_stress)
     keep(last[FILM_NOW:SLOPES_NOW], quantities)
-    keep(last[SLOPES_NOW:PRESSURE_SLOPE_NOW], by_film)
+    keep(last[SLOPES_NOW:BY_VELOCITY_NOW], flow.slopes.by_film)
+    if flow.slopes.by_velocity.shape[0] > 0:
+        keep(last[BY_VELOCITY_NOW:PRESSURE_SLOPE_NOW], flow.slopes.by_velocity)
     keep(last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW], acted.contact.pressure_slope)
     keep(last[STRESS_SLOPE_NOW:MATRIX_NOW], acted.contact.shear_stress_slope)
     keep(last[MATRIX_NOW:], found.stencil)
@@ -770,33 +994,39 @@ def linearise(block: Block):
     linear = block.linear
     shape = block.viscosity.shape
     n_c, n_a = shape
-    edges = edges_of(block, shape)
-    cells = cells_of(block, shape)
+    domain = domain_of(block)
+    outside = outside_of(block)
     velocity = last[VELOCITY_NOW]
     quantities = last[FILM_NOW:SLOPES_NOW]
     none = np.zeros(shape)
-    slopes = FilmSlopes(last[SLOPES_NOW:PRESSURE_SLOPE_NOW], np.zeros((0, n_c, n_a)))
+    nothing = np.zeros((0, 0))
+    slopes = FilmSlopes(last[SLOPES_NOW:BY_VELOCITY_NOW], np.zeros((0, n_c, n_a)))
+    if laws_of(block).thinning.kind != NO_THINNING:
+        slopes = FilmSlopes(slopes.by_film, last[BY_VELOCITY_NOW:PRESSURE_SLOPE_NOW])
+    under = TruePressure(last[PRESSURE_NOW], nothing, nothing)
+    if law_of(block).kind != NO_LAW:
+        under = TruePressure(last[PRESSURE_NOW], last[RATIO_NOW], last[RATIO_SLOPE_NOW])
     stencil = film_step.film_slopes(
         quantities,
         slopes,
         Entrainment(none, -0.5 * velocity),
         Entrainment(none, np.full(shape, -0.5)),
-        Filling(last[PRESSURE_NOW], last[FRACTION_NOW], block.last_faces),
-        edges,
+        Filling(last[SOLVED_NOW], last[FRACTION_NOW], block.last_faces),
+        edges_of(block, shape),
         block.last_numbers[EULER_LENGTH],
-        domain_of(block),
+        domain,
     )
     shear = ShearInputs(
-        last[PRESSURE_NOW],
+        under.pressure,
         last[SHEARING_NOW],
         velocity,
-        quantities,
+        raised(quantities, under.ratio),
         last[STRESS_NOW],
         area_of(block),
         ShearConstants(
-            edges.pressure[LOWER],
-            edges.pressure[UPPER],
-            cells.dy,
+            outside.lower,
+            outside.upper,
+            domain.cells.dy,
             block.numbers[FRICTION_ROUNDING_VELOCITY],
         ),
     )
@@ -804,21 +1034,26 @@ def linearise(block: Block):
     for i in range(n_c):
         for j in range(n_a):
             full[i, j] = last[FULL_NOW, i, j] != 0.0
-    of_pressure, of_fraction = cavitation.shares(CONSERVING, last[UNKNOWN_NOW], full)
-    by = friction.shear_slopes(shear, slopes, none)
+    shares = cavitation.shares(domain.model, last[UNKNOWN_NOW], full)
+    by_oil = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
+    of_film = step_parts.force_slopes(shear, quantities, slopes, shares, under, by_oil)
+    by = of_film.shear
     keep(linear[:TO_FILM], stencil.reshape((10, n_c, n_a)))
     keep(linear[TO_FILM], by.film)
     keep(linear[TO_VELOCITY], by.velocity)
     keep(linear[TO_SHEARING], by.shearing)
     keep(linear[TO_GRADIENT], by.gradient)
     keep(linear[TO_PRESSURE], by.pressure)
-    keep(linear[PRESSURE_SHARE], of_pressure)
-    by_oil = block.chosen[OF_CAVITY_SHEAR] == FILM_FRACTION
-    keep(linear[FRACTION_SHARE], of_fraction if by_oil else none)
+    keep(linear[PRESSURE_SHARE], of_film.pressure_share)
+    keep(linear[FRACTION_SHARE], of_film.fraction_share)
+    compliance = compliance_of(block)
+    contact_slope = last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW]
+    if compliance > 0.0:
+        keep(linear[WEIGHT], compliance * coating.yielding(compliance, contact_slope))
     if block.last_numbers[TOUCHING] != 0.0:
         normal, along = step_parts.contact_slopes(
             shear,
-            last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW],
+            contact_slope,
             last[STRESS_SLOPE_NOW:MATRIX_NOW],
         )
         keep(linear[CONTACT_PRESSURE:CONTACT_SHEAR], normal)
@@ -848,13 +1083,26 @@ def tangent(block: Block, seeds: Array, products: Array):
     n_c, n_a = block.viscosity.shape
     cells = cells_of(block, block.viscosity.shape)
     factors = factors_of(block)
-    film = filled(block, seeds[0, 0]).reshape((1, n_c, n_a))
+    hard = filled(block, seeds[0, 0]).reshape((1, n_c, n_a))
     velocity = filled(block, seeds[1, 0]).reshape((1, n_c, n_a))
+    deflection = np.zeros((1, n_c, n_a))
+    coated = compliance_of(block) > 0.0
+    contact_slope = block.last[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW]
+    by_contact = deflection
+    moved = hard
+    if coated:
+        by_contact = contact_changes(contact_slope, hard, deflection)
+        moved = coating.pushed(linear[WEIGHT], by_contact, hard)
     unknown = np.empty((1, n_c, n_a))
     stencil = linear[:TO_FILM].reshape((2, 5, n_c, n_a))
-    reynolds.apply_stencils(stencil, film, velocity, unknown)
+    reynolds.apply_stencils(stencil, moved, velocity, unknown)
     ascending = factors.direction[0] > 0.0
     blocks.substitute(factors, block.last[MATRIX_NOW:], ascending, unknown)  # Eq. (E6)
+    film = hard
+    if coated:
+        share = linear[PRESSURE_SHARE]
+        deflection = coating.deflection_changes(linear[WEIGHT], by_contact, share, unknown)
+        film = hard + deflection
     by = ShearSlopes(
         linear[TO_FILM],
         linear[TO_VELOCITY],
@@ -868,6 +1116,6 @@ def tangent(block: Block, seeds: Array, products: Array):
     friction.force_changes(slopes, film, velocity, unknown, products[0], products[1])
     if block.last_numbers[TOUCHING] == 0.0:
         return
-    none = np.zeros((1, n_c, n_a))
-    step_parts.add_contact_changes(linear[CONTACT_PRESSURE:CONTACT_SHEAR], film, none, products[0])
-    step_parts.add_contact_changes(linear[CONTACT_SHEAR:], film, none, products[1])
+    add = step_parts.add_contact_changes
+    add(linear[CONTACT_PRESSURE:CONTACT_SHEAR], hard, deflection, products[0])
+    add(linear[CONTACT_SHEAR:], hard, deflection, products[1])

@@ -59,12 +59,13 @@ three-dimensional roughness on partial hydrodynamic lubrication, J. Lubr. Techno
 sliding surfaces, J. Lubr. Technol. 101 (1979) 220-229 (R3 to R6).
 """
 
-from collections.abc import Callable
 from functools import cache
-from typing import Any, NamedTuple
+from math import erf
+from typing import NamedTuple
 
 import numpy as np
 
+from ..master.fmi.compiled import compiled
 from .grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
@@ -119,100 +120,181 @@ COEFFICIENTS = tuple(Row._make(numbers) for numbers in (
 ))
 # fmt: on
 PEKLENIK = np.array([row.gamma for row in COEFFICIENTS])
+LOGARITHMS = np.log(PEKLENIK)
 LOWEST = 0.5  # start of the published range of (R6)
 # H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
 TABLE_END = 32.0
 TABLE_CELLS = 2048
+TABLE = (TABLE_CELLS + 1, 2 * FACTORS)
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
 
 
-def average_gap(separation: Any) -> Any:
+class Factor(NamedTuple):
+    """A factor at H = h/sigma [-], and its derivative to H."""
+
+    value: float
+    slope: float
+
+
+@compiled
+def average_gap(separation: float):
     """Average gap of Gaussian surfaces over sigma, Eq. (R1), for H = h/sigma [-] of any sign."""
-    from scipy.special import erf  # slow to import, and smooth films do without
-
-    above = 0.5 * separation * (1.0 + erf(separation / np.sqrt(2.0)))
-    tail = np.exp(-(separation**2) / 2.0) / np.sqrt(2.0 * np.pi)
-    return above + tail  # Eq. (R1)
+    share = 0.5 * (1.0 + erf(separation / np.sqrt(2.0)))
+    tail = np.exp(-separation * separation / 2.0) / np.sqrt(2.0 * np.pi)
+    return Factor(separation * share + tail, share)  # Eq. (R1)
 
 
-def _between(formula: Callable[[Row], Any], gamma: float) -> Any:
-    """A factor between published Peklenik numbers, linear in ln gamma."""
+# ---- of one published Peklenik number
+
+
+@compiled
+def _pressure_flow(row, separation):
+    h = max(separation, row.lowest)
+    if row.gamma <= 1.0:
+        fall = row.C * np.exp(-row.r * h)
+        value = 1.0 - fall  # Eq. (R2)
+        slope = row.r * fall
+    else:
+        rise = row.C * h**-row.r
+        value = 1.0 + rise
+        slope = -row.r * rise / h
+    return Factor(value, slope if separation >= row.lowest else 0.0)
+
+
+@compiled
+def _shear_flow(row, h):
+    if h <= 5.0:
+        near = row.A1 * h**row.a1 * np.exp(-row.a2 * h + row.a3 * h * h)  # Eq. (R3)
+        return Factor(near, near * (row.a1 / h - row.a2 + 2.0 * row.a3 * h))
+    far = row.A2 * np.exp(-0.25 * h)
+    return Factor(far, -0.25 * far)
+
+
+@compiled
+def _sliding_stress(row, h):
+    if h >= 7.0:
+        return Factor(0.0, 0.0)
+    near = row.A3 * h**row.a4 * np.exp(-row.a5 * h + row.a6 * h * h)  # Eq. (R5)
+    return Factor(near, near * (row.a4 / h - row.a5 + 2.0 * row.a6 * h))
+
+
+@compiled
+def _pressure_stress(row, separation):
+    fall = row.D * np.exp(-row.s1 * max(separation, LOWEST))
+    return Factor(1.0 - fall, row.s1 * fall if separation >= LOWEST else 0.0)  # Eq. (R6)
+
+
+# ---- of any
+
+
+@compiled
+def _place(gamma):
+    """The published Peklenik number below, and the share of the next one, linear in ln gamma."""
     x = np.log(gamma)
-    known = np.log(PEKLENIK)
-    k = min(max(int(np.searchsorted(known, x)) - 1, 0), known.size - 2)
-    weight = (x - known[k]) / (known[k + 1] - known[k])
-    return (1.0 - weight) * formula(COEFFICIENTS[k]) + weight * formula(COEFFICIENTS[k + 1])
+    k = 0
+    while k < LOGARITHMS.size - 2 and LOGARITHMS[k + 1] < x:
+        k += 1
+    return k, (x - LOGARITHMS[k]) / (LOGARITHMS[k + 1] - LOGARITHMS[k])
 
 
-def _from(separation: Any, lowest: float) -> Any:
-    """H held at the lowest published value (works for complex steps too)."""
-    return np.where(np.real(separation) < lowest, lowest, separation)
+@compiled
+def _between(low, high, weight):
+    value = (1.0 - weight) * low.value + weight * high.value
+    return Factor(value, (1.0 - weight) * low.slope + weight * high.slope)
 
 
-def pressure_flow_factor(separation: Any, gamma: float) -> Any:
+@compiled
+def pressure_flow_factor(separation: float, gamma: float):
     """Pressure flow factor phi_x along sliding, Eq. (R2), for H [-] and Peklenik number gamma from
     1/9 to 9.
     """
-
-    def formula(row):
-        h = _from(separation, row.lowest)
-        if row.gamma <= 1.0:
-            return 1.0 - row.C * np.exp(-row.r * h)  # Eq. (R2)
-        return 1.0 + row.C * h**-row.r
-
-    return _between(formula, gamma)
+    k, weight = _place(gamma)
+    low = _pressure_flow(COEFFICIENTS[k], separation)
+    return _between(low, _pressure_flow(COEFFICIENTS[k + 1], separation), weight)
 
 
-def shear_flow_factor(separation: Any, gamma: float) -> Any:
-    """Shear flow factor Phi_s of one rough surface, Eq. (R3)."""
-    h = np.asarray(separation)
-
-    def formula(row):
-        near = row.A1 * h**row.a1 * np.exp(-row.a2 * h + row.a3 * h * h)
-        far = row.A2 * np.exp(-0.25 * h)
-        return np.where(np.real(h) <= 5.0, near, far)  # Eq. (R3)
-
-    return _between(formula, gamma)
+@compiled
+def shear_flow_factor(separation: float, gamma: float):
+    """Shear flow factor Phi_s of one rough surface, Eq. (R3), for H > 0."""
+    k, weight = _place(gamma)
+    low = _shear_flow(COEFFICIENTS[k], separation)
+    return _between(low, _shear_flow(COEFFICIENTS[k + 1], separation), weight)
 
 
-def shear_stress_factor(separation: Any) -> Any:
+@compiled
+def shear_stress_factor(separation: float):
     """Factor phi_f of the mean Couette stress, Eq. (R4) in closed form; Eq. (R4) by moments for H >
     30.
     """
-    z = np.asarray(separation) / 3.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cube = (1.0 - z * z) ** 3
+    z = separation / 3.0
+    if z > 10.0:
+        value = 1.0 + (3.0 * z) ** -2.0 + 27.0 / 11.0 * (3.0 * z) ** -4.0
+        return Factor(value, -2.0 * (3.0 * z) ** -3.0 - 108.0 / 11.0 * (3.0 * z) ** -5.0)
+    square = 1.0 - z * z
+    cube = square * square * square
+    dcube = -6.0 * z * square * square
+    if z <= 1.0:
         polynomial = -55.0 + z * (
             132.0 + z * (345.0 + z * (-160.0 + z * (-405.0 + z * (60.0 + 147.0 * z))))
         )
+        polynomial /= 60.0
+        dpolynomial = 132.0 + z * (690.0 + z * (-480.0 + z * (-1620.0 + z * (300.0 + 882.0 * z))))
+        dpolynomial /= 60.0
         logarithm = np.log((z + 1.0) / CUT_OFF)
-        near = 35.0 / 32.0 * z * (cube * logarithm + polynomial / 60.0)  # Eq. (R4)
-        logarithm = np.log((z + 1.0) / (z - 1.0))
+        dlogarithm = 1.0 / (z + 1.0)
+    else:
         polynomial = z / 15.0 * (66.0 + z * z * (30.0 * z * z - 80.0))
-        middle = 35.0 / 32.0 * z * (cube * logarithm + polynomial)
-        far = 1.0 + (3.0 * z) ** -2.0 + 27.0 / 11.0 * (3.0 * z) ** -4.0
-    return np.where(np.real(z) <= 1.0, near, np.where(np.real(z) <= 10.0, middle, far))
+        dpolynomial = (66.0 + z * z * (150.0 * z * z - 240.0)) / 15.0
+        logarithm = np.log((z + 1.0) / (z - 1.0))
+        dlogarithm = 2.0 / square
+    mean = cube * logarithm + polynomial
+    dmean = dcube * logarithm + cube * dlogarithm + dpolynomial
+    value = 35.0 / 32.0 * z * mean  # Eq. (R4)
+    return Factor(value, 35.0 / 96.0 * (mean + z * dmean))
 
 
-def sliding_stress_factor(separation: Any, gamma: float) -> Any:
-    """Factor Phi_fs of the roughness-induced stress of one rough surface, Eq. (R5)."""
-    h = np.asarray(separation)
-
-    def formula(row):
-        near = row.A3 * h**row.a4 * np.exp(-row.a5 * h + row.a6 * h * h)
-        return np.where(np.real(h) < 7.0, near, 0.0)  # Eq. (R5)
-
-    return _between(formula, gamma)
+@compiled
+def sliding_stress_factor(separation: float, gamma: float):
+    """Factor Phi_fs of the roughness-induced stress of one rough surface, Eq. (R5), for H > 0."""
+    k, weight = _place(gamma)
+    low = _sliding_stress(COEFFICIENTS[k], separation)
+    return _between(low, _sliding_stress(COEFFICIENTS[k + 1], separation), weight)
 
 
-def pressure_stress_factor(separation: Any, gamma: float) -> Any:
+@compiled
+def pressure_stress_factor(separation: float, gamma: float):
     """Factor phi_fp of the pressure-gradient stress, Eq. (R6)."""
-    h = _from(separation, LOWEST)
-    return _between(lambda row: 1.0 - row.D * np.exp(-row.s1 * h), gamma)  # Eq. (R6)
+    k, weight = _place(gamma)
+    low = _pressure_stress(COEFFICIENTS[k], separation)
+    return _between(low, _pressure_stress(COEFFICIENTS[k + 1], separation), weight)
 
 
-@cache
-def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
+# ---- the table
+
+
+@compiled
+def _put(table, k, factor, limit, factor_of):
+    """A factor and its slope less the limit of smooth surfaces, as node k of function `factor`."""
+    table[k, 2 * factor] = factor_of.value - limit
+    table[k, 2 * factor + 1] = factor_of.slope
+
+
+@compiled
+def _both(share, of_skirt, of_bore):
+    """Eq. (R7)."""
+    value = share * of_skirt.value + (1.0 - share) * of_bore.value  # Eq. (R7)
+    return Factor(value, share * of_skirt.slope + (1.0 - share) * of_bore.slope)
+
+
+@compiled
+def _against(share, of_skirt, of_bore, limit):
+    """Eq. (R8) of a factor less its limit."""
+    value = share * (of_skirt.value - limit) - (1.0 - share) * (of_bore.value - limit)  # Eq. (R8)
+    return Factor(value, share * of_skirt.slope - (1.0 - share) * of_bore.slope)
+
+
+@compiled
+def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table: Array):
     """Deviations of all factors from their smooth limit on a uniform grid of H from 0 to
     `TABLE_END`.
 
@@ -222,39 +304,38 @@ def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
         Y, the skirt's share of the variance [-], 0 to 1.
     gamma_skirt, gamma_bore : float
         Peklenik numbers of the axial (sliding) direction [-], 1/9 to 9.
-
-    Returns
-    -------
-    ndarray, shape (TABLE_CELLS + 1, 14)
-        Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 along j,
-        Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-], by Eqs. (R7), (R8).
+    table : ndarray, shape (2049, 14)
+        Overwritten, values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1
+        along j, Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
-
-    def both(factor: Callable[[float], Any]) -> Any:
-        return share * factor(gamma_skirt) + (1.0 - share) * factor(gamma_bore)  # Eq. (R7)
-
-    def against(factor: Callable[[float], Any]) -> Any:
-        return share * factor(gamma_skirt) - (1.0 - share) * factor(gamma_bore)  # Eq. (R8)
-
-    points = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
-    separation = points + 1e-30j  # complex step: slopes to round-off
-    separation[0] += 1e-12  # 0 to a power has no complex logarithm
-    factors = {
-        GAP_EXCESS: average_gap(separation) - separation,
-        FLOW_FACTOR_C: both(lambda g: pressure_flow_factor(separation, 1.0 / g)) - 1.0,
-        FLOW_FACTOR_A: both(lambda g: pressure_flow_factor(separation, g)) - 1.0,
-        SHEAR_FLOW_FACTOR: against(lambda g: shear_flow_factor(separation, g)),
-        COUETTE_FACTOR: shear_stress_factor(separation) - 1.0,
-        DRAG_FACTOR: both(lambda g: sliding_stress_factor(separation, g)),
-        POISEUILLE_FACTOR: against(lambda g: pressure_stress_factor(separation, g) - 1.0),
-    }
-    table = np.empty((points.size, 2 * FACTORS))
-    for k, factor in factors.items():
-        table[:, 2 * k] = factor.real
-        table[:, 2 * k + 1] = np.imag(factor) * 1e30
+    y = share
+    s = gamma_skirt
+    b = gamma_bore
+    for k in range(TABLE_CELLS + 1):
+        h = k * (TABLE_END / TABLE_CELLS) if k > 0 else 1e-12  # 0 to a power has no slope
+        gap = average_gap(h)
+        _put(table, k, GAP_EXCESS, h, Factor(gap.value, gap.slope - 1.0))
+        across = _both(y, pressure_flow_factor(h, 1.0 / s), pressure_flow_factor(h, 1.0 / b))
+        _put(table, k, FLOW_FACTOR_C, 1.0, across)
+        along = _both(y, pressure_flow_factor(h, s), pressure_flow_factor(h, b))
+        _put(table, k, FLOW_FACTOR_A, 1.0, along)
+        carried = _against(y, shear_flow_factor(h, s), shear_flow_factor(h, b), 0.0)
+        _put(table, k, SHEAR_FLOW_FACTOR, 0.0, carried)
+        _put(table, k, COUETTE_FACTOR, 1.0, shear_stress_factor(h))
+        drag = _both(y, sliding_stress_factor(h, s), sliding_stress_factor(h, b))
+        _put(table, k, DRAG_FACTOR, 0.0, drag)
+        driven = _against(y, pressure_stress_factor(h, s), pressure_stress_factor(h, b), 1.0)
+        _put(table, k, POISEUILLE_FACTOR, 0.0, driven)
     # H^a1 with a1 < 1 has no slope at 0: a cubic without curvature there
     value = 2 * SHEAR_FLOW_FACTOR
     slope = value + 1
     rise = (table[1, value] - table[0, value]) * TABLE_CELLS / TABLE_END
     table[0, slope] = 1.5 * rise - 0.5 * table[1, slope]
+
+
+@cache
+def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
+    """The table of `fill_factor_table`."""
+    table = np.empty(TABLE)
+    fill_factor_table(share, gamma_skirt, gamma_bore, table)
     return table

@@ -10,11 +10,12 @@ from ..master.fmi.compiled import compiled
 from . import friction, storage, transport
 from .asperity import ContactConstants
 from .contact import Contact, contact, contact_changes
-from .faults import FORCES_NOT_FINITE, NO_FILM, refuse
+from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .film_step import Domain, FilmSolution
-from .films import COUETTE
-from .friction import ShearConstants, ShearForces, ShearInputs
+from .films import COUETTE, FilmSlopes
+from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
 from .grid import Array, Edges, Flags
+from .piezoviscosity import TruePressure, raised
 from .storage import EulerStep, Past
 from .summary import Halves, Summary, summarise
 from .transport import Pace, PastTransport
@@ -91,11 +92,14 @@ def lift(before: Before, pace: Pace, edges: Edges, step: float, domain: Domain):
 
 @compiled
 def check_film(film_thickness: Array, faults: Array):
-    """Note a fault where surfaces are apart nowhere."""
+    """Note a fault where surfaces are apart nowhere, or the first film that is no number."""
     best_i = 0
     best_j = 0
     for i in range(film_thickness.shape[0]):
         for j in range(film_thickness.shape[1]):
+            if not np.isfinite(film_thickness[i, j]):
+                refuse(faults, FILM_NOT_FINITE, i, j, film_thickness[i, j], 0.0, 0.0)
+                return
             if film_thickness[i, j] > film_thickness[best_i, best_j]:
                 best_i = i
                 best_j = j
@@ -439,7 +443,61 @@ def account(
     return Account(totals, share, oil_in(found.content, acted.shear.area), gain)
 
 
-# ---- derivatives of the contact's forces, where surfaces touch
+# ---- derivatives of the forces
+
+
+@compiled
+def force_slopes(
+    shear: ShearInputs,
+    film: Array,
+    slopes: FilmSlopes,
+    shares: tuple[Array, Array],
+    under: TruePressure,
+    by_oil: bool,
+):
+    """Derivatives of the forces but for contact, that every direction shares.
+
+    Parameters
+    ----------
+    shear : friction.ShearInputs
+    film : ndarray, shape (6, n_c, n_a)
+        Quantities of `films`, without the viscosity under pressure.
+    slopes : films.FilmSlopes
+        Of `film`.
+    shares : tuple of ndarray, shape (n_c, n_a)
+        Derivatives of reduced pressure and film fraction to the signed unknown.
+    under : piezoviscosity.TruePressure
+    by_oil : bool
+        Whether the oil alone shears in cavities.
+
+    Returns
+    -------
+    friction.ForceSlopes
+    """
+    of_pressure, of_fraction = shares
+    n_c, n_a = of_pressure.shape
+    by_pressure = np.zeros((n_c, n_a))
+    if under.ratio.size > 0:
+        of_pressure = of_pressure.copy()
+        for i in range(n_c):
+            for j in range(n_a):
+                sheared = -shear.area[i, j] * shear.shearing[i, j] * shear.velocity[i, j]
+                by_pressure[i, j] = sheared * film[COUETTE, i, j] * under.slope[i, j]
+                of_pressure[i, j] *= under.ratio[i, j]  # dp/dq, Eq. (O6)
+    by_film = raised(slopes.by_film, under.ratio)
+    by_velocity = raised(slopes.by_velocity, under.ratio)
+    if not by_oil:
+        of_fraction = np.zeros((n_c, n_a))
+    return ForceSlopes(
+        friction.shear_slopes(shear, FilmSlopes(by_film, by_velocity), by_pressure),
+        shear.area,
+        of_pressure,
+        of_fraction,
+        shear.constants.dy,
+    )
+
+
+# ---- where surfaces touch
 
 
 @compiled

@@ -8,8 +8,8 @@ import numpy as np
 
 from .cavitation import NotConverged
 from .grid import Array, Edges, in_plenty
-from .oil import Piezoviscosity
 from .parameters import CONDITION_NAMES, Parameters, bore_faults, edge_faults
+from .piezoviscosity import PressureLaw, reduced_at_edges
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Surroundings:
         Edge pressures above cavitation pressure [Pa].
     temperature, viscosity : ndarray, shape (n_c, n_a)
         T [K], low-shear mu_0 [Pa s].
-    piezoviscosity : oil.Piezoviscosity or None
+    pressure_law : piezoviscosity.PressureLaw
     ring_layer, splash : float
         Oil that the ring leaves above the skirt [m], and that is thrown below it [m/s].
     opening : float
@@ -36,7 +36,7 @@ class Surroundings:
     upper: float
     temperature: Array
     viscosity: Array
-    piezoviscosity: Piezoviscosity | None
+    pressure_law: PressureLaw
     ring_layer: float
     splash: float
     opening: float
@@ -81,7 +81,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
         np.asarray(conditions.get("oil_temperature", profile), dtype=float), p.shape
     )
     viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
-    law = p.oil.piezoviscosity(viscosity.mean())
+    law = p.oil.pressure_law(viscosity)
     below = given["film_fraction_lower_edge"]
     opening, entering = lower, below
     if p.opening_supply == "own":
@@ -90,8 +90,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     # both ends of a sector are openings
     pressure = np.array([lower, upper, opening, opening, opening])
     fraction = np.array([below, given["film_fraction_upper_edge"], entering, entering, entering])
-    reduced = law.reduced(pressure) if law else pressure
-    edges = Edges(reduced, fraction, in_plenty(p.shape))
+    edges = Edges(reduced_at_edges(law, pressure), fraction, in_plenty(p.shape))
     return Surroundings(
         edges,
         lower,

@@ -701,7 +701,8 @@ def oil_checks() -> Checks:
             reason="three printed digits",
         )
     engine = oil.Oil("vogel_1921", shear_thinning_law="cross_1965")
-    halfway, _ = engine.thinning(10.0 ** (2.5 + 0.0213 * 100.0), oil.ZERO_CELSIUS + 100.0)
+    rate = 10.0 ** (2.5 + 0.0213 * 100.0)
+    halfway, _ = oil.thinning(engine.thinning, rate, oil.ZERO_CELSIUS + 100.0)
     yield Check(
         "Engine oil, Cross law at 100 C",
         "mu/mu_0 at the critical shear rate [-]",
@@ -726,7 +727,7 @@ def roughness_checks() -> Checks:
         yield Check(
             "Patir-Cheng",
             f"phi_f({separation:g}) [-]",
-            roughness.shear_stress_factor(separation),
+            roughness.shear_stress_factor(separation).value,
             reference,
             1e-4,
             kind="absolute",
@@ -738,7 +739,7 @@ def roughness_checks() -> Checks:
         yield Check(
             "Patir-Cheng",
             f"phi_x(2), gamma = {gamma:.3g} [-]",
-            roughness.pressure_flow_factor(2.0, gamma),
+            roughness.pressure_flow_factor(2.0, gamma).value,
             reference,
             1e-12,
             kind="relative",
@@ -749,7 +750,7 @@ def roughness_checks() -> Checks:
         yield Check(
             "Patir-Cheng",
             f"Phi_s({separation:g}), gamma = 1 [-]",
-            roughness.shear_flow_factor(separation, 1.0),
+            roughness.shear_flow_factor(separation, 1.0).value,
             reference,
             1e-12,
             kind="relative",
@@ -759,17 +760,17 @@ def roughness_checks() -> Checks:
     table = roughness.factor_table(1.0, 1.0, 1.0)
     rough, _ = rough_film(np.array([[2.0]]), np.ones((1, 1)), FLOOR, 1.0, table)
     for name, value, reference in (
-        ("average gap", rough[STORED], roughness.average_gap(2.0)),
+        ("average gap", rough[STORED], roughness.average_gap(2.0).value),
         (
             "conductivity",
             rough[CONDUCTIVITY_A],
-            roughness.pressure_flow_factor(2.0, 1.0) * 8.0 / 12.0,
+            roughness.pressure_flow_factor(2.0, 1.0).value * 8.0 / 12.0,
         ),
         (
             "shear",
             rough[COUETTE],
-            0.5 * roughness.shear_stress_factor(2.0)
-            + 0.5 * roughness.sliding_stress_factor(2.0, 1.0),
+            0.5 * roughness.shear_stress_factor(2.0).value
+            + 0.5 * roughness.sliding_stress_factor(2.0, 1.0).value,
         ),
     ):
         yield Check(

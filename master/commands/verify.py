@@ -29,8 +29,9 @@ def command(
     ----------
     parts
         ehd, mfbd, master, coupled; all of them by default. Or importers: how far the engine FMU in
-        FMI 2.0 and 3.0 is from a run, by a host of plain C and by each independent importer that is
-        installed, here and in the Pythons that PISTON_COSIM_PYTHONS names, separated by colons.
+        FMI 2.0 and 3.0, with Python and native, is from a run, by a host of plain C and by each
+        independent importer that is installed, here and in the Pythons that PISTON_COSIM_PYTHONS
+        names, separated by colons.
     all_
         The slow studies too (minutes).
     output

@@ -46,7 +46,9 @@ OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
     "products": {"native_dot", "native_times"},
-    "functions": {"ceil", "exp", "floor", "hypot", "log10", "pow", "sqrt", "tanh"},
+    "functions": {
+        *("ceil", "erf", "exp", "expm1", "floor", "hypot", "log10", "log1p", "pow", "sqrt", "tanh")
+    },
 }
 """All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
 libm. Whatever else numba would call is Python's."""

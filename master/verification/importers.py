@@ -2,9 +2,10 @@
 what they see is from what `run` writes, over the whole case, the row before the first step
 included.
 
-`piston-cosim verify importers` tries them on the numerical example in FMI 2.0 and 3.0, and a host
-of plain C (host.c). Further interpreters are named by PISTON_COSIM_PYTHONS, separated by colons:
-their version of Python runs the FMUs too, and so do the importers installed there.
+`piston-cosim verify importers` tries them on the numerical example in FMI 2.0 and 3.0, with Python
+and without (native), and a host of plain C (host.c). Further interpreters are named by
+PISTON_COSIM_PYTHONS, separated by colons: their version of Python runs the FMUs too, and so do the
+importers installed there.
 """
 
 import json
@@ -36,6 +37,9 @@ ALLOWED = 1e-5
 """Of an output's range over the run. An importer whose clock counts whole nanoseconds takes steps
 8e-6 longer than the case's: it is held against a run in just these steps.
 """
+
+NATIVE = "resources/slave.bin"
+"""What an FMU that needs no Python holds."""
 
 MARK = "seen: "
 COMMON = f"""
@@ -316,13 +320,14 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     from ..participants.fmi2 import unpack
 
     folder = unpack(fmu)
+    needed = () if (Path(folder) / NATIVE).exists() else PACKAGES
     arguments = (fmu, folder, count, repr(step), json.dumps(WATCHED))
     yield Trial(HOST, "-", "-", _ask_host(folder, count, step))
     offered = {name: one for name, one in IMPORTERS.items() if version in one.versions}
     absent = dict.fromkeys(offered)
     for python in pythons:
         release = str(_ask(python, "import platform; print(platform.python_version())"))
-        _, *lacking = str(_ask(python, LACKING.format(names=PACKAGES))).split()
+        _, *lacking = str(_ask(python, LACKING.format(names=needed))).split()
         for name, importer in offered.items():
             asked = f"import importlib.metadata as m; print(m.version({importer.package!r}))"
             installed = str(_ask(python, asked)) if importer.package else "-"
@@ -460,6 +465,34 @@ def engine(changes, versions, say, folder):
     return reference, fmus, float(reference[1, 0])
 
 
+def native_engine(changes, versions, say):
+    """Its engine FMUs without Python, by version; none where they cannot be built.
+
+    Parameters
+    ----------
+    changes, versions, say
+        As in `engine`.
+
+    Returns
+    -------
+    dict of str to Path
+    """
+    from ..case.export import export_fmu
+    from ..case.schema import check_case, find_case, read_tree
+    from ..fmi.builder_native import too_old
+    from ..fmi.compiler import compiler
+
+    lacking = too_old() if compiler() else ["a C compiler is needed, for Linux on x86-64"]
+    if lacking:
+        say(f"no native FMU is tried: {'; '.join(lacking)}")
+        return {}
+    path = find_case("numerical_example")
+    case = check_case(read_tree(path, changes), path)
+    return {
+        version: export_fmu(case, path.parent, say, version, ("linux64",)) for version in versions
+    }
+
+
 def shipped_run(changes, say, file):
     """What a run of the numerical example writes.
 
@@ -550,12 +583,15 @@ def verify_importers(console, say, changes=()):
             ticked, _ = in_whole_ticks(changes, step, tick)
             return shipped_run(ticked, say, Path(scratch) / "ticked.h5")
 
-        for fmi, fmu in fmus.items():
+        forms = [(fmi, fmi, fmu) for fmi, fmu in fmus.items()]
+        without = native_engine(list(changes), versions, say)
+        forms += [(f"{fmi} native", fmi, fmu) for fmi, fmu in without.items()]
+        for form, fmi, fmu in forms:
             for trial in try_importers(fmu, fmi, count, step, pythons):
-                say(f"FMI {fmi}: {trial.importer}")
+                say(f"FMI {form}: {trial.importer}")
                 verdict, said = judged(trial, held_against(trial.tick))
                 failed += verdict == "FAIL"
-                table.add_row(verdict, fmi, trial.importer, trial.version, trial.python, said)
+                table.add_row(verdict, form, trial.importer, trial.version, trial.python, said)
     for name, source in ELSEWHERE.items():
         table.add_row("-", "", name, "-", "-", f"{NOT_INSTALLED}: {source}")
     console.print(table)

@@ -193,6 +193,16 @@ def test_a_film_in_cut_outs_alone_is_none():
         model.advance(state, film, np.zeros(SHAPE), 1e-4)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_film_that_is_no_number_is_refused_by_its_cell(wrong):
+    model = LubricationModel(Parameters(SHAPE))
+    film = np.full(SHAPE, 1e-5)
+    state, _ = model.start(film, np.zeros(SHAPE))
+    film[2, 4] = wrong
+    with pytest.raises(NotConverged, match=rf"film_thickness\[3,5\] = {wrong:g} m: must be finite"):
+        model.advance(state, film, np.zeros(SHAPE), 1e-4)
+
+
 def test_coating_yields_by_its_compliance():
     film, velocity = motored_film(SHAPE, 31 * DEGREE)
     for parameters in (

@@ -96,6 +96,19 @@ WINDOWS = [
 
 
 FED = dict(opening_supply="own", pressure_openings=2e5)
+ROELANDS = dict(
+    viscosity_law="vogel_1921",
+    pressure_viscosity_law="roelands_1966",
+    pressure_viscosity_coefficient=3e-8,
+)
+
+ROUGH = dict(
+    roughness_rms=3e-6,
+    flow_factors="patir_cheng_1978",
+    peklenik_number_skirt=4.0,
+    roughness_share_skirt=0.2,
+)
+COATED = dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6)
 
 
 @pytest.mark.parametrize(
@@ -113,6 +126,12 @@ FED = dict(opening_supply="own", pressure_openings=2e5)
         ),
         (dict(FED, roughness_rms=3e-6, cavitation_pressure=-5e4), WINDOWS),
         (dict(opening_supply="own", film_fraction_openings=0.6, cavity_shear="full_film"), WINDOWS),
+        (dict(pressure_viscosity_law="barus_1893", pressure_upper_edge=3e5), None),
+        (dict(ROELANDS, roughness_rms=3e-6, oil_temperature_upper_edge=420.0), None),
+        (dict(shear_thinning_law="cross_1965", roughness_rms=3e-6), None),
+        (dict(ROUGH, film_fraction_upper_edge=0.6), WINDOWS),
+        (dict(COATED, film_fraction_lower_edge=0.7), None),
+        (dict(COATED | ROELANDS | ROUGH, shear_thinning_law="carreau_1972"), WINDOWS),
     ],
 )
 def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):

@@ -18,8 +18,8 @@ from piston_cosim.fmu_ehd.films import (
     QUANTITIES,
     FilmSlopes,
     smooth_film,
-    thin,
 )
+from piston_cosim.fmu_ehd.flow_film import FilmLaws, Sheared, flow_film
 from piston_cosim.fmu_ehd.grid import (
     CENTRE,
     EAST,
@@ -30,6 +30,8 @@ from piston_cosim.fmu_ehd.grid import (
     Entrainment,
     in_plenty,
 )
+from piston_cosim.fmu_ehd.oil import CROSS_1965, Thinning
+from piston_cosim.fmu_ehd.piezoviscosity import TruePressure
 from piston_cosim.fmu_ehd.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
 
 VISCOSITY = 0.012  # [Pa s]
@@ -133,21 +135,31 @@ def test_below_the_floor_nothing_follows_the_film():
 
 
 def test_thinned_film_follows_film_and_velocity():
-    """m(|V|/h) = mu/mu_0 = 2/5, m' = -2e-8 s at V = -3 m/s: dm/dh = -m' |V|/h^2 = 5000/3 1/m,
-    dm/dV = m' sign(V)/h = 1/300 s/m;  c = m mu_0/h,  g = h^3/(12 m mu_0).
+    """Cross, n = 1, m = 1/5, at three times the critical shear rate g_c = 1/h per second: mu/mu_0 =
+    1/5 + 4/5 / 4 = 2/5, its derivative -1/(20 g_c) = -h/20 s at V = -3 m/s; to the film 3/(20 h)
+    1/m, to the velocity 1/20 s/m;  c = m mu_0/h,  g = h^3/(12 m mu_0). Below the floor it
+    follows the velocity alone; W shears it as V does; at rest it is thick.
     """
-    one = np.ones((1, 1))
-    film, by_film = parallel((1, 1))
-    slopes = thin(film, by_film, 0.4 * one, -2e-8 * one, FILM * one, one > 0.0, -3.0 * one)
+    law = Thinning(CROSS_1965, 0.2, 1.0, -np.log10(FILM), 0.0)
+    laws = FilmLaws(FILM, 0.0, np.zeros((0, 0)), law)
+    thickness = FILM * np.array([[1.0 + 1e-15, 0.5, 0.5, 0.5]])
+    velocity = np.array([[-3.0, -3.0, 0.0, 0.0]])
+    turning = np.array([[0.0, 0.0, 3.0, 0.0]])
+    viscosity = np.full((1, 4), VISCOSITY)
+    sheared = Sheared(velocity, turning, viscosity, np.full((1, 4), 350.0))
+    film, slopes, around = flow_film(thickness, sheared, laws)
     couette = VISCOSITY / FILM
-    assert film[COUETTE, 0, 0] == near(0.4 * couette)
-    assert slopes.by_film[COUETTE, 0, 0] == near(couette * (5000.0 / 3.0 - 0.4 / FILM))
-    assert slopes.by_velocity[COUETTE, 0, 0] == near(couette / 300.0)
+    assert film[COUETTE, 0] == near(couette * np.array([0.4, 0.4, 0.4, 1.0]))
+    assert slopes.by_film[COUETTE, 0] == near(
+        np.array([couette * (0.15 / FILM - 0.4 / FILM), 0.0, 0.0, 0.0])
+    )
+    assert slopes.by_velocity[COUETTE, 0] == near(couette * 0.05 * np.array([1.0, 1.0, 0.0, 0.0]))
+    assert around.by_velocity[COUETTE, 0] == near(-couette * 0.05 * np.array([0.0, 0.0, 1.0, 0.0]))
     assert film[CONDUCTIVITY_A, 0, 0] == near(CONDUCTIVITY / 0.4)
     by_factor = CONDUCTIVITY / 0.16
-    steeper = CONDUCTIVITY / 0.4 * 3.0 / FILM - by_factor * 5000.0 / 3.0
+    steeper = CONDUCTIVITY / 0.4 * 3.0 / FILM - by_factor * 0.15 / FILM
     assert slopes.by_film[CONDUCTIVITY_A, 0, 0] == near(steeper)
-    assert slopes.by_velocity[CONDUCTIVITY_A, 0, 0] == near(-by_factor / 300.0)
+    assert slopes.by_velocity[CONDUCTIVITY_A, 0, 0] == near(-by_factor * 0.05)
 
 
 def test_contact_at_no_distance_follows_the_film():
@@ -177,8 +189,8 @@ def test_layer_and_asperities_are_springs_in_series():
     one = np.ones((1, 1))
     shares = np.array([0.5, 0.2, 0.1, 0.15, 0.05])[:, None, None]
     touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares, 0.0 * one)
-    assert coating.yielding(c, touching) == near(np.full((1, 1), 1.0 / 3.0))
-    tangent = coating.PressureTangent(0.0 * one, 1.0, 0.0 * one)
-    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, tangent)
+    assert coating.yielding(c, touching.pressure_slope) == near(np.full((1, 1), 1.0 / 3.0))
+    still = TruePressure(0.0 * one, np.zeros((0, 0)), np.zeros((0, 0)))
+    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, still, 0.0 * one)
     assert weight == near(c / 3.0 * one)
     assert offset == near(1e-7 * one)

@@ -16,6 +16,7 @@ from piston_cosim.master.verification.importers import (
     engine,
     in_whole_ticks,
     judged,
+    native_engine,
     shipped_run,
     try_importers,
 )
@@ -35,6 +36,12 @@ def shipped(tmp_path_factory):
     return engine(SMALL, ("2.0", "3.0"), print, tmp_path_factory.mktemp("run"))
 
 
+@pytest.fixture(scope="module")
+def native_forms():
+    """The engine FMU without Python, by version."""
+    return native_engine(SMALL, ("2.0", "3.0"), print) or pytest.skip("cannot be built here")
+
+
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_every_importer_gives_what_run_writes(shipped, version):
     """Row 0 included; those that are installed in any case must be among them."""
@@ -47,6 +54,18 @@ def test_every_importer_gives_what_run_writes(shipped, version):
     here |= {"Python alone (ctypes)"} if version == "2.0" else set()
     assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
     assert verdicts.keys() - {HOST} == {n for n, i in IMPORTERS.items() if version in i.versions}
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_every_importer_takes_native_fmus(shipped, native_forms, version):
+    """Whatever Python has: a native FMU needs none of it."""
+    reference, _, step = shipped
+    trials = list(try_importers(native_forms[version], version, STEPS, step))
+    verdicts = {trial.importer: judged(trial, reference) for trial in trials}
+    assert [name for name, (verdict, _) in verdicts.items() if verdict == "FAIL"] == [], verdicts
+    here = {HOST, "fmpy in process", "fmpy simulate", "fmpy validate"}
+    here |= {"Python alone (ctypes)"} if version == "2.0" else set()
+    assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
 
 
 def test_a_clock_of_whole_nanoseconds_is_held_against_a_run_in_its_steps(shipped, tmp_path):

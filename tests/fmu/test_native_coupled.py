@@ -312,7 +312,7 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         ("coupling.method", "iqn_ils"),
         ("coupling.differences", True),
         ("wires.0.relative_tolerance", 1e-3),
-        ("participants.ehd.parameters.flow_factors", "patir_cheng_1978"),
+        ("participants.ehd.parameters.oil_supply", "bore"),
         ("participants.bodies.build.mounted", True),
     ]
     case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
@@ -324,7 +324,7 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         "coupling.method = iqn_ils: a native FMU covers newton",
         "coupling.differences = true: a native FMU covers false",
         "wire bodies.film_thickness -> ehd.film_thickness: relative_tolerance = 0.001",
-        "participants.ehd: flow_factors = patir_cheng_1978: a native FMU covers none",
+        "participants.ehd: oil_supply = bore: a native FMU covers edges",
         "participants.bodies: mounted: a native FMU has no mounted block",
     ):
         assert words in said
@@ -332,15 +332,11 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
 
 def test_numbers_that_are_not_covered_are_refused_before_anything_is_compiled(monkeypatch):
     monkeypatch.setattr(export, "pack_native_fmu", lambda *_, **__: pytest.fail("compiled"))
-    changes = [
-        ("participants.ehd.parameters.coating_thickness", "10 um"),
-        ("participants.bodies.parameters.quasi_static_frequency", "20 kHz"),
-    ]
+    changes = [("participants.bodies.parameters.quasi_static_frequency", "20 kHz")]
     case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
     with pytest.raises(BadInput) as refusal:
         export_fmu(case, PATH.parent, print, "2.0", ["linux64"])
     said = str(refusal.value)
-    assert "participants.ehd: coating_thickness = 1e-05: a native FMU covers 0" in said
     assert "participants.bodies: quasi_static_frequency = 20000: a native" in said
 
 
@@ -348,7 +344,7 @@ def test_numbers_that_are_not_covered_are_refused_before_anything_is_compiled(mo
     "values, words",
     [
         (dict(radial_clearance=-1.0), "radial_clearance = -1 m: allowed is 1e-06 to 0.001 m"),
-        (dict(flow_factors=2), "flow_factors = 2 patir_cheng_1978: a native FMU covers 1 none"),
+        (dict(oil_supply=2), "oil_supply = 2 bore: a native FMU covers 1 edges"),
         (dict(crank_free=1), "crank_free = 1: a native FMU covers 0 to 0"),
         (dict(rod_length=0.02), "bodies: rod_length = 0.02 m: must exceed crank_radius plus"),
         (dict(film_fraction_openings=0.5), "ehd: film_fraction_openings = 0.5 (unit 1)"),

@@ -1,0 +1,214 @@
+"""The film of a step under a coating that yields to the pressure, by Newton's method, `coating`.
+
+As in `film_step`, Python runs it as written with a sparse solver; with dense blocks, and in a
+native FMU, it is one kernel.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compilable, compiled
+from . import cavitation, coating, film_step
+from .asperity import ContactConstants
+from .blocks import Factors
+from .coating import Softness
+from .contact import contact
+from .faults import DEFLECTION_NOT_FOUND, refuse
+from .film_step import Domain, FilmSolution, Given, film_slopes, lift_along
+from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
+from .grid import Array, Entrainment
+from .piezoviscosity import PressureLaw, true_pressure
+from .reynolds import BY_FILM, Filling
+from .sparse import LinearSolver
+
+
+class Layer(NamedTuple):
+    """A coating, and what stays of the film above it.
+
+    compliance : c [m/Pa]; contact : asperity.ContactConstants; laws : flow_film.FilmLaws;
+    pressure : piezoviscosity.PressureLaw; share : entrainment velocity in the frame of the grid to
+    the sliding velocity [-].
+    """
+
+    compliance: float
+    contact: ContactConstants
+    laws: FilmLaws
+    pressure: PressureLaw
+    share: float
+
+
+class Pressed(NamedTuple):
+    """How a step under a coating begins.
+
+    hard_film, deflection, unknown : ndarray, shape (n_c, n_a), film thickness without the
+    deflection at the end of the step, deflection and signed unknown at its beginning;
+    sheared : flow_film.Sheared, at its end.
+    """
+
+    hard_film: Array
+    deflection: Array
+    unknown: Array
+    sheared: Sheared
+
+
+class CoatedFilm(NamedTuple):
+    """Film of a step: deflection [m], flow_film.FlowFilm, film_step.Given and FilmSolution."""
+
+    deflection: Array
+    flow: FlowFilm
+    given: Given
+    solution: FilmSolution
+
+
+@compiled
+def _full_cells(unknown):
+    n_c, n_a = unknown.shape
+    full = np.empty((n_c, n_a), np.bool_)
+    for i in range(n_c):
+        for j in range(n_a):
+            full[i, j] = unknown[i, j] > 0.0
+    return full
+
+
+@compiled
+def _sum(hard_film, deflection, floor):
+    """Film thickness, Eq. (L2), and the same not below a floor."""
+    n_c, n_a = hard_film.shape
+    film = np.empty((n_c, n_a))
+    above = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            film[i, j] = hard_film[i, j] + deflection[i, j]  # Eq. (L2)
+            above[i, j] = max(film[i, j], floor)
+    return film, above
+
+
+@compiled
+def softness(
+    pressed: Pressed,
+    layer: Layer,
+    given: Given,
+    flow: FlowFilm,
+    filling: Filling,
+    domain: Domain,
+):
+    """`coating.Softness` about a film.
+
+    Parameters
+    ----------
+    pressed : Pressed
+        With the deflection of this film.
+    layer : Layer
+    given : film_step.Given
+        With the quantities of this film.
+    flow : flow_film.FlowFilm
+    filling : reynolds.Filling
+    domain : film_step.Domain
+    """
+    deflection = pressed.deflection
+    slopes = film_slopes(
+        flow.quantities,
+        flow.slopes,
+        given.entrainment,
+        Entrainment(np.zeros(deflection.shape), np.full(deflection.shape, layer.share)),
+        filling,
+        given.edges,
+        given.start.length,
+        domain,
+    )
+    touching = contact(
+        pressed.hard_film, deflection, domain.open_cells, layer.contact, domain.cells.ring
+    )
+    reduced = filling.pressure
+    under = true_pressure(layer.pressure, reduced)
+    weight, offset = coating.linear_deflection(
+        layer.compliance, deflection, touching, under, reduced
+    )
+    return Softness(slopes[BY_FILM], weight, offset)
+
+
+@compilable
+def solve(
+    pressed: Pressed,
+    layer: Layer,
+    given: Given,
+    domain: Domain,
+    solver: LinearSolver | Factors,
+    faults: Array,
+) -> CoatedFilm:
+    """Film of a step; a fault is noted where there is none.
+
+    Parameters
+    ----------
+    pressed : Pressed
+    layer : Layer
+    given : film_step.Given
+        Whatever its film and softness.
+    domain : film_step.Domain
+    solver : sparse.LinearSolver or blocks.Factors
+    faults : ndarray
+        As in `film_step.solve`; a deflection that is not found, with the last change and its cell.
+
+    Returns
+    -------
+    CoatedFilm
+    """
+    hard_film, deflection, unknown, sheared = pressed
+    full = _full_cells(unknown)
+    guess = given.full
+    lift = lift_along(given.lift, given.entrainment.axial, domain.model)
+    factorisations = 0
+    iteration = 0
+    while True:
+        film, above = _sum(hard_film, deflection, layer.laws.minimum_flow_film)
+        flow = flow_film(film, sheared, layer.laws)
+        reduced, deficit = cavitation.interpret(domain.model, unknown, full)
+        bare = Given(
+            flow.quantities,
+            given.entrainment,
+            given.edges,
+            given.start,
+            guess,
+            given.softness,
+            given.lift,
+        )
+        here = Pressed(hard_film, deflection, unknown, sheared)
+        filling = Filling(reduced, 1.0 + deficit, lift)
+        soft = softness(here, layer, bare, flow, filling, domain)
+        now = Given(
+            flow.quantities, given.entrainment, given.edges, given.start, guess, soft, given.lift
+        )
+        found = film_step.solve(now, domain, solver, faults)
+        factorisations += found.iterations
+        iteration += 1
+        moved = coating.yielded(deflection, soft, found.pressure, above)
+        if moved.converged or iteration == coating.LIMIT or faults[0] > 0.0:
+            if faults[0] == 0.0 and not moved.converged:
+                most = float(coating.LIMIT)
+                refuse(faults, DEFLECTION_NOT_FOUND, moved.i, moved.j, most, moved.change, 0.0)
+            return CoatedFilm(deflection, flow, now, _counted(found, factorisations))
+        deflection = moved.deflection
+        unknown = found.unknown
+        full = found.full
+        guess = found.full
+
+
+@compilable
+def _counted(found: FilmSolution, iterations: int) -> FilmSolution:
+    """The same solution with the factorisations of all iterations."""
+    return FilmSolution(
+        found.unknown,
+        found.pressure,
+        found.film_fraction,
+        found.content,
+        found.full,
+        found.axial_flow,
+        found.edge_flow,
+        found.from_openings,
+        found.spilled,
+        found.mass_imbalance,
+        iterations,
+        found.lift,
+        found.stencil,
+    )

@@ -1,0 +1,283 @@
+"""Viscosity by pressure, and the reduced pressure in which the film balance is linear: barus_1893
+and roelands_1966.
+
+Eq. (O4):  mu = mu_0 exp(alpha p)
+Eq. (O5):  mu = mu_0 exp{(ln mu_0 + 9.67) [(1 + p / 1.96e8)^Z - 1]},
+           Z = alpha 1.96e8 / (ln mu_0 + 9.67)
+Eq. (O6):  q = int_0^p mu_0/mu dp
+
+By Eq. (O4) it is q = (1 - exp(-alpha p)) / alpha; by Eq. (O5) a table with exact slopes, read in
+both directions. Eq. (O6) is exact where alpha and Z do not vary over the film; with a temperature
+field Z belongs to the mean of mu_0.
+
+A law holds up to mu/mu_0 = `LARGEST_RATIO`, the viscosity is constant beyond. Without the limit q
+would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q
+exists and grows steeply. Skirt films stay far below it.
+
+References
+----------
+[Barus1893] C. Barus, Am. J. Sci. 45 (1893) 87.
+[Roelands1966] C. J. A. Roelands, thesis, Delft 1966.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compilable, compiled
+from .films import COUETTE
+from .grid import Array
+
+PRESSURE_VISCOSITY_LAWS = ("none", "barus_1893", "roelands_1966")
+NONE, BARUS_1893, ROELANDS_1966 = range(len(PRESSURE_VISCOSITY_LAWS))
+
+POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
+POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
+# mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
+LARGEST_RATIO = 1e3
+TABLE_CELLS = 2000  # of Eq. (O6): interpolation error below 1 mPa
+OF_PRESSURE, OF_REDUCED, OF_RATIO = range(3)  # rows of the table
+TABLE = (3, TABLE_CELLS + 1)
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
+
+
+class PressureLaw(NamedTuple):
+    """A pressure law with its constants.
+
+    kind : number in `PRESSURE_VISCOSITY_LAWS`; alpha : slope of ln mu at p = 0 [1/Pa];
+    level, z : ln mu_0 + 9.67 and Z of Eq. (O5) [-]; limit : pressure up to which it holds [Pa];
+    most : its q [Pa];
+    table : ndarray, shape (3, 2001), p, q [Pa] and mu/mu_0 [-]; used by Eq. (O5) alone.
+    """
+
+    kind: int
+    alpha: float
+    level: float
+    z: float
+    limit: float
+    most: float
+    table: Array
+
+
+class TruePressure(NamedTuple):
+    """True pressure of a film, with the viscosity under it; arrays of shape (n_c, n_a).
+
+    pressure : p above cavitation pressure [Pa];
+    ratio, slope : mu/mu_0 = dp/dq [-] and its derivative to p [1/Pa]; of shape (0, 0) without
+    piezoviscosity.
+    """
+
+    pressure: Array
+    ratio: Array
+    slope: Array
+
+
+@compilable
+def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> PressureLaw:
+    """The pressure law of an oil.
+
+    Parameters
+    ----------
+    kind : int
+        Number in `PRESSURE_VISCOSITY_LAWS`.
+    alpha : float
+        [1/Pa].
+    viscosity : ndarray, shape (n_c, n_a)
+        Low-shear mu_0 [Pa s]; its mean is that of Eq. (O5).
+    table : ndarray, shape (3, 2001)
+        Overwritten by the table of Eq. (O5).
+
+    Returns
+    -------
+    PressureLaw
+    """
+    if kind == BARUS_1893:
+        return _barus_1893(alpha, table)
+    if kind == ROELANDS_1966:
+        return _roelands_1966(alpha, viscosity, table)
+    return PressureLaw(NONE, alpha, 0.0, 0.0, np.inf, np.inf, table)
+
+
+@compiled
+def _barus_1893(alpha, table):
+    limit = np.log(LARGEST_RATIO) / alpha
+    most = -np.expm1(-alpha * limit) / alpha  # Eq. (O6)
+    return PressureLaw(BARUS_1893, alpha, 0.0, 0.0, limit, most, table)
+
+
+@compiled
+def _roelands_1966(alpha, viscosity, table):
+    total = 0.0
+    for i in range(viscosity.shape[0]):
+        for j in range(viscosity.shape[1]):
+            total += viscosity[i, j]
+    level = np.log(total / viscosity.size) + POLE_LOGARITHM
+    z = alpha * POLE_PRESSURE / level
+    growth = np.log(LARGEST_RATIO) / level + 1.0
+    limit = POLE_PRESSURE * (growth ** (1.0 / z) - 1.0)
+    law = PressureLaw(ROELANDS_1966, alpha, level, z, limit, 0.0, table)
+    _fill_table(law)
+    most = table[OF_REDUCED, TABLE_CELLS]
+    return PressureLaw(ROELANDS_1966, alpha, level, z, limit, most, table)
+
+
+@compiled
+def _fill_table(law):
+    """The table of Eq. (O5), q by Gauss points in each cell."""
+    step = law.limit / TABLE_CELLS
+    half = 0.5 * step
+    reduced = 0.0
+    for k in range(TABLE_CELLS + 1):
+        pressure = law.limit if k == TABLE_CELLS else k * step
+        law.table[OF_PRESSURE, k] = pressure
+        law.table[OF_REDUCED, k] = reduced
+        law.table[OF_RATIO, k], _ = _ratio_below(law, pressure)
+        part = 0.0
+        for m in range(GAUSS_NODES.size):
+            at, _ = _ratio_below(law, pressure + half * (1.0 + GAUSS_NODES[m]))
+            part += half * GAUSS_WEIGHTS[m] / at
+        reduced += part  # Eq. (O6)
+
+
+# ---- below the limit
+
+
+@compiled
+def _ratio_below(law, pressure):
+    """mu/mu_0 [-] and its derivative to p [1/Pa]."""
+    if law.kind == BARUS_1893:
+        ratio = np.exp(law.alpha * pressure)  # Eq. (O4)
+        return ratio, law.alpha * ratio
+    base = max(1.0 + pressure / POLE_PRESSURE, 1e-3)
+    ratio = np.exp(law.level * (base**law.z - 1.0))  # Eq. (O5)
+    return ratio, ratio * law.level * law.z / POLE_PRESSURE * base ** (law.z - 1.0)
+
+
+@compiled
+def _reduced_below(law, pressure):
+    """q [Pa] of p [Pa]."""
+    if law.kind == BARUS_1893:
+        return -np.expm1(-law.alpha * pressure) / law.alpha  # Eq. (O6)
+    return _read(law.table, OF_PRESSURE, OF_REDUCED, pressure)
+
+
+@compiled
+def _pressure_below(law, reduced):
+    """p [Pa] of q [Pa]."""
+    if law.kind == BARUS_1893:
+        return -np.log1p(-law.alpha * reduced) / law.alpha
+    return _read(law.table, OF_REDUCED, OF_PRESSURE, reduced)
+
+
+@compiled
+def _read(table, given, wanted, x):
+    """Cubic Hermite interpolation between nodes that need not be equally spaced."""
+    low = 0
+    high = table.shape[1] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[given, middle] < x:
+            low = middle
+        else:
+            high = middle
+    # dq/dp = mu_0/mu
+    m0 = table[OF_RATIO, low]
+    m1 = table[OF_RATIO, high]
+    if wanted == OF_REDUCED:
+        m0 = 1.0 / m0
+        m1 = 1.0 / m1
+    step = table[given, high] - table[given, low]
+    t = (x - table[given, low]) / step
+    rise = table[wanted, high] - table[wanted, low]
+    m0 *= step
+    m1 *= step
+    third = m0 + m1 - 2.0 * rise
+    return table[wanted, low] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * third))
+
+
+# ---- of any pressure
+
+
+@compiled
+def viscosity_ratio(law: PressureLaw, pressure: float):
+    """mu/mu_0 [-] at p [Pa] and its derivative to p [1/Pa]."""
+    ratio, slope = _ratio_below(law, min(pressure, law.limit))
+    return ratio, slope if pressure < law.limit else 0.0
+
+
+@compiled
+def reduced_pressure(law: PressureLaw, pressure: float):
+    """q [Pa] of p [Pa], Eq. (O6)."""
+    beyond = max(pressure - law.limit, 0.0)
+    return _reduced_below(law, min(pressure, law.limit)) + beyond / LARGEST_RATIO
+
+
+@compiled
+def pressure_of(law: PressureLaw, reduced: float):
+    """p [Pa] of q [Pa]."""
+    beyond = max(reduced - law.most, 0.0)
+    return _pressure_below(law, min(reduced, law.most)) + beyond * LARGEST_RATIO
+
+
+# ---- of a film
+
+
+@compilable
+def reduced_at_edges(law: PressureLaw, pressure: Array) -> Array:
+    """q [Pa] of the pressures at the edges, shape (5,)."""
+    return pressure if law.kind == NONE else _reduced_at_edges(law, pressure)
+
+
+@compiled
+def _reduced_at_edges(law, pressure):
+    reduced = np.empty(pressure.size)
+    for k in range(pressure.size):
+        reduced[k] = reduced_pressure(law, pressure[k])
+    return reduced
+
+
+@compilable
+def true_pressure(law: PressureLaw, reduced: Array) -> TruePressure:
+    """`TruePressure` of a reduced pressure, shape (n_c, n_a) [Pa]."""
+    if law.kind == NONE:
+        return TruePressure(reduced, np.zeros((0, 0)), np.zeros((0, 0)))
+    return _true_pressure(law, reduced)
+
+
+@compiled
+def _true_pressure(law, reduced):
+    n_c, n_a = reduced.shape
+    pressure = np.empty((n_c, n_a))
+    ratio = np.empty((n_c, n_a))
+    slope = np.empty((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            p = pressure_of(law, reduced[i, j])
+            pressure[i, j] = p
+            ratio[i, j], slope[i, j] = viscosity_ratio(law, p)
+    return TruePressure(pressure, ratio, slope)
+
+
+@compilable
+def raised(quantities: Array, ratio: Array) -> Array:
+    """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
+    Couette stress times mu/mu_0.
+
+    Parameters
+    ----------
+    quantities : ndarray, shape (6, n_c, n_a), or (0, n_c, n_a)
+    ratio : ndarray, shape (n_c, n_a)
+        Of `TruePressure`; of shape (0, 0) nothing is raised.
+    """
+    if ratio.size == 0 or quantities.shape[0] == 0:
+        return quantities
+    return _raised(quantities, ratio)
+
+
+@compiled
+def _raised(quantities, ratio):
+    whole = quantities.copy()
+    for i in range(ratio.shape[0]):
+        for j in range(ratio.shape[1]):
+            whole[COUETTE, i, j] *= ratio[i, j]
+    return whole
