@@ -324,6 +324,7 @@ def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
             *(compiler_of(platform) or ()),
             "-std=gnu11",
             "-O2",
+            "-ffp-contract=off",
             "-shared",
             *PLATFORMS[platform].options,
             *definitions(package, participants),
