@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import CALL, Entry, NativePart
+from ..fmi.native_parts import CALL, Entry, NativePart, size
 from . import native_calls
 from .native_block import (
     A_START,
@@ -234,15 +234,6 @@ def go_on(real, integer, memory, time, step):
 
 
 # ---- entries
-
-
-@compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Lengths, as the head of the memory tells them: of the whole, where its state begins and how
-    long that is, where faults are; into `numbers`.
-    """
-    for k in range(len(numbers)):
-        numbers[k] = memory[k]
 
 
 @compiled

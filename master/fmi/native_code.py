@@ -109,7 +109,7 @@ the one thread that is in a call of it."""
 
 WIDE = "+avx2"
 """What the processor of the second version of `TWICE` has: vectors of four numbers."""
-TWICE = ("invert_in_place", "substitute", "read", "read_both", "on_rows", "on_knots")
+TWICE = ("invert_in_place", "substitute", "read", "read_both")
 """Kernels that a library for x86-64 holds twice: loops where most of the time goes. Both have the
 same bits, for no multiplication is fused with an addition."""
 

@@ -70,12 +70,12 @@ def test_least_squares():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
-def arnoldi(products, images):
-    """Eq. (Q10) of any products: an orthonormal basis of the first k holds the k-th."""
+def arnoldi(rng, products, images):
+    """Eq. (Q10) of any products: a basis begun with any vector, the k-th within k + 2 of it."""
     count, n = products.shape
-    basis, triangle = np.linalg.qr(products.T)
+    basis, triangle = np.linalg.qr(np.vstack([rng.standard_normal(n), products]).T)
     hessenberg = np.zeros((count, count + 1))
-    hessenberg[:, : len(triangle)] = triangle.T
+    hessenberg[:, : len(triangle)] = triangle.T[1:]
     projected = np.zeros((count + 1, len(images)))
     projected[: basis.shape[1]] = (images @ basis).T
     return native_krylov.Arnoldi(hessenberg, projected)
@@ -93,7 +93,7 @@ def test_what_is_kept(filled, count):
     oldest = np.array([float(memory.oldest)])
     directions, products = rng.standard_normal((2, count, n))
     products[1] = 0.0
-    native_krylov.learn(directions, products, arnoldi(products, ours[0]), *ours, oldest)
+    native_krylov.learn(directions, products, arnoldi(rng, products, ours[0]), *ours, oldest)
     memory._learn(directions, products)
     for found, expected in zip(ours, (memory.images, memory.differences, memory.gram)):
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15)
