@@ -390,10 +390,9 @@ _pressure_scale = compiled(pressure_scale)
 def keep(place: Array, values: np.ndarray):
     """Copy an array into a part of the block of the same shape."""
     to = place.reshape(place.size)
-    k = 0
-    for value in values.flat:
-        to[k] = value
-        k += 1
+    of = values.reshape(values.size)
+    for k in range(to.size):
+        to[k] = of[k]
 
 
 @compiled

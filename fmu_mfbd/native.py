@@ -9,7 +9,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compiled
 from ..master.fmi.errors import BadInput
-from ..master.fmi.native_parts import Entry, NativePart
+from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.account import account
 from .dynamics.assembly import TURN, damping_at, machined_gap, measured, pin_height
@@ -668,15 +668,6 @@ def make_linear(memory, system):
 
 
 # ---- entries
-
-
-@compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Lengths, as the head of the memory tells them: of the whole, where its state begins and how
-    long that is, where faults are; into `numbers`.
-    """
-    for k in range(len(numbers)):
-        numbers[k] = memory[k]
 
 
 @compiled

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import CALL, Entry, NativePart
+from ..fmi.native_parts import CALL, Entry, NativePart, size
 from . import native_calls
 from .native_block import (
     A_START,
@@ -32,9 +32,11 @@ from .native_block import (
     LAST_KIND,
     LAST_NUMBERS,
     LAST_OUTPUTS,
+    LAST_PRINT,
     LAST_STEP,
     LAST_TIME,
     LENGTH,
+    MARKS,
     MEMORIES,
     MEMORY,
     NO_STEP,
@@ -67,6 +69,7 @@ from .native_block import (
     wire_of,
 )
 from .native_calls import START
+from .native_journal import open_journal, print_of, take_back
 from .native_newton import (
     answered,
     feed,
@@ -143,6 +146,7 @@ def remember(real, memory, kind, time, step):
     last[LAST_KIND] = kind
     last[LAST_TIME] = time
     last[LAST_STEP] = step
+    last[LAST_PRINT] = print_of(memory)
     for k in range(count(memory, EXPOSED_COUNT)):
         kept_of(real, memory, exposed_of(memory, k), True)
 
@@ -219,28 +223,17 @@ def go_on(real, integer, memory, time, step):
     """From where the participants stand to time + step, as `Coupled.advance`; False where that
     cannot be, and the state stays.
     """
-    state = state_in(memory)
-    before = part(memory, BEFORE)
-    keep(before, state)
+    open_journal(memory)
     restore(memory, STANDING)
     take(real, integer, memory, IS_INPUT)
     if reach(memory, time, step):
         save(memory, STANDING)
         return True
-    keep(state, before)
+    take_back(memory)
     return False
 
 
 # ---- entries
-
-
-@compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Lengths, as the head of the memory tells them: of the whole, where its state begins and how
-    long that is, where faults are; into `numbers`.
-    """
-    for k in range(len(numbers)):
-        numbers[k] = memory[k]
 
 
 @compiled
@@ -333,20 +326,26 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         return
     state = state_in(memory)
     before = part(memory, BEFORE)
+    marks = part(memory, MARKS)
     now = state.copy()
     begun = before.copy()
+    marked = marks.copy()
     asked = real.copy()
     nudge(real, memory, length)
     if last[LAST_KIND] == A_START:
         found = begin(real, integer, memory)
     else:
-        keep(state, begun)
+        is_another = last[LAST_PRINT] != print_of(memory)
+        take_back(memory)
+        if is_another:  # a state was set since: its pairs are not those of the last step
+            forget_products(memory)
         found = go_on(real, integer, memory, last[LAST_TIME], last[LAST_STEP])
     keep(real, asked)
     if found:
         differ(real, memory, length)  # Eq. (Y4)
     keep(state, now)
     keep(before, begun)
+    keep(marks, marked)
 
 
 def given_of(contents: tuple[Mapping[str, np.ndarray], Mapping[str, int]]) -> np.ndarray:

@@ -17,7 +17,7 @@ WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
 GIVEN = ("counts", "constants", "order", "starting", "rows", "wires", "exposed", "contents")
 WORK = ("inside", "saved")
 STATE = ("standing", "times", "past", "oldest", "images", "differences", "gram")
-LAST = ("before", "last", "last_inputs", "last_outputs", "failures", "faults")
+LAST = ("before", "marks", "last", "last_inputs", "last_outputs", "failures", "faults")
 PARTS = (*GIVEN, *WORK, *STATE, *LAST)
 (
     COUNTS,
@@ -38,6 +38,7 @@ PARTS = (*GIVEN, *WORK, *STATE, *LAST)
     DIFFERENCES,
     GRAM,
     BEFORE,
+    MARKS,
     LAST_NUMBERS,
     LAST_INPUTS,
     LAST_OUTPUTS,
@@ -182,8 +183,8 @@ product (-1: it has none), where the last step's value lies in `last_inputs` or 
 ) = range(len(OF_EXPOSED))
 IS_PARAMETER, IS_INPUT, IS_OUTPUT = range(3)
 
-OF_LAST = ("kind", "time", "step")
-LAST_KIND, LAST_TIME, LAST_STEP = range(len(OF_LAST))
+OF_LAST = ("kind", "time", "step", "print")
+LAST_KIND, LAST_TIME, LAST_STEP, LAST_PRINT = range(len(OF_LAST))
 NOTHING, A_START, A_STEP = range(3)
 
 OF_A_FAULT = 6

@@ -159,6 +159,7 @@ class Layout:
             "saved": self.standing,
             **states,
             "before": sum(states.values()),
+            "marks": self.kept,
             "last": len(OF_LAST),
             "last_inputs": of_kept["input"],
             "last_outputs": of_kept["output"],

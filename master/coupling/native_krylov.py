@@ -1,5 +1,7 @@
 """GMRES that remembers, as loops for machine code: `methods.krylov`, where its equations stand."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..fmi.compiled import compiled
@@ -18,11 +20,18 @@ def factorise(gram: np.ndarray, noise: float):
     n = len(gram)
     factor = np.zeros((n, n))
     for i in range(n):
-        for j in range(i + 1):
-            total = gram[i, j] + (noise if i == j else 0.0)
-            for k in range(j):
-                total -= factor[i, k] * factor[j, k]
-            factor[i, j] = np.sqrt(total) if i == j else total / factor[j, j]
+        keep(factor[i, : i + 1], gram[i])
+        factor[i, i] += noise
+    column = np.empty(n)
+    for j in range(n):
+        factor[j, j] = np.sqrt(factor[j, j])
+        for i in range(j + 1, n):
+            factor[i, j] /= factor[j, j]
+            column[i] = factor[i, j]
+        for i in range(j + 1, n):
+            share = column[i]
+            for k in range(j + 1, i + 1):
+                factor[i, k] -= share * column[k]
     return factor
 
 
@@ -46,21 +55,16 @@ def precondition(
     images: np.ndarray,
     differences: np.ndarray,
     factor: np.ndarray,
+    projected: np.ndarray,
     out: np.ndarray,
 ):
-    """P r into `out`, Eq. (Q7)."""
-    pairs = len(images)
-    shares = np.empty(pairs)
-    for k in range(pairs):
-        shares[k] = images[k] @ r
+    """P r into `out`, Eq. (Q7), and Z' r into `projected`, shape (pairs,)."""
+    shares = images @ r
+    keep(projected, shares)
     solve_factored(factor, shares)
-    keep(out, r)
-    for k in range(pairs):
-        share = shares[k]
-        if share != 0.0:
-            difference = differences[k]
-            for i in range(len(r)):
-                out[i] += share * difference[i]
+    change = shares @ differences
+    for i in range(len(r)):
+        out[i] = r[i] + change[i]
 
 
 @compiled
@@ -70,16 +74,13 @@ def orthogonalise(vector: np.ndarray, basis: np.ndarray, column: np.ndarray):
     The shares are added to `column`, shape (>= m + 1,), what is left of the length behind them.
     """
     m = len(basis)
-    shares = np.empty(m)
     for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
+        shares = basis @ vector
+        along = shares @ basis
         for k in range(m):
-            shares[k] = basis[k] @ vector
-        for k in range(m):
-            share = shares[k]
-            column[k] += share
-            along = basis[k]
-            for i in range(len(vector)):
-                vector[i] -= share * along[i]
+            column[k] += shares[k]
+        for i in range(len(vector)):
+            vector[i] -= along[i]
     column[m] = size_of(vector)
 
 
@@ -117,17 +118,31 @@ def least_squares(hessenberg: np.ndarray, size: float, count: int):
     return weights
 
 
+class Arnoldi(NamedTuple):
+    """What is known of the products of a solve without another look at them.
+
+    Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ki basis_i
+
+    hessenberg : ndarray, shape (>= count, >= count + 1), H by columns, the basis orthonormal;
+    projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
+    """
+
+    hessenberg: np.ndarray
+    projected: np.ndarray
+
+
 @compiled
 def learn(
     directions: np.ndarray,
     products: np.ndarray,
+    arnoldi: Arnoldi,
     images: np.ndarray,
     differences: np.ndarray,
     gram: np.ndarray,
     oldest: np.ndarray,
 ):
     """Put pairs of direction and product in the place of the oldest; `oldest`, shape (1,), is the
-    row that is forgotten next.
+    row that is forgotten next. Their inner products follow from Eq. (Q10).
     """
     pairs = len(images)
     count = len(products)
@@ -140,6 +155,7 @@ def learn(
     passed_over = max(full - pairs, 0)
     first = int(oldest[0])
     newest = 0
+    product_of = np.full(pairs, -1)  # of a row that is new
     for k in range(count):
         if sizes[k] == 0.0:
             continue
@@ -147,15 +163,27 @@ def learn(
             passed_over -= 1
             continue
         row = (first + newest) % pairs
+        product_of[row] = k
         newest += 1
         image = images[row]
         difference = differences[row]
         for i in range(len(image)):
             image[i] = products[k, i] / sizes[k]
             difference[i] = directions[k, i] / sizes[k] - image[i]
-    for k in range(newest):
-        row = (first + k) % pairs
+    hessenberg, projected = arnoldi
+    for row in range(pairs):
+        k = product_of[row]
+        if k < 0:
+            continue
         for other in range(pairs):
-            gram[row, other] = images[row] @ images[other]
+            q = product_of[other]
+            total = 0.0  # Eq. (Q10)
+            if q < 0:
+                for i in range(k + 2):
+                    total += hessenberg[k, i] * projected[i, other]
+            else:
+                for i in range(min(k, q) + 2):
+                    total += hessenberg[k, i] * hessenberg[q, i] / sizes[q]
+            gram[row, other] = total / sizes[k]
             gram[other, row] = gram[row, other]
     oldest[0] = float((first + newest) % pairs)

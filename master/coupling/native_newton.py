@@ -45,7 +45,6 @@ from .native_block import (
     REALS,
     SAVED,
     SENTENCE,
-    SIZE,
     SOURCE,
     SOURCE_PLACE,
     SPACE,
@@ -71,7 +70,9 @@ from .native_block import (
     wire_of,
 )
 from .native_calls import ADVANCE, TANGENT
+from .native_journal import overwrite
 from .native_krylov import (
+    Arnoldi,
     factorise,
     learn,
     least_squares,
@@ -416,13 +417,21 @@ def smallest_allowed(memory):
 
 
 @compiled
-def minimised(memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.ndarray):
-    """GMRES as `RecycledGmres.solve`: the solution into `x`; whether all participants answered."""
+def minimised(
+    memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.ndarray, change: np.ndarray
+):
+    """GMRES as `RecycledGmres.solve`: the solution into `x`, the change of all wires along it into
+    `change`; whether all participants answered.
+
+    Of that change no product is asked for: it is the sum of those of the directions.
+    """
     n = len(right)
+    seed = np.zeros(len(change))
     size = size_of(right)
     if size <= tolerance:
         keep(x, right)
-        return True
+        scattered(memory, x, seed)
+        return derivative(memory, seed, change)
     kept = count(memory, KEPT)
     images = part(memory, IMAGES).reshape((kept, n))
     differences = part(memory, DIFFERENCES).reshape((kept, n))
@@ -432,42 +441,46 @@ def minimised(memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.nda
     basis = np.empty((most + 1, n))
     directions = np.empty((most, n))
     products = np.empty((most, n))
+    wholes = np.empty((most, len(change)))
     hessenberg = np.zeros((most, most + 1))
+    projected = np.zeros((most + 1, kept))
     null = np.zeros(most + 1)
-    change = np.zeros(count(memory, SIZE))
-    whole = np.empty(count(memory, SIZE))
     new = np.empty(n)
     for k in range(n):
         basis[0, k] = right[k] / size
     null[0] = 1.0
     found = 0
     while found < most:
-        precondition(basis[found], images, differences, factor, directions[found])
-        scattered(memory, directions[found], change)
-        if not derivative(memory, change, whole):
+        direction = directions[found]
+        precondition(basis[found], images, differences, factor, projected[found], direction)
+        scattered(memory, direction, seed)
+        whole = wholes[found]
+        if not derivative(memory, seed, whole):
             return False
         gathered(memory, whole, new)
         product = products[found]
         for k in range(n):
-            product[k] = directions[found, k] - new[k]
+            product[k] = direction[k] - new[k]
         keep(new, product)
         column = hessenberg[found]
         orthogonalise(new, basis[: found + 1], column)
         found += 1
         if column[found] == 0.0:
             break
+        for k in range(n):
+            basis[found, k] = new[k] / column[found]
         null[found] = -(column[:found] @ null[:found]) / column[found]  # Eq. (Q9)
         if size <= tolerance * size_of(null[: found + 1]):
             break
-        for k in range(n):
-            basis[found, k] = new[k] / column[found]
     weights = least_squares(hessenberg, size, found)
-    for k in range(n):
-        x[k] = 0.0
-    for d in range(found):
-        for k in range(n):
-            x[k] += weights[d] * directions[d, k]
-    learn(directions[:found], products[:found], images, differences, gram, part(memory, OLDEST))
+    keep(x, weights @ directions[:found])
+    keep(change, weights @ wholes[:found])
+    if hessenberg[found - 1, found] != 0.0:
+        keep(projected[found], images @ basis[found])
+    overwrite(memory, found)
+    arnoldi = Arnoldi(hessenberg, projected)
+    oldest = part(memory, OLDEST)
+    learn(directions[:found], products[:found], arnoldi, images, differences, gram, oldest)
     return True
 
 
@@ -487,11 +500,7 @@ def update(memory: np.ndarray, outcome: np.ndarray, change: np.ndarray):
         constants[ACCURACY] * smallest_allowed(memory), constants[FORCING] * size_of(right)
     )
     solution = np.empty(n)
-    if not minimised(memory, right, tolerance, solution):  # Eq. (Q1)
-        return False
-    seed = np.zeros(len(used))
-    scattered(memory, solution, seed)
-    if not derivative(memory, seed, change):
+    if not minimised(memory, right, tolerance, solution, change):  # Eq. (Q1)
         return False
     scattered(memory, solution, change)
     return True

@@ -14,6 +14,7 @@ from .native_block import (
     GRAM,
     HALVINGS,
     IMAGES,
+    KEPT,
     LENIENCE,
     NO_HALVING,
     OF_A_FAULT,
@@ -32,6 +33,7 @@ from .native_block import (
     numbers_of,
     part,
 )
+from .native_journal import overwrite
 from .native_newton import converge, moved, restore, save
 
 MOST_STEPS = 1e6
@@ -41,6 +43,7 @@ MOST_STEPS = 1e6
 @compiled
 def forget_products(memory: np.ndarray):
     """Begin the Krylov method's memory anew."""
+    overwrite(memory, count(memory, KEPT))
     for which in (OLDEST, IMAGES, DIFFERENCES, GRAM):
         clear(part(memory, which))
 

@@ -39,6 +39,7 @@ RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 """What makes numba's code one for all processors."""
 
 OPTIMISATION = 3  # LLVM's level
+AT_FIRST = 1  # before references are counted: enough that those of one kernel stand side by side
 
 REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an entry is given
 
@@ -74,11 +75,45 @@ declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
 to Python: those of front/runtime.c never fail, and LLVM sees that here."""
 
 
+COUNTERS = ("NRT_incref", "NRT_decref")
+COUNTING = """
+define void @NRT_incref(ptr %counted) {
+  %none = icmp eq ptr %counted, null
+  br i1 %none, label %done, label %counts
+counts:
+  %before = load i64, ptr %counted
+  %after = add i64 %before, 1
+  store i64 %after, ptr %counted
+  br label %done
+done:
+  ret void
+}
+define void @NRT_decref(ptr %counted) {
+  %none = icmp eq ptr %counted, null
+  br i1 %none, label %done, label %counts
+counts:
+  %before = load i64, ptr %counted
+  %after = sub i64 %before, 1
+  store i64 %after, ptr %counted
+  %last = icmp eq i64 %after, 0
+  br i1 %last, label %free, label %done
+free:
+  call void @NRT_MemInfo_call_dtor(ptr %counted)
+  br label %done
+done:
+  ret void
+}
+declare void @NRT_MemInfo_call_dtor(ptr)
+"""
+"""How references to a block of memory are counted, `Counted` of front/runtime.c. numba counts for
+several threads at once and forbids that it be inlined; a block of an instance's pool is known to
+the one thread that is in a call of it."""
+
 WIDE = "+avx2"
 """What the processor of the second version of `TWICE` has: vectors of four numbers."""
-TWICE = ("invert_in_place",)
-"""Kernels that a library for x86-64 holds twice: where most of the time goes on large grids. Both
-have the same bits, for no multiplication is fused with an addition."""
+TWICE = ("invert_in_place", "substitute", "read", "read_both")
+"""Kernels that a library for x86-64 holds twice: loops where most of the time goes. Both have the
+same bits, for no multiplication is fused with an addition."""
 
 
 def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, bytes]:
@@ -179,7 +214,7 @@ def in_two_versions(text: str) -> str:
     called, the variable `native_wide` of front/runtime.c says.
     """
     found = re.compile(
-        rf"^define internal i32 @(?P<name>\S*(?:{'|'.join(TWICE)})\S*?)\((?P<given>.*)\)"
+        rf"^define internal i32 @(?P<name>\S*\d(?:{'|'.join(TWICE)})B\S*?)\((?P<given>.*)\)"
         r"(?P<rest>[^()\n]*)\{\n(?P<body>(?:.*\n)*?)\}$",
         re.MULTILINE,
     )
@@ -224,18 +259,55 @@ def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) ->
 
     machine = _machine(target)
     x86 = target.triple.startswith("x86_64")
-    module = binding.parse_assembly(in_two_versions(text) if x86 else text)
-    module.triple = target.triple
-    module.data_layout = str(machine.target_data)
-    options = binding.create_pipeline_tuning_options(speed_level=OPTIMISATION)
-    builder = binding.create_pass_builder(machine, options)
-    passes = builder.getModulePassManager()
-    passes.run(module, builder)
+    text = without_counting(text)
+    module = _parsed(in_two_versions(text) if x86 else text, target)
+    _optimise(module, machine, AT_FIRST)
+    pruning = binding.create_new_module_pass_manager()
+    pruning.add_refprune_pass()  # what is counted up and down again within a kernel
+    pruning.run(module, binding.create_pass_builder(machine, _level(AT_FIRST)))
+    if any(f.name in COUNTERS for f in module.functions):
+        module.link_in(_parsed(COUNTING, target))
+        for name in COUNTERS:
+            module.get_function(name).linkage = "internal"
+    _optimise(module, machine, OPTIMISATION)
     known = asks.union(*OPEN.values())
     strangers = sorted(open_symbols(module) - known)
     if strangers:
         raise RuntimeError(f"machine code would call {', '.join(strangers)}, which are not there")
     return machine.emit_object(module)
+
+
+def without_counting(text: str) -> str:
+    """A module in which the functions that count references are only declared."""
+    for name in COUNTERS:
+        whole = rf"^define internal void @{name}\(.*\{{\n(?:.*\n)*?\}}$"
+        text = re.sub(whole, f"declare void @{name}(ptr)", text, flags=re.MULTILINE)
+    return text
+
+
+def _parsed(text, target):
+    """A module for a target."""
+    from llvmlite import binding
+
+    module = binding.parse_assembly(text)
+    module.triple = target.triple
+    module.data_layout = str(_machine(target).target_data)
+    return module
+
+
+def _level(level):
+    """LLVM's options for a level."""
+    from llvmlite import binding
+
+    return binding.create_pipeline_tuning_options(speed_level=level)
+
+
+def _optimise(module, machine, level):
+    """Run LLVM's passes of a level."""
+    from llvmlite import binding
+
+    builder = binding.create_pass_builder(machine, _level(level))
+    builder.getModulePassManager().run(module, builder)
 
 
 def open_symbols(module: Any) -> set[str]:

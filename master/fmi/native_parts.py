@@ -5,6 +5,10 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from .compiled import compiled
+
 CALL = "native_part"
 """Runs an entry of a participant inside a coupled slave, front/parts.c."""
 
@@ -19,6 +23,15 @@ class Entry(NamedTuple):
     def name(self, package: str) -> str:
         """Of the function in the library, where entries of several packages may meet."""
         return symbol(package, self.kernel.py_func.__name__)
+
+
+@compiled
+def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """The entry `size` of a memory that begins with what is asked for: lengths of the whole, where
+    its state begins and how long that is, where faults are; into `numbers`.
+    """
+    for k in range(len(numbers)):
+        numbers[k] = memory[k]
 
 
 def symbol(package: str, name: str) -> str:

@@ -119,9 +119,9 @@ def bodies(modes, grid):
     return compare("fmu_mfbd", build, course, GAP, seeds, BODY_ROUND_OFF)
 
 
-def coupled(modes, grid):
-    """Time of the coupled FMU of the numerical example over that of `run`, in words: half a turn
-    from rest, all scalar outputs read after each step; what either needs to start is left out.
+def coupled_fmu(modes, grid):
+    """The coupled FMU of the numerical example with so many modes a body, on a grid; its case, the
+    tree of that, and the file it is from. Half a turn from rest.
     """
     path = find_case("numerical_example")
     own = {f"participants.bodies.build.{body}.modes": modes for body in ("piston", "block")}
@@ -129,7 +129,14 @@ def coupled(modes, grid):
     rest = {"time.stop": f"{STEPS} deg", "record.fields": []}
     tree = read_tree(path, [*own.items(), *grids.items(), *rest.items()])
     case = check_case(tree, path)
-    fmu = export_fmu(case, path.parent, print, "2.0", ["linux64"])
+    return export_fmu(case, path.parent, print, "2.0", ["linux64"]), case, tree, path
+
+
+def coupled(modes, grid):
+    """Time of the coupled FMU of the numerical example over that of `run`, in words: half a turn
+    from rest, all scalar outputs read after each step; what either needs to start is left out.
+    """
+    fmu, case, tree, path = coupled_fmu(modes, grid)
     port = "lateral_displacement"
     one, at_start, _ = started(fmu, {}, port)
     names = [name for name, field in one.fields.items() if field.causality == "output"]

@@ -36,7 +36,9 @@ def test_preconditioner():
     found = np.empty(6)
     factor = native_krylov.factorise(memory.gram, NOISE)
     np.testing.assert_allclose(factor @ factor.T, memory.gram + NOISE * np.eye(9), atol=1e-14)
-    native_krylov.precondition(r, memory.images, memory.differences, factor, found)
+    projected = np.empty(9)
+    native_krylov.precondition(r, memory.images, memory.differences, factor, projected, found)
+    np.testing.assert_allclose(projected, memory.images @ r, rtol=1e-13)
     expected = memory._preconditioner()(r)
     assert np.abs(found - r).max() > 0.1  # it does something
     # a matrix of condition 1e6 factorised in one, inverted in the other
@@ -68,6 +70,17 @@ def test_least_squares():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+def arnoldi(rng, products, images):
+    """Eq. (Q10) of any products: a basis begun with any vector, the k-th within k + 2 of it."""
+    count, n = products.shape
+    basis, triangle = np.linalg.qr(np.vstack([rng.standard_normal(n), products]).T)
+    hessenberg = np.zeros((count, count + 1))
+    hessenberg[:, : len(triangle)] = triangle.T[1:]
+    projected = np.zeros((count + 1, len(images)))
+    projected[: basis.shape[1]] = (images @ basis).T
+    return native_krylov.Arnoldi(hessenberg, projected)
+
+
 @pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
 def test_what_is_kept(filled, count):
     """Fewer pairs than fit, as many as make it begin again, more than fit at once; one of them is
@@ -80,7 +93,7 @@ def test_what_is_kept(filled, count):
     oldest = np.array([float(memory.oldest)])
     directions, products = rng.standard_normal((2, count, n))
     products[1] = 0.0
-    native_krylov.learn(directions, products, *ours, oldest)
+    native_krylov.learn(directions, products, arnoldi(rng, products, ours[0]), *ours, oldest)
     memory._learn(directions, products)
     for found, expected in zip(ours, (memory.images, memory.differences, memory.gram)):
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15)

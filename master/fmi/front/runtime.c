@@ -107,35 +107,125 @@ INTERNAL void NRT_MemInfo_call_dtor(void *counted)
 
 /* ---- products ----------------------------------------------------------------------------------------------------- */
 
-enum { LANES = 8 };                     /* sums side by side, which a processor may take at once */
+/* Four numbers at once, at any address. A processor with vectors of two takes them in two parts: the bits are the same,
+   for lanes are added up in one order and nothing is fused (-ffp-contract=off). */
+typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
+
+enum { LANES = 8, TOGETHER = 4 };       /* sums side by side of a product; vectors whose products are taken at once */
+
+#define EVERYWHERE static inline __attribute__((always_inline))
+
+EVERYWHERE double added(Four low, Four high, double rest)
+{
+    for (int lane = 0; lane < 4; lane++)
+        rest += low[lane];
+    for (int lane = 0; lane < 4; lane++)
+        rest += high[lane];
+    return rest;
+}
+
+EVERYWHERE double dot(int64_t n, const double *a, const double *b)
+{
+    Four low = {0.0}, high = {0.0};
+    double rest = 0.0;
+    int64_t k = 0;
+    for (; k + LANES <= n; k += LANES) {
+        low += *(const Four *)(a + k) * *(const Four *)(b + k);
+        high += *(const Four *)(a + k + 4) * *(const Four *)(b + k + 4);
+    }
+    for (; k < n; k++)
+        rest += a[k] * b[k];
+    return added(low, high, rest);
+}
+
+/* As `dot` of each of TOGETHER columns. */
+EVERYWHERE void dots(int64_t n, const double *a, int64_t lead, const double *b, double *out)
+{
+    const double *c = a + lead, *d = c + lead, *e = d + lead;
+    Four low[TOGETHER] = {{0.0}}, high[TOGETHER] = {{0.0}};
+    double rest[TOGETHER] = {0.0};
+    int64_t k = 0;
+    for (; k + LANES <= n; k += LANES) {
+        Four first = *(const Four *)(b + k), second = *(const Four *)(b + k + 4);
+        low[0] += *(const Four *)(a + k) * first;
+        high[0] += *(const Four *)(a + k + 4) * second;
+        low[1] += *(const Four *)(c + k) * first;
+        high[1] += *(const Four *)(c + k + 4) * second;
+        low[2] += *(const Four *)(d + k) * first;
+        high[2] += *(const Four *)(d + k + 4) * second;
+        low[3] += *(const Four *)(e + k) * first;
+        high[3] += *(const Four *)(e + k + 4) * second;
+    }
+    for (; k < n; k++)
+        for (int j = 0; j < TOGETHER; j++)
+            rest[j] += a[j * lead + k] * b[k];
+    for (int j = 0; j < TOGETHER; j++)
+        out[j] = added(low[j], high[j], rest[j]);
+}
+
+/* y += A x of TOGETHER columns. */
+EVERYWHERE void add_columns(int64_t m, const double *a, int64_t lead, const double *x, double *y)
+{
+    const double *b = a + lead, *c = b + lead, *d = c + lead;
+    int64_t i = 0;
+    for (; i + 4 <= m; i += 4) {
+        Four sum = *(const Four *)(y + i);
+        sum += *(const Four *)(a + i) * x[0];
+        sum += *(const Four *)(b + i) * x[1];
+        sum += *(const Four *)(c + i) * x[2];
+        sum += *(const Four *)(d + i) * x[3];
+        *(Four *)(y + i) = sum;
+    }
+    for (; i < m; i++)
+        y[i] = y[i] + a[i] * x[0] + b[i] * x[1] + c[i] * x[2] + d[i] * x[3];
+}
+
+EVERYWHERE void times(char turned, int64_t m, int64_t n, const double *a, int64_t lead, const double *x, double *y)
+{
+    int64_t j = 0;
+    if (turned == 't') {
+        for (; j + TOGETHER <= n; j += TOGETHER)
+            dots(m, a + j * lead, lead, x, y + j);
+        for (; j < n; j++)
+            y[j] = dot(m, a + j * lead, x);
+        return;
+    }
+    for (int64_t i = 0; i < m; i++)
+        y[i] = 0.0;
+    for (; j + TOGETHER <= n; j += TOGETHER)
+        add_columns(m, a + j * lead, lead, x + j, y);
+    for (; j < n; j++)
+        for (int64_t i = 0; i < m; i++)
+            y[i] += a[j * lead + i] * x[j];
+}
+
+#ifdef __x86_64__
+#define WIDE __attribute__((target("avx2")))
+
+static WIDE double wide_dot(int64_t n, const double *a, const double *b)
+{
+    return dot(n, a, b);
+}
+
+static WIDE void wide_times(char turned, int64_t m, int64_t n, const double *a, int64_t lead, const double *x, double *y)
+{
+    times(turned, m, n, a, lead, x, y);
+}
+#else
+enum { native_wide };
+#define wide_dot dot
+#define wide_times times
+#endif
 
 INTERNAL void native_dot(int64_t n, const double *a, const double *b, double *out)
 {
-    double sum[LANES] = {0.0}, total = 0.0;
-    int64_t k = 0;
-    for (; k + LANES <= n; k += LANES)
-        for (int lane = 0; lane < LANES; lane++)
-            sum[lane] += a[k + lane] * b[k + lane];
-    for (; k < n; k++)
-        total += a[k] * b[k];
-    for (int lane = 0; lane < LANES; lane++)
-        total += sum[lane];
-    *out = total;
+    *out = native_wide ? wide_dot(n, a, b) : dot(n, a, b);
 }
 
 /* y = A x of a matrix by columns, m rows, n columns; turned 't': y = A^T x. */
 INTERNAL void native_times(char turned, int64_t m, int64_t n, const double *a, int64_t lead, const double *x, double *y)
 {
-    if (turned == 't') {
-        for (int64_t j = 0; j < n; j++)
-            native_dot(m, a + j * lead, x, y + j);
-        return;
-    }
-    for (int64_t i = 0; i < m; i++)
-        y[i] = 0.0;
-    for (int64_t j = 0; j < n; j++)
-        for (int64_t i = 0; i < m; i++)
-            y[i] += a[j * lead + i] * x[j];
+    (native_wide ? wide_times : times)(turned, m, n, a, lead, x, y);
 }
 
 /* ---- shapes ------------------------------------------------------------------------------------------------------- */
