@@ -16,6 +16,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.variables import Variable
 from .dynamics.build_options import (
     BlockOptions,
+    BoreGrid,
     BuildOptions,
     DampingBand,
     FilmGrid,
@@ -90,7 +91,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     ahead = BuildOptions(
         build.grid,
         PistonOptions("", modes, 0.0),
-        BlockOptions("", 0),
+        BlockOptions("", 0, bore_from_outside=bore_from_outside(build)),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
         mounted=build.mounted,
@@ -152,6 +153,7 @@ def prepare(
             len(block.omega),
             tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders),
             tables.bore,
+            bore_from_outside(build),
         ),
         gas=tables.gas,
         speed=tables.speed,
@@ -164,6 +166,12 @@ def prepare(
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
     return prepared.to_json(), files
+
+
+def bore_from_outside(build: Build) -> BoreGrid | None:
+    """Grid of a bore whose deflection comes from outside."""
+    given = build.block.bore_from_outside
+    return BoreGrid(given.around, given.axial) if given else None
 
 
 def in_space_ahead(build: Build) -> InSpace | None:

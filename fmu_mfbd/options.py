@@ -276,6 +276,19 @@ class Piston(Body):
     """Measured gaps that add to barrel and ovality."""
 
 
+class BoreFromOutside(BaseModel):
+    """Grid of the bore on which another participant says how it deflects and takes what presses on
+    it: angles from the thrust line on as those of the film grid, heights from bore_lower to
+    bore_upper.
+    """
+
+    model_config = STRICT
+    around: Annotated[int, Field(ge=8, le=400)] = 24
+    """Angles."""
+    axial: Annotated[int, Field(ge=8, le=400)] = 24
+    """Heights, both ends included."""
+
+
 class Block(Body):
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`."""
 
@@ -293,10 +306,27 @@ class Block(Body):
     """Upper end likewise."""
     stations: Annotated[int, Field(ge=8, le=400)] = 64
     """Heights of the table of the bore's modes."""
+    bore_from_outside: BoreFromOutside | None = None
+    """The bore deflects as another participant says (bore_deflection), which takes what presses on
+    it (force_on_bore, force_on_deck); with rigid = .. and mounted = true.
+    """
     profiles: list[ShapeTable] = []
     """Measured widenings of the bore."""
     orders: list[Order] = []
     """Fourier orders of the bore's distortion."""
+
+    @model_validator(mode="after")
+    def _bore_of_outside(self):
+        if self.bore_from_outside:
+            if not self.rigid:
+                raise ValueError(
+                    "bore_from_outside: the block's own modes are another participant's then; "
+                    "give rigid = .. in place of a mesh"
+                )
+            if "stations" in self.model_fields_set:
+                raise ValueError("stations: not with bore_from_outside, whose axial it is")
+            self.stations = self.bore_from_outside.axial
+        return self
 
 
 class Band(BaseModel):
@@ -475,6 +505,15 @@ class Build(Common):
     """
     block: Block
     """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
+
+    @model_validator(mode="after")
+    def _beside_a_bore_from_outside(self):
+        if self.block.bore_from_outside and not self.mounted:
+            raise ValueError(
+                "block.bore_from_outside: needs mounted = true, the participant that deflects the "
+                "bore moves the block too"
+            )
+        return self
 
     @model_validator(mode="after")
     def _beside_motion_in_space(self):

@@ -15,7 +15,16 @@ from .dynamics.assembly import assemble, assemble_floating, assemble_in_space, f
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
-from .dynamics.model import MOTION, NOT_CARRIED, ON_BLOCK, Inputs, NotConverged, PistonInBore, State
+from .dynamics.model import (
+    MOTION,
+    NOT_CARRIED,
+    ON_BLOCK,
+    ON_FLEXIBLE_BLOCK,
+    Inputs,
+    NotConverged,
+    PistonInBore,
+    State,
+)
 from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
@@ -31,6 +40,8 @@ BLOCK = (
     "block_angular_velocity",
 )
 """Motion of a mounted block, as `Carrier` has it."""
+BORE = "bore_deflection"
+"""Of a bore that deflects from outside."""
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
@@ -52,14 +63,16 @@ class Mfbd(FieldSlave):
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Forces of all films, and of the rings; the motion of a mounted block."""
         block = BLOCK if self.built.mounted else ()
-        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS, *block)
+        bore = (BORE,) if self.built.block.bore_from_outside else ()
+        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS, *block, *bore)
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Fields of all films, and the piston's motion; forces on a mounted block."""
         skirt = self._of_films(("film_thickness", "sliding_velocity"))
         block = ON_BLOCK if self.built.mounted else ()
-        return (*skirt, *self._of_pins(OF_PIN), *MOTION, *block)
+        bore = ON_FLEXIBLE_BLOCK if self.built.block.bore_from_outside else ()
+        return (*skirt, *self._of_pins(OF_PIN), *MOTION, *block, *bore)
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
         """Variables of these names of all film surfaces of the skirt."""
@@ -156,7 +169,11 @@ class Mfbd(FieldSlave):
         carried = NOT_CARRIED
         if self.built.mounted:
             carried = np.array([float(seeds[name]) for name in BLOCK])
-        return self.model.directional_derivative(pressure, friction, rings, carried)
+        change = self.model.directional_derivative(pressure, friction, rings, carried)
+        if self.built.block.bore_from_outside:
+            widened = self.model.widened(seeds[BORE])
+            change |= {name: change[name] + opened for name, opened in widened.items()}
+        return change
 
     def _inputs(self, values: dict[str, Any]) -> Inputs:
         pressure, friction = (self._stacked(values, name) for name in FORCES)
@@ -169,6 +186,7 @@ class Mfbd(FieldSlave):
             float(values["land_pressure"]),
             self._pins(values),
             Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
+            _deflection(values),
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
@@ -181,6 +199,11 @@ class Mfbd(FieldSlave):
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:
         """A field of all film surfaces, their cells one after another."""
         return np.concatenate([values[field].ravel() for field in self._of_films((name,))])
+
+
+def _deflection(values: dict[str, Any]) -> np.ndarray:
+    """Of a bore from outside [m], (0, 0) of another."""
+    return np.asarray(values.get(BORE, np.zeros((0, 0))))
 
 
 def _rings(values: dict[str, Any]) -> RingForce:

@@ -4,7 +4,7 @@ from dataclasses import fields
 from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
-from .dynamics.build_options import BuildOptions, FilmGrid
+from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
 from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
 
 
@@ -24,6 +24,8 @@ def signals(options: BuildOptions) -> list[Variable]:
         answers = answers + axis_outputs()
     if options.mounted:
         acting, answers = acting + block_inputs(), answers + block_outputs()
+    if outside := options.block.bore_from_outside:
+        acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:
         answers = answers + space_outputs()
     return acting + answers + parameters(bool(pins), options.in_space is not None, bending)
@@ -367,6 +369,32 @@ def axis_outputs() -> list[Variable]:
         output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
         output_variable("pin_bending_x", "m", f"{middle} x", 1e-5),
         output_variable("pin_bending_y", "m", f"{middle} y", 1e-5),
+    ]
+
+
+def bore_input(grid: BoreGrid) -> Variable:
+    """How a bore deflects from outside."""
+    return input_variable(
+        "bore_deflection",
+        "m",
+        "Of the bore, outwards, at its own angles and heights",
+        0.0,
+        1e-5,
+        tuple(grid),
+    )
+
+
+def bore_outputs(grid: BoreGrid) -> list[Variable]:
+    """What the cylinder does to a block that deflects."""
+    return [
+        output_variable(
+            "force_on_bore",
+            "N",
+            "Of film and gas on the bore, outwards, at its own angles and heights",
+            10.0,
+            tuple(grid),
+        ),
+        output_variable("force_on_deck", "N", "Of gas on the deck along y", 1e3),
     ]
 
 

@@ -28,6 +28,7 @@ from ..reduction.reduced_body import (
     ReducedPiston,
     mode_classes,
 )
+from .bore_from_outside import outside_bore
 from .build_options import BlockOptions, BuildOptions, DampingBand, FloatingPin, PistonOptions
 from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
@@ -111,6 +112,8 @@ def assemble(
         table=options.speed,
     )
     gas_area = np.pi * block.radius**2
+    grid = options.block.bore_from_outside
+    around, _ = options.grid
     return PistonInBore(
         system,
         crank,
@@ -119,6 +122,9 @@ def assemble(
         options.gas,
         options.film_grids(),
         parameters.crank_unbalance if options.mounted else None,
+        outside=outside_bore(grid, around, block.heights, block.radius, system.wall)
+        if grid
+        else None,
     )
 
 

@@ -34,6 +34,13 @@ class PistonOptions:
     profiles: tuple[MeasuredShape, ...] = ()
 
 
+class BoreGrid(NamedTuple):
+    """Points around and along a bore, of fields that another participant exchanges with it."""
+
+    around: int
+    axial: int
+
+
 @dataclass(frozen=True)
 class BlockOptions:
     """The cylinder block of the FMU.
@@ -46,12 +53,15 @@ class BlockOptions:
     orders : tuple of BoreOrder
     profiles : tuple of MeasuredShape
         Widenings that add to those orders.
+    bore_from_outside : BoreGrid, optional
+        Where another participant says how the bore deflects; None: the modes do.
     """
 
     file: str
     modes: int
     orders: tuple[BoreOrder, ...] = ()
     profiles: tuple[MeasuredShape, ...] = ()
+    bore_from_outside: BoreGrid | None = None
 
 
 @dataclass(frozen=True)
@@ -216,6 +226,8 @@ class BuildOptions:
                     del content["floating_pin"][name]
         if not self.mounted:  # an FMU with a block at rest stays the same file
             del content["mounted"]
+        if self.block.bore_from_outside is None:  # likewise of a bore of its own
+            del content["block"]["bore_from_outside"]
         if self.in_space is None:  # likewise of a piston in its plane
             del content["in_space"]
         parts = {}
@@ -236,6 +248,8 @@ class BuildOptions:
             "orders": tuple(BoreOrder(**order) for order in content["block"]["orders"]),
             "profiles": _shapes(content["block"]["profiles"]),
         }
+        if outside := block.get("bore_from_outside"):
+            block["bore_from_outside"] = BoreGrid(*outside)
         gas = content["gas"]
         speed = content["speed"]
         start = content["start"]

@@ -3,7 +3,7 @@ at a time.
 """
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ..geometry.pin import PinForces
 from .account import account
 from .block_force import BlockForce, block_force
+from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import FilmGrid
 from .carrier import FIXED, Carrier
 from .drive import demand_of, others_of, scalars_of
@@ -37,6 +38,12 @@ MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
 
 ON_BLOCK = ("force_on_block_x", "force_on_block_y", "moment_on_block")
 """Outputs of a mounted block whose derivatives are known."""
+
+BEARINGS = ("main_bearing_force_x", "main_bearing_force_y")
+"""Likewise, beside those, of one that deflects."""
+
+ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
+"""All that are known beside those."""
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
@@ -71,6 +78,8 @@ class State:
         On that motion, all but the film's [N], [N m], [kg^-1/2 N].
     steps : int
         Taken since the start.
+    bore_deflection : ndarray, shape (n, s)
+        That came from outside [m]; of shape (0, 0) where none does.
     """
 
     time: float
@@ -85,6 +94,7 @@ class State:
     kinetic: float
     other_forces: np.ndarray
     steps: int = 0
+    bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -107,6 +117,8 @@ class Inputs:
         Of the films of a floating pin.
     carrier : Carrier
         Motion of a mounted block.
+    bore_deflection : ndarray, shape (n, s)
+        Of a bore whose deflection comes from outside [m].
     """
 
     crank_speed: float
@@ -117,6 +129,7 @@ class Inputs:
     land_pressure: float = 0.0
     pins: tuple[PinForces, ...] = ()
     carrier: Carrier = FIXED
+    bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -194,6 +207,8 @@ class PistonInBore:
         Names and shapes of the surfaces' fields, in the order of `system.surfaces`.
     crank_unbalance : float, optional
         Of a mounted block's crank [kg m]; None: the block does not move.
+    outside : OutsideBore, optional
+        How a bore is read whose deflection comes from outside.
     """
 
     def __init__(
@@ -205,6 +220,8 @@ class PistonInBore:
         gas_table: GasTable | None,
         films: tuple[FilmGrid, ...],
         crank_unbalance: float | None = None,
+        *,
+        outside: OutsideBore | None = None,
     ):
         self.system = system
         self.crank = crank
@@ -213,6 +230,7 @@ class PistonInBore:
         self.gas_table = gas_table
         self.films = films
         self.crank_unbalance = crank_unbalance
+        self.outside = outside
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
         self.modes = (
             len(system.gas_force) + len(system.block.stiffness) + len(system.block_static.stiffness)
@@ -272,6 +290,8 @@ class PistonInBore:
             if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
                 break
             crank = crank._replace(acceleration=state.crank_acceleration)
+        if self.outside:
+            state = replace(state, bore_deflection=inputs.bore_deflection)
         return replace(state, auxiliary=at_rest), outputs
 
     def unyielding(self) -> "PistonInBore":
@@ -332,6 +352,11 @@ class PistonInBore:
             outputs["energy_gain"],
         )
         outputs |= {"energy_gain": found.gain, "energy_size": found.size}
+        if self.outside:
+            taken = self._taken_by_bore(self.outside, state, inputs)
+            outputs["energy_gain"] += taken
+            outputs["film_work"] += taken
+            end = replace(end, bore_deflection=inputs.bore_deflection)
         if self.crank.free:
             jerk = (end.crank_acceleration - state.crank_acceleration) / step
             end = replace(end, crank_jerk=jerk)
@@ -377,6 +402,12 @@ class PistonInBore:
         }
         if self.crank_unbalance is not None:
             outputs |= self._on_block()
+        if self.outside:
+            on_bore = self._film_on_bore(self.outside, inputs.pressure_force)
+            outputs |= {
+                "force_on_bore": on_bore + gas_on_wall(self.outside, now.guided, others.wall),
+                "force_on_deck": others.gas,
+            }
         if self.crank.free:
             freed = self._release(crank, outputs["crank_torque"])
             outputs["crank_torque"] = -self.crank.load_torque
@@ -395,7 +426,24 @@ class PistonInBore:
         """Everything at the end of a step."""
         push = np.ravel(inputs.pressure_force)
         drag = np.ravel(inputs.friction_force)
-        return end_of_step(self.system, c, before, auxiliary, crank, others, push, drag)
+        system = self.system
+        if self.outside:
+            system = deflected(system, self.outside, inputs.bore_deflection)
+        return end_of_step(system, c, before, auxiliary, crank, others, push, drag)
+
+    def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
+        """Forces of all films on the bore's grid at the end of the last step [N]."""
+        surfaces, guided = self.system.surfaces, self._last.guided
+        return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
+
+    def _taken_by_bore(self, outside: OutsideBore, before: State, inputs: Inputs) -> float:
+        """Energy [J] that a bore that deflects from outside took from the films over a step.
+
+        Eq. (D50):  W = F_W . (w_1 - w_0),   as Eq. (D11), forces at the end along the way
+        """
+        way = inputs.bore_deflection - before.bore_deflection
+        force = self._film_on_bore(outside, inputs.pressure_force)
+        return float(np.sum(force * way))  # Eq. (D50)
 
     def _of_piston(self, end):
         """Motion of the piston's moving coordinates alone."""
@@ -491,6 +539,7 @@ class PistonInBore:
                     what is not linear is smaller by c2^2, some 1e-18
         """
         last = self._last
+        names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
         now, c = self._of_piston(last.end), last.coefficients
         size = max(np.abs(change.acceleration).max(), np.abs(carried).max(), 1e-300)
         ends = []
@@ -509,7 +558,7 @@ class PistonInBore:
             ends.append(np.array(self._block_force(load, moved)))
         up, down = ends
         slope = (up - down) * size / 2  # Eq. (D20)
-        return dict(zip(ON_BLOCK, slope.tolist()))
+        return dict(zip(names, slope.tolist()))
 
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
         """A stacked field of all surfaces as one of each, by name."""
@@ -560,12 +609,26 @@ class PistonInBore:
             rings,
             self._carried_force(carried) if mounted else np.zeros(self.moving),
         )
+        on_block = self._block_force_change(change, carried) if mounted else {}
+        if self.outside:
+            on_block["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
+            on_block["force_on_deck"] = 0.0
         return {
-            **(self._block_force_change(change, carried) if mounted else {}),
+            **on_block,
             **self._by_film("film_thickness", change.film_thickness),
             **self._by_film("sliding_velocity", change.sliding_velocity),
             **{name: getattr(change, name) for name in MOTION},
         }
+
+    def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
+        """Change of the films' thickness with the deflection (n, s) [m] of a bore from outside, by
+        output: at the end of the last step; nothing else changes with it there.
+        """
+        assert self.outside
+        surfaces, guided = self.system.surfaces, self._last.guided
+        return self._by_film(
+            "film_thickness", seen(self.outside, surfaces, guided, bore_deflection)
+        )
 
 
 def _carried_by(load: Load, change: np.ndarray) -> Load:

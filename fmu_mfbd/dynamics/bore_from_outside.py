@@ -1,0 +1,170 @@
+"""A bore whose deflection another participant says: a field on a fixed grid of the bore, read under
+the moving skirt as the bore's own modes are, and forces back on that grid by virtual work.
+
+Both directions are one linear map and its transpose, so that what the film's forces do on its own
+grid is what the forces on the bore's grid do there, to round-off. The deflection is radial: what
+the bore moves along its axis, some mm/s beside the piston's m/s, the film does not see, and its
+friction does not drive.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.film import Bore, FilmSurface, by_rows, knot_rule, on_knots, on_rows
+from ..geometry.grid import cell_centres
+from .gas_on_bore import BoreWall, WallPressures, bore_wall, wall_forces
+from .instant import System, window_of
+
+
+class OutsideBore(NamedTuple):
+    """How a field (n, s) on the bore, n angles as of `cell_centres` and s heights, is read.
+
+    Parameters
+    ----------
+    around : ndarray, shape (c, n)
+        From its angles to those of the film grid [-].
+    along : ndarray, shape (s + 2, s)
+        From its heights to spline coefficients [-].
+    wall : BoreWall
+        The bore as gas pushes it, every height a mode of 1 m.
+    """
+
+    around: np.ndarray
+    along: np.ndarray
+    wall: BoreWall
+
+    def knots(self, field: np.ndarray) -> np.ndarray:
+        """Spline coefficients at the angles of the film grid, (s + 2, c).
+
+        Eq. (H20):  w(theta_i, y) = sum_k b_k(y) (A_y W^T A_theta^T)_ki    b_k of Eq. (H5)
+        """
+        return np.ascontiguousarray(self.along @ field.T @ self.around.T)  # Eq. (H20)
+
+    def transpose(self, on_all_knots: np.ndarray) -> np.ndarray:
+        """Forces on the bore's grid, (n, s), from those on all knots, (s + 2, c) [N].
+
+        Eq. (H21):  F_W = A_theta^T f^T A_y,   the transpose of Eq. (H20)
+        """
+        return self.around.T @ on_all_knots.T @ self.along  # Eq. (H21)
+
+
+def outside_bore(
+    shape: tuple[int, int], film_angles: int, heights: np.ndarray, radius: float, rings: BoreWall
+) -> OutsideBore:
+    """How a bore's field is read.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        n angles and s heights of the field.
+    film_angles : int
+        c of the film grid.
+    heights : ndarray, shape (s,)
+        Equally spaced, above the crank axis [m].
+    radius : float
+        Of the bore [m].
+    rings : BoreWall
+        Heights of the rings and the share of the land.
+    """
+    around, along = shape
+    one_each = np.eye(along)[None]
+    return OutsideBore(
+        around=periodic_rule(around, film_angles),
+        along=knot_rule(along),
+        wall=bore_wall(
+            heights, one_each, radius, rings.top_ring, rings.second_ring, rings.land_share
+        ),
+    )
+
+
+def periodic_rule(given: int, wanted: int) -> np.ndarray:
+    """Values at the `wanted` angles of `cell_centres` by those at `given` ones, (wanted, given): a
+    periodic cubic spline through all of them.
+
+    Eq. (H22):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i,   i modulo n;   read by Eq. (H5)
+    """
+    at, _ = cell_centres(given, 1, 0.0, 1.0)
+    to, _ = cell_centres(wanted, 1, 0.0, 1.0)
+    one = np.eye(given)
+    cell = 2 * np.pi / given
+    # Eq. (H22)
+    through = (np.roll(one, 1, axis=1) + 4 * one + np.roll(one, -1, axis=1)) / 6
+    place = (to - at.min()) / cell
+    first = np.floor(place).astype(int)
+    t = place - first
+    weights = (
+        (1 - t) ** 3 / 6,
+        (4 - 6 * t**2 + 3 * t**3) / 6,
+        (1 + 3 * t + 3 * t**2 - 3 * t**3) / 6,
+        t**3 / 6,
+    )
+    read = np.zeros((wanted, given))
+    for offset, weight in enumerate(weights, -1):
+        read[np.arange(wanted), (first + offset) % given] += weight
+    return read @ np.linalg.inv(through)
+
+
+def deflected(system: System, bore: OutsideBore, field: np.ndarray) -> System:
+    """The system with its bore widened by a field (n, s) [m], besides what widens it anyway."""
+    widening = bore.knots(field)
+    return system._replace(
+        surfaces=tuple(one._replace(bore=_widened(one.bore, widening)) for one in system.surfaces)
+    )
+
+
+def _widened(bore: Bore, widening: np.ndarray) -> Bore:
+    shape = bore.shape + widening if len(bore.shape) else widening
+    return bore._replace(shape=shape)
+
+
+def seen(
+    bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, field: np.ndarray
+) -> np.ndarray:
+    """What a field (n, s) on the bore adds to the film thickness of all surfaces, stacked (cells,);
+    the bore is read at the height `guided` [m].
+    """
+    knots = bore.knots(field)
+    parts = []
+    for surface in surfaces:
+        window = window_of(surface, guided)
+        below = knots[window.first : window.first + window.knots]
+        parts.append(by_rows(on_rows(window, window.value, below)).ravel())
+    return np.concatenate(parts)
+
+
+def film_on_bore(
+    bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, pressure_force: np.ndarray
+) -> np.ndarray:
+    """Radial forces of all films on the bore's grid, (n, s) [N], outwards: the transpose of `seen`.
+
+    Parameters
+    ----------
+    bore : OutsideBore
+    surfaces : sequence of FilmSurface
+    guided : float
+        Height at which the bore is read [m].
+    pressure_force : ndarray, shape (cells,)
+        Of all surfaces, stacked [N].
+    """
+    angles, knots = len(bore.around), len(bore.along)
+    on_all = np.zeros((knots, angles))
+    begin = 0
+    for surface in surfaces:
+        window = window_of(surface, guided)
+        size = surface.skirt.gap.size
+        push = pressure_force[begin : begin + size].reshape(surface.skirt.gap.shape)
+        on_all[window.first : window.first + window.knots] += on_knots(window, by_rows(push))
+        begin += size
+    return bore.transpose(on_all)
+
+
+def gas_on_wall(bore: OutsideBore, guided: float, pressures: WallPressures) -> np.ndarray:
+    """Radial forces of gas on the bore's grid, (n, s) [N], even around.
+
+    Eq. (H23):  F_ij = f_j/n,   f_j of Eq. (D18) for a deflection of height j alone
+    """
+    angles = bore.around.shape[1]
+    by_height = wall_forces(bore.wall, guided, pressures)
+    return np.tile(by_height / angles, (angles, 1))  # Eq. (H23)

@@ -1,0 +1,259 @@
+"""A bore whose deflection comes from outside: reading and its transpose, against the bore's own
+modes, sensitivity of a step, what is refused.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.build import declared_variables
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
+    film_on_bore,
+    gas_on_wall,
+    periodic_rule,
+    seen,
+)
+from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
+from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
+from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
+from piston_cosim.fmu_mfbd.dynamics.instant import RingForce, forces_by_film, together
+from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.master.fmi.errors import BadInput
+
+from .test_model import SPEED, STEP, forces, without_modes
+
+SKEW = {"crank_offset": 1e-3, "top_ring_height": 19e-3, "second_ring_height": 14e-3}
+MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
+
+
+def outside_of(reduced, around=16, axial=24, **values):
+    """The small piston in a block that deflects from outside."""
+    options, piston, block = reduced
+    heights = np.linspace(block.heights[0], block.heights[-1], axial)
+    _, still = without_modes(piston, dataclasses.replace(block, heights=heights))
+    empty = np.zeros((len(block.radial), axial, 0))
+    still = dataclasses.replace(still, radial=empty, axial=empty)
+    said = dataclasses.replace(options.block, modes=0, bore_from_outside=BoreGrid(around, axial))
+    options = dataclasses.replace(options, block=said, mounted=True)
+    return assemble(piston, still, options, Parameters(**SKEW | values))
+
+
+def own_of(reduced, **values):
+    """The same in its own flexible block, whose modes move outwards alone."""
+    options, piston, block = reduced
+    block = dataclasses.replace(block, axial=0.0 * block.axial)
+    return assemble(piston, block, options, Parameters(**SKEW | values)), block
+
+
+@pytest.mark.parametrize("given", [12, 24, 40])
+def test_periodic_rule_by_order(given):
+    """Sums of rows 1, the grid's own values as they are, cos 3 theta to the fourth order of a cubic
+    spline, which errs by 5/384 (k cell)^4 at most [Hall and Meyer 1976].
+    """
+    rule = periodic_rule(given, 33)
+    np.testing.assert_allclose(rule.sum(axis=1), 1.0, atol=1e-13)
+    np.testing.assert_allclose(periodic_rule(given, given), np.eye(given), atol=1e-13)
+    at, _ = cell_centres(given, 1, 0.0, 1.0)
+    to, _ = cell_centres(33, 1, 0.0, 1.0)
+    error = np.abs(rule @ np.cos(3 * at + 0.4) - np.cos(3 * to + 0.4)).max()
+    assert error < 5 / 384 * (3 * 2 * np.pi / given) ** 4
+
+
+@pytest.mark.parametrize("shape", [(16, 24), (10, 15)])
+def test_forces_on_the_bore_are_the_transpose_of_its_reading(reduced, shape):
+    """Virtual work on both grids, of any field and any forces; round-off of sums of 192 terms."""
+    model = outside_of(reduced, *shape)
+    rng = np.random.default_rng(4)
+    for guided in (0.0803, 0.1, 0.1137):
+        field, force = rng.standard_normal(shape), rng.standard_normal(16 * 12)
+        there = seen(model.outside, model.system.surfaces, guided, field)
+        here = film_on_bore(model.outside, model.system.surfaces, guided, force)
+        size = np.abs(there * force).sum()
+        assert np.sum(here * field) == pytest.approx(there @ force, abs=1e-14 * size)
+        # a translation of the bore is seen as one, and force balances
+        theta, _ = cell_centres(shape[0], 1, 0.0, 1.0)
+        assert here.sum() == pytest.approx(force.sum(), abs=1e-12 * np.abs(force).sum())
+        even = seen(model.outside, model.system.surfaces, guided, np.ones(shape))
+        np.testing.assert_allclose(even, 1.0, atol=1e-12)
+
+
+def test_gas_on_the_wall_by_hand(reduced):
+    """Pressure times 2 pi R times what is above each ring, and its moment about the bore's foot;
+    even around.
+    """
+    model = outside_of(reduced)
+    _, _, block = reduced
+    guided, p, land = 0.1, 4e6, 0.5e6
+    found = gas_on_wall(model.outside, guided, WallPressures(p, land))
+    assert np.ptp(found, axis=0).max() == 0.0
+    top = block.heights[-1]
+    first, second = guided + 19e-3, guided + 14e-3
+    around = 2 * np.pi * block.radius
+    force = around * (p * (top - first) + land * (first - second))
+    moment = around * (p * (top**2 - first**2) + land * (first**2 - second**2)) / 2
+    # unit values of single heights are no quadratics: cubics between the table's own heights
+    assert found.sum() == pytest.approx(force, rel=1e-9)
+    assert (found @ block.heights).sum() == pytest.approx(moment, rel=1e-5)
+
+
+def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
+    """Step after step with the field that the bore's own modes take: the same film and piston, and
+    the modes' forces; 6e-8 of a deflection is single precision of their tables.
+    """
+    own, block = own_of(reduced)
+    other = outside_of(reduced)
+    first = np.zeros(block.radial.shape[:2])
+    push, drag = forces(own, 0)
+    begun, _ = own.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 5e5, 0 * push, 0 * drag))
+    state, _ = other.start(
+        0.3, 2e-6, 1e-4, Inputs(SPEED, 5e5, 0 * push, 0 * drag, bore_deflection=first)
+    )
+    k = len(own.system.gas_force)
+    for n in range(6):
+        push, drag = forces(own, n)
+        begun, out = own.advance(begun, Inputs(SPEED, 5e5, push, drag), STEP)
+        field = block.radial @ begun.position[2 + k :]
+        before = state
+        inputs = Inputs(SPEED, 5e5, push, drag, bore_deflection=field)
+        state, told = other.advance(before, inputs, STEP)
+        bend = np.abs(field).max()
+        assert bend > 1e-8
+        np.testing.assert_allclose(
+            told["film_thickness"], out["film_thickness"], rtol=0, atol=1e-6 * bend
+        )
+        np.testing.assert_allclose(state.position[: 2 + k], begun.position[: 2 + k], rtol=1e-12)
+        guided = own._last.guided
+        parts = forces_by_film(own.system, guided, push.ravel(), drag.ravel())
+        of_film = together(own.system, parts).block
+        of_gas = wall_forces(own.system.wall, guided, WallPressures(5e5, 0.0))
+        by_grid = np.einsum("csk,cs->k", block.radial, told["force_on_bore"])
+        wanted = of_film + of_gas
+        np.testing.assert_allclose(by_grid, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
+        assert told["force_on_deck"] == pytest.approx(5e5 * np.pi * block.radius**2, rel=1e-14)
+        # what the bore takes of the film's work, by the film's own cells
+        way = seen(other.outside, other.system.surfaces, guided, field - before.bore_deflection)
+        rest = told["energy_gain"] - way @ push.ravel()
+        plain = other.advance(dataclasses.replace(before, bore_deflection=field), inputs, STEP)[1]
+        assert rest == pytest.approx(plain["energy_gain"], rel=1e-9)
+        assert told["interface_work_error"] < 1e-13
+
+
+def test_derivatives_with_a_bore_from_outside_are_differences(reduced):
+    """Every output by every input at once; what the tangent leaves out is 2 w c1 = 1e-4 here, see
+    test_mounted; fields of the bore itself are linear and exact.
+    """
+    model = outside_of(reduced, 10, 15)
+    rng = np.random.default_rng(8)
+    push, drag = forces(model, 3)
+    field = 1e-6 * rng.standard_normal((10, 15))
+    state, _ = model.start(
+        0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, 0 * push, 0 * drag, bore_deflection=field)
+    )
+    for n in range(3):
+        now = Inputs(SPEED, 5e5, *forces(model, n), carrier=MOVING, bore_deflection=field)
+        state, _ = model.advance(state, now, STEP)
+
+    def at(direction, e):
+        dpush, ddrag, rings, dcarrier, dfield = direction
+        inputs = Inputs(
+            SPEED,
+            5e5,
+            push + e * dpush,
+            drag + e * ddrag,
+            RingForce(*(e * np.array(rings))),
+            carrier=Carrier(*(np.array(MOVING) + e * dcarrier)),
+            bore_deflection=field + e * dfield,
+        )
+        return model.advance(state, inputs, STEP)[1]
+
+    still = RingForce(0.0, 0.0, 0.0)
+    directions = [
+        (0 * push, 0 * drag, still, np.zeros(4), 1e-7 * rng.standard_normal((10, 15))),
+        (
+            rng.random(push.shape),
+            0.1 * rng.random(push.shape),
+            RingForce(3.0, -7.0, 0.2),
+            rng.random(4),
+            1e-7 * rng.standard_normal((10, 15)),
+        ),
+    ]
+    names = (*ON_BLOCK, *ON_FLEXIBLE_BLOCK, "film_thickness", "sliding_velocity")
+    for direction, within in zip(directions, (1e-9, 3e-4)):
+        up, down = at(direction, 1.0), at(direction, -1.0)
+        at(direction, 0.0)
+        found = model.directional_derivative(*direction[:4])
+        found["film_thickness"] = (
+            found["film_thickness"] + model.widened(direction[-1])["film_thickness"]
+        )
+        assert set(names) <= set(found)
+        for name in names:
+            difference = (np.asarray(up[name]) - down[name]) / 2
+            size = np.abs(difference).max() + 1e-300
+            np.testing.assert_allclose(found[name], difference, atol=within * size, err_msg=name)
+
+
+RIGID = {
+    "grid": [16, 12],
+    "mounted": True,
+    "piston": {
+        "rigid": {
+            "mass": "1 kg",
+            "centre": ["0 mm", "5 mm"],
+            "inertia": "0.001 kg*m^2",
+            "radius": "28 mm",
+        },
+        "skirt_lower": "-10 mm",
+        "skirt_upper": "10 mm",
+    },
+    "block": {
+        "rigid": {"radius": "28.05 mm"},
+        "bore_lower": "50 mm",
+        "bore_upper": "155 mm",
+        "bore_from_outside": {"around": 12, "axial": 20},
+    },
+}
+
+
+def changed(**block):
+    return RIGID | {"block": RIGID["block"] | block}
+
+
+def test_variables_of_a_bore_from_outside(tmp_path):
+    shapes = {one.name: one.shape for one in declared_variables(RIGID, tmp_path)}
+    assert shapes["bore_deflection"] == shapes["force_on_bore"] == (12, 20)
+    assert shapes["force_on_deck"] == ()
+    plain = {one.name for one in declared_variables(changed(bore_from_outside=None), tmp_path)}
+    assert set(shapes) - plain == {"bore_deflection", "force_on_bore", "force_on_deck"}
+
+
+def test_build_options_survive_their_file(reduced):
+    options, _, _ = reduced
+    there = dataclasses.replace(options.block, bore_from_outside=BoreGrid(12, 20))
+    there = dataclasses.replace(options, block=there, mounted=True)
+    again = BuildOptions.from_json(there.to_json())
+    assert again.block.bore_from_outside == BoreGrid(12, 20)
+    assert "bore_from_outside" not in options.to_json()["block"]
+
+
+@pytest.mark.parametrize(
+    ("build", "told"),
+    [
+        (RIGID | {"mounted": False}, "needs mounted = true"),
+        (changed(stations=30), "not with bore_from_outside"),
+        (changed(bore_from_outside={"around": 12, "axial": 4}), "greater than or equal to 8"),
+        (
+            changed(
+                rigid=None, mesh="block.msh", density="7000 kg/m^3", young="1e11 Pa", poisson=0.3
+            ),
+            "another participant's",
+        ),
+        (RIGID | {"floating_pin": {"boss_length": "2 cm", "small_end_length": "2 cm"}}, "not with"),
+    ],
+)
+def test_what_does_not_go_with_a_bore_from_outside_is_refused(build, told, tmp_path):
+    with pytest.raises(BadInput, match=told):
+        declared_variables(build, tmp_path)
