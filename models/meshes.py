@@ -1,5 +1,5 @@
-"""Parametric meshes of a piston and of a finned cylinder block by gmsh (running a case does not
-need it).
+"""Parametric meshes of a piston, of a finned cylinder block and of a block of two cylinders in line
+by gmsh (running a case does not need it).
 
 One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that
 the mesh is symmetric to the last bit about the thrust plane z = 0 and about x = 0. Lengths are
@@ -190,8 +190,109 @@ class Block:
         }
 
 
+@dataclass(frozen=True)
+class TwinBlock:
+    """Two barrels in line, joined, between a deck and a flange on a crankcase that is open below:
+    two side walls, three bulkheads that hold the main bearings, four feet. In mm.
+
+    Parameters
+    ----------
+    bore, wall : float
+        Radius of the bores, thickness of the barrels.
+    pitch : float
+        Distance of the bores' axes, x = 0, z = -pitch/2 and pitch/2.
+    ends : (float, float)
+        Heights of the barrels' lower end and of the deck above the crank axis.
+    plate : float
+        Thickness of deck and flange.
+    half_width, half_length : float
+        Of deck, flange and crankcase, along x and z.
+    floor : float
+        Height of the feet's soles, below the crank axis.
+    side_wall, bulkhead : float
+        Thicknesses; a bulkhead stands in the middle and at each end.
+    bearing : float
+        Radius of the main bearings.
+    foot : float
+        Side of the square feet, outside the side walls at their ends; their height is `plate`.
+    """
+
+    bore: float
+    wall: float
+    pitch: float
+    ends: tuple[float, float]
+    plate: float
+    half_width: float
+    half_length: float
+    floor: float
+    side_wall: float
+    bulkhead: float
+    bearing: float
+    foot: float
+
+    def quarter(self) -> Entities:
+        """The solid of one quarter, in gmsh."""
+        occ = gmsh.model.occ
+        low, high = self.ends
+        wide, long = self.half_width, self.half_length
+        outer = self.bore + self.wall
+
+        def box(x, y, z, dx, dy, dz):
+            return 3, occ.addBox(x, y, z, dx, dy, dz)
+
+        def barrel(radius, from_, to):
+            tag = occ.addCylinder(0, from_, self.pitch / 2, 0, to - from_, 0, radius)
+            return 3, tag
+
+        height = low + self.plate - self.floor
+        half = self.bulkhead / 2
+        parts = [
+            box(0, high - self.plate, 0, wide, self.plate, long),
+            box(0, low, 0, wide, self.plate, long),
+            box(wide - self.side_wall, self.floor, 0, self.side_wall, height, long),
+            box(0, self.floor, 0, wide, height, half),
+            box(0, self.floor, long - self.bulkhead, wide, height, self.bulkhead),
+            box(wide, self.floor, long - self.foot, self.foot, self.plate, self.foot),
+        ]
+        body, _ = occ.fuse([barrel(outer, low, high)], parts)
+        holes = [
+            barrel(self.bore, low - 1, high + 1),
+            (3, occ.addCylinder(0, 0, -long, 0, 0, 3 * long, self.bearing)),
+        ]
+        body, _ = occ.cut(body, holes)
+        return quarter_of(body, 2 * high)
+
+    def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Named node masks: bores and bearings along z, feet by z, then by x."""
+        x, y, z = points.T
+        low, high = self.ends
+        long = self.half_length
+        inside = (y > low - NEAR) & (y < high + NEAR)
+        round_crank = np.abs(np.hypot(x, y) - self.bearing) < NEAR
+        middles = (-long + self.bulkhead / 2, 0.0, long - self.bulkhead / 2)
+        sole = np.abs(y - self.floor) < NEAR
+        beside = np.abs(x) > self.half_width - NEAR
+        near_end = np.abs(z) > long - self.foot - NEAR
+        corners = [(sign_x, sign_z) for sign_z in (-1, 1) for sign_x in (-1, 1)]
+        return {
+            **{
+                f"bore_{k}": inside & (np.abs(np.hypot(x, z - at) - self.bore) < NEAR)
+                for k, at in enumerate((-self.pitch / 2, self.pitch / 2), 1)
+            },
+            "deck": np.abs(y - high) < NEAR,
+            **{
+                f"bearing_{k}": round_crank & (np.abs(z - at) < self.bulkhead / 2 + NEAR)
+                for k, at in enumerate(middles, 1)
+            },
+            **{
+                f"mount_{k}": sole & beside & near_end & (sign_x * x > 0) & (sign_z * z > 0)
+                for k, (sign_x, sign_z) in enumerate(corners, 1)
+            },
+        }
+
+
 class Shape(Protocol):
-    """A body that can be meshed: Piston or Block."""
+    """A body that can be meshed: Piston, Block or TwinBlock."""
 
     def quarter(self) -> Entities:
         """The solid of one quarter, in gmsh."""
@@ -212,10 +313,10 @@ def cylinder_y(radius: float, low: float, high: float, top_radius: float | None 
     return [(3, tag)]
 
 
-def quarter_of(solid: Entities) -> Entities:
-    """Keep x >= 0, z >= 0."""
+def quarter_of(solid: Entities, reach: float = 300.0) -> Entities:
+    """Keep x >= 0, z >= 0, as far as it reaches in any direction [mm]."""
     occ = gmsh.model.occ
-    kept, _ = occ.intersect(solid, [(3, occ.addBox(0, -300, 0, 300, 600, 300))])
+    kept, _ = occ.intersect(solid, [(3, occ.addBox(0, -reach, 0, reach, 2 * reach, reach))])
     return kept
 
 
@@ -314,7 +415,7 @@ def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
     ----------
     path : Path
         Ending in .msh.gz.
-    shape : Piston or Block
+    shape : Piston, Block or TwinBlock
     size : float
         Largest edge of an element [mm].
     curvature : int

@@ -16,6 +16,8 @@ floating_pin       equations of motion of a pin on films of its own (K, D)
 pin_model          the model with them
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them
+bore_from_outside  a bore that deflects as another participant says (H)
+monoblock          a flexible block of several cylinders on its mounts (U)
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)
 start_state        start where another run stood

@@ -609,7 +609,9 @@ class PistonInBore:
             rings,
             self._carried_force(carried) if mounted else np.zeros(self.moving),
         )
-        on_block = self._block_force_change(change, carried) if mounted else {}
+        on_block: dict[str, np.ndarray | float] = {}
+        if mounted:
+            on_block |= self._block_force_change(change, carried)
         if self.outside:
             on_block["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
             on_block["force_on_deck"] = 0.0

@@ -77,6 +77,47 @@ class ReducedBlock:
 
 
 @dataclass(frozen=True)
+class ReducedMonoblock:
+    """A block of n cylinders in line, free in space: rigid motion about O, the middle of the crank
+    axis, and k modes that move no momentum.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (k,)
+        Angular eigenfrequencies [rad/s], rising.
+    radial : ndarray, shape (n, angles, stations, k)
+        Displacement of each bore outwards from its axis [kg^-1/2].
+    deck : ndarray, shape (n, k)
+        Along y, of the deck around each cylinder [kg^-1/2].
+    bearing : ndarray, shape (n, 2, k)
+        Along x and y, of what holds the crank at each cylinder [kg^-1/2].
+    mount : ndarray, shape (m, 3, k)
+        [kg^-1/2]
+    mount_place : ndarray, shape (m, 3)
+        From O [m].
+    cylinder_z : ndarray, shape (n,)
+        [m]
+    rigid_mass : ndarray, shape (6, 6)
+        Eq. (J8), about O [kg], [kg m], [kg m2].
+    heights : ndarray, shape (stations,)
+        Above the crank axis [m].
+    radius : float
+        Of the bores [m].
+    """
+
+    omega: np.ndarray
+    radial: np.ndarray
+    deck: np.ndarray
+    bearing: np.ndarray
+    mount: np.ndarray
+    mount_place: np.ndarray
+    cylinder_z: np.ndarray
+    rigid_mass: np.ndarray
+    heights: np.ndarray
+    radius: float
+
+
+@dataclass(frozen=True)
 class ReducedBosses:
     """Values of a piston's modes in its two pin bosses, that at z < 0 first, on the grids of their
     films, (c, a) cells each, in its own file; k modes.
@@ -160,7 +201,10 @@ class Probes:
 
 
 ReducedBody = ReducedPiston | ReducedBlock
-Part = TypeVar("Part", bound=ReducedPiston | ReducedBlock | ReducedBosses | Anatomy | Probes)
+Part = TypeVar(
+    "Part",
+    bound=ReducedPiston | ReducedBlock | ReducedMonoblock | ReducedBosses | Anatomy | Probes,
+)
 
 
 def mode_classes(body: ReducedBody) -> np.ndarray | None:
@@ -175,7 +219,7 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock, ReducedBosses, Anatomy or Probes.
+        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, Anatomy or Probes.
     path : Path
         .npz
 
@@ -195,7 +239,9 @@ def load(part: type[Part], path: Path) -> Part:
     return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
 
 
-def save(path: Path, *parts: ReducedBody | ReducedBosses | Anatomy | Probes) -> None:
+def save(
+    path: Path, *parts: ReducedBody | ReducedMonoblock | ReducedBosses | Anatomy | Probes
+) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".partial.npz")

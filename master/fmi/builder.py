@@ -117,8 +117,11 @@ class Entry(Fmi2Slave):
 
 
 def slave_of(package):
-    """Where a participant package has its slave: fmu_ehd -> fmu_ehd.slave:Ehd."""
-    return f"{package}.slave:{package.removeprefix('fmu_').capitalize()}"
+    """Where a participant package has its slave: fmu_ehd -> fmu_ehd.slave:Ehd, a room of a part
+    likewise: fmu_mfbd.monoblock -> fmu_mfbd.monoblock.slave:Monoblock.
+    """
+    *_, last = package.split(".")
+    return f"{package}.slave:{last.removeprefix('fmu_').capitalize()}"
 
 
 def code_of(package):

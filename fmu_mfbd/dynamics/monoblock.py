@@ -1,0 +1,299 @@
+"""A flexible block of several cylinders on its mounts: rigid motion and modes, one implicit step at
+a time, and what each cylinder sees of it.
+
+Eq. (U30):  M q'' + C q' + K q = F,   q = (u, rotation, modal coordinates)
+            M = diag(R^T M R, 1),   K = diag(0, Omega^2) + sum_j G_j^T k_j G_j
+            C = diag(0, 2 zeta Omega) + tau sum_j G_j^T k_j G_j,   G_j = [1, -r_j~, phi_j]
+            u, rotation of the mean frame at O, the middle of the crank axis; r_j~ v = r_j x v,
+            phi_j the modes at mount j
+Eq. (U31):  rigid part of F:  sum_k (f_k, z_k x f_k + M_k z/|z|),   of all that cylinder k does
+            modal part:       sum_k (W_k^T F_W + d_k F_d + b_k (F_bx, F_by))
+            W_k, d_k, b_k the modes on its bore, on the deck around it and at its main bearings;
+            F_W, F_d, F_b what film and gas, gas and crank do there
+Eq. (U32):  a_k = u'' + rotation'' x z_k,   w_k = W_k q:   given back to cylinder k
+
+The rigid motion steps by the trapezoidal rule, the modes as those of a cylinder's own block do:
+backward Euler first, generalised-alpha then; those above the quasi-static frequency follow their
+load. Small motions; the modes move no momentum, so that the mounts alone couple both. Cylinders
+stand upright side by side. The block starts at rest, undeformed, its mounts unloaded.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as la
+
+from ..reduction.reduced_body import ReducedMonoblock
+from .first_steps import FIRST_STEPS, first_steps
+from .generalised_alpha import Coefficients, Motion, coefficients, predict
+
+RIGID_MOTIONS = 6
+TRAPEZOIDAL = 1.0
+"""Spectral radius of the rule that keeps all energy."""
+
+
+class Cylinder(NamedTuple):
+    """What a cylinder does to the block.
+
+    Parameters
+    ----------
+    x, y, moment : float
+        All of its forces in its plane, and of bore and deck their moment about the crank axis [N],
+        [N m].
+    bearing_x, bearing_y : float
+        Of the crank on its main bearings, part of x and y [N].
+    bore : ndarray, shape (angles, stations)
+        Of film and gas on the bore, outwards [N].
+    deck : float
+        Of gas on the deck along y [N].
+    """
+
+    x: float
+    y: float
+    moment: float
+    bearing_x: float
+    bearing_y: float
+    bore: np.ndarray
+    deck: float
+
+
+class Seen(NamedTuple):
+    """What a cylinder sees of the block: acceleration of its place on the crank axis [m/s2],
+    angular acceleration and velocity about z [rad/s2], [rad/s], deflection of its bore (angles,
+    stations) [m].
+    """
+
+    acceleration_x: float
+    acceleration_y: float
+    angular_acceleration: float
+    angular_velocity: float
+    bore_deflection: np.ndarray
+
+
+@dataclass(frozen=True)
+class BlockState:
+    """Motion of all coordinates, the time integrator's auxiliary acceleration and the forces F,
+    each (6 + k,); length of the last step [s]; steps taken.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    auxiliary: np.ndarray
+    force: np.ndarray
+    step: float = 0.0
+    steps: int = 0
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """Parameters of a block.
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (m, 3)
+        Of the mounts along x, y, z [N/m].
+    damping_time : float
+        tau [s]
+    damping_ratio : float
+        zeta of all modes [-].
+    quasi_static_frequency : float
+        Modes above it have no inertia [Hz].
+    spectral_radius : float
+        Of the modes' time integrator at infinite frequency [-].
+    """
+
+    stiffness: np.ndarray
+    damping_time: float
+    damping_ratio: float
+    quasi_static_frequency: float
+    spectral_radius: float
+
+
+class Rule(NamedTuple):
+    """Step of every coordinate: what an unknown of 1 adds to velocity and position at the end, and
+    the factors of all unknowns at once.
+
+    Of coordinates with inertia the unknown is the end acceleration, of the others the position.
+    """
+
+    to_velocity: np.ndarray
+    to_position: np.ndarray
+    factors: tuple[np.ndarray, np.ndarray]
+
+
+class MountedMonoblock:
+    """Eqs. (U30) to (U32).
+
+    Parameters
+    ----------
+    body : ReducedMonoblock
+    mounting : Mounting
+    """
+
+    def __init__(self, body: ReducedMonoblock, mounting: Mounting):
+        self.body = body
+        self.spectral_radius = mounting.spectral_radius
+        k = len(body.omega)
+        self.size = RIGID_MOTIONS + k
+        fast = body.omega > 2 * np.pi * mounting.quasi_static_frequency
+        self.static = np.concatenate([np.zeros(RIGID_MOTIONS, dtype=bool), fast])
+        self.mass = la.block_diag(body.rigid_mass, np.diag((~fast).astype(float)))
+        levers = np.array(
+            [
+                np.hstack([np.eye(3), -cross(place), shapes])
+                for place, shapes in zip(body.mount_place, body.mount)
+            ]
+        )
+        # Eq. (U30)
+        self.mounts = np.einsum("jai,ja,jab->ib", levers, mounting.stiffness, levers)
+        zeros = np.zeros(RIGID_MOTIONS)
+        elastic = np.concatenate([zeros, body.omega**2])
+        self.modal_damping = np.concatenate(
+            [zeros, np.where(fast, 0.0, 2 * mounting.damping_ratio * body.omega)]
+        )
+        self.elastic = elastic
+        self.stiffness = np.diag(elastic) + self.mounts
+        self.mount_damping = mounting.damping_time * self.mounts
+        self.damping = np.diag(self.modal_damping) + self.mount_damping
+        self._rules: dict[tuple[float, bool], Rule] = {}
+
+    def loose(self) -> bool:
+        """Whether the mounts hold some motions of the rigid block and leave others."""
+        held = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
+        return 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]
+
+    def start(self, cylinders: list[Cylinder]) -> BlockState:
+        """At rest, its forces those of the beginning."""
+        nothing = np.zeros(self.size)
+        return BlockState(nothing, nothing, nothing, nothing, 0.0 * self.total(cylinders))
+
+    def total(self, cylinders: list[Cylinder]) -> np.ndarray:
+        """F, shape (6 + k,), of what all cylinders do, or of a change of it."""
+        body = self.body
+        x, y, moment = np.array([(one.x, one.y, one.moment) for one in cylinders]).T
+        z = body.cylinder_z
+        # Eq. (U31)
+        rigid = [x.sum(), y.sum(), 0.0, -(z @ y), z @ x, moment.sum()]
+        modal = sum(
+            np.einsum("cs,csk->k", one.bore, radial)
+            + one.deck * deck
+            + one.bearing_x * bearing[0]
+            + one.bearing_y * bearing[1]
+            for one, radial, deck, bearing in zip(cylinders, body.radial, body.deck, body.bearing)
+        )
+        return np.concatenate([rigid, modal])
+
+    def seen(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+    ) -> list[Seen]:
+        """What each cylinder sees of a motion, or of a change of it."""
+        across, up, _, pitch, yaw, roll = acceleration[:RIGID_MOTIONS].tolist()
+        rolling = float(velocity[RIGID_MOTIONS - 1])
+        # Eq. (U32)
+        return [
+            Seen(across + yaw * z, up - pitch * z, roll, rolling, field)
+            for z, field in zip(
+                self.body.cylinder_z.tolist(), self.body.radial @ position[RIGID_MOTIONS:]
+            )
+        ]
+
+    def advance(self, before: BlockState, cylinders: list[Cylinder], step: float) -> BlockState:
+        """One step [s]; equations hold at its end, with the forces given for its end."""
+        begins = before.steps < FIRST_STEPS
+        rule = self._rule(step, begins)
+        rigid, modal = self._coefficients(step, begins)
+        position, velocity, auxiliary = self._predicted(before, rigid, modal)
+        force = self.total(cylinders)
+        lack = force - self.damping @ velocity - self.stiffness @ position
+        unknown = la.lu_solve(rule.factors, lack)
+        acceleration = np.where(self.static, 0.0, unknown)
+        share = np.full(self.size, modal.to_auxiliary)
+        share[:RIGID_MOTIONS] = rigid.to_auxiliary
+        auxiliary = auxiliary + share * acceleration
+        steps = before.steps + 1
+        if steps < FIRST_STEPS:
+            auxiliary[RIGID_MOTIONS:] = 0.0
+        return BlockState(
+            position + rule.to_position * unknown,
+            velocity + rule.to_velocity * unknown,
+            acceleration,
+            auxiliary,
+            force,
+            step,
+            steps,
+        )
+
+    def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[Seen]:
+        """Change of what each cylinder sees at the end of the last step with a change of what they
+        do there: exact, the equations are linear.
+        """
+        if not after.steps:
+            nothing = np.zeros(self.size)
+            return self.seen(nothing, nothing, nothing)
+        rule = self._rule(after.step, after.steps <= FIRST_STEPS)
+        unknown = la.lu_solve(rule.factors, self.total(cylinders))
+        return self.seen(
+            rule.to_position * unknown,
+            rule.to_velocity * unknown,
+            np.where(self.static, 0.0, unknown),
+        )
+
+    def energies(self, state: BlockState) -> tuple[float, float]:
+        """Kinetic energy, and elastic energy of modes and mounts [J]."""
+        kinetic = state.velocity @ self.mass @ state.velocity / 2
+        return float(kinetic), float(state.position @ self.stiffness @ state.position / 2)
+
+    def lost(self, before: BlockState, after: BlockState) -> float:
+        """What mounts and modes turn into heat over a step, by the trapezoidal rule [J]."""
+        mean = (before.velocity + after.velocity) / 2
+        return float((after.position - before.position) @ self.damping @ mean)
+
+    def energy_error(self, before: BlockState, after: BlockState) -> float:
+        """Work of all forces over a step by the trapezoidal rule minus what became of it [J]."""
+        work = (after.position - before.position) @ (before.force + after.force) / 2
+        stored = sum(self.energies(after)) - sum(self.energies(before))
+        return float(work - stored - self.lost(before, after))
+
+    def _coefficients(self, step: float, begins: bool) -> tuple[Coefficients, Coefficients]:
+        """Of the rigid motion and of the modes."""
+        rigid = coefficients(step, TRAPEZOIDAL)
+        return rigid, first_steps(step) if begins else coefficients(step, self.spectral_radius)
+
+    def _predicted(self, before: BlockState, rigid: Coefficients, modal: Coefficients):
+        """Position, velocity and auxiliary acceleration at the end, were all unknowns zero."""
+        parts = []
+        for c, part in ((rigid, slice(0, RIGID_MOTIONS)), (modal, slice(RIGID_MOTIONS, None))):
+            motion = Motion(
+                before.position[part].copy(),
+                before.velocity[part].copy(),
+                before.acceleration[part].copy(),
+            )
+            parts.append(predict(c, motion, before.auxiliary[part].copy()))
+        position, velocity, auxiliary = (np.concatenate(pair) for pair in zip(*parts))
+        position[self.static] = 0.0
+        velocity[self.static] = -before.position[self.static] / modal.step
+        auxiliary[self.static] = 0.0
+        return position, velocity, auxiliary
+
+    def _rule(self, step: float, begins: bool) -> Rule:
+        """Of a step of this length, kept."""
+        key = (step, begins)
+        if key not in self._rules:
+            rigid, modal = self._coefficients(step, begins)
+            to_velocity = np.full(self.size, modal.to_velocity)
+            to_position = np.full(self.size, modal.to_position)
+            to_velocity[:RIGID_MOTIONS] = rigid.to_velocity
+            to_position[:RIGID_MOTIONS] = rigid.to_position
+            to_velocity[self.static] = 1 / step
+            to_position[self.static] = 1.0
+            moved = self.mass + self.damping * to_velocity + self.stiffness * to_position
+            self._rules = {key: Rule(to_velocity, to_position, la.lu_factor(moved))}
+        return self._rules[key]
+
+
+def cross(vector: np.ndarray) -> np.ndarray:
+    """Matrix of v -> vector x v."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

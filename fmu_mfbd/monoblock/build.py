@@ -1,0 +1,92 @@
+"""Offline work of the block's FMU: reduce it, or find it in the cache."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ...master.fmi.cache import cache_folder
+from ...master.fmi.errors import BadInput
+from ...master.fmi.variables import Variable
+from ..finite_elements.mesh import MeshFault
+from ..reduction.monoblock import (
+    Plan,
+    cached_monoblock,
+    free_block,
+    read_block,
+    reduce_monoblock,
+)
+from .options import BuildMonoblock, read_monoblock
+from .variables import variables
+
+Say = Callable[[str], None]
+
+
+def options_schema() -> dict[str, Any]:
+    """JSON schema of the build table."""
+    return BuildMonoblock.model_json_schema()
+
+
+def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Variable]:
+    """Variables of the FMU that a build table makes, or that none makes; nothing is reduced.
+
+    Raises
+    ------
+    BadInput
+        Every fault of the table.
+    """
+    if options is None:
+        return variables(1, 4, (8, 8))
+    build = read_monoblock(options, Path(folder))
+    return variables(len(build.cylinder_z), build.mounts, (build.bore.around, build.bore.axial))
+
+
+def prepare(
+    options: dict[str, Any], folder: Path, progress: Say
+) -> tuple[dict[str, Any], list[Path]]:
+    """Validate the build table and reduce the block; returns what becomes build.json, and the
+    reduced block for the FMU's resources.
+
+    Raises
+    ------
+    BadInput
+        Every fault of the table; then every fault of the mesh.
+    """
+    build = read_monoblock(options, Path(folder))
+    plan = plan_of(build)
+
+    def made():
+        mesh = read_block(build.mesh, plan, build.mesh_unit, build.axes, build.origin, progress)
+        material = build.young, build.poisson, build.density
+        body = free_block(mesh, material, build.head_mass, build.crank_mass)
+        return reduce_monoblock(body, plan, progress)
+
+    decided = build.model_dump(mode="json")
+    decided["mesh"] = hashlib.sha256(Path(build.mesh).read_bytes()).hexdigest()
+    try:
+        path = cached_monoblock(decided, made, cache_folder("bodies"))
+    except MeshFault as error:
+        raise BadInput([f"{options['mesh']}: {fault}" for fault in error.faults]) from None
+    except (ValueError, MemoryError) as error:
+        raise BadInput([str(error)]) from None
+    resolved = {
+        "file": path.name,
+        "cylinders": len(build.cylinder_z),
+        "mounts": build.mounts,
+        "grid": [build.bore.around, build.bore.axial],
+    }
+    return resolved, [path]
+
+
+def plan_of(build: BuildMonoblock) -> Plan:
+    """What the table asks of the reduction."""
+    return Plan(
+        cylinder_z=build.cylinder_z,
+        bearings=build.bearings,
+        mounts=build.mounts,
+        grid=(build.bore.around, build.bore.axial),
+        lower=build.bore_lower,
+        upper=build.bore_upper,
+        free_modes=build.free_modes,
+        modes=build.modes,
+    )

@@ -1,0 +1,128 @@
+"""The block's FMU: a table of variables and a step."""
+
+from typing import Any
+
+import numpy as np
+
+from ...master.fmi.errors import BadInput
+from ...master.fmi.slave import FieldSlave
+from ...master.fmi.variables import Variable
+from ..dynamics.monoblock import (
+    RIGID_MOTIONS,
+    BlockState,
+    Cylinder,
+    MountedMonoblock,
+    Mounting,
+    Seen,
+)
+from ..reduction.reduced_body import ReducedMonoblock, load
+from . import variables as table
+from .variables import AXES, DEFLECTION, FORCES, MOTIONS, ON_BORE, ports
+
+
+class Monoblock(FieldSlave):
+    """Flexible block of several cylinders on its mounts."""
+
+    name = "fmu_monoblock"
+    description = "Flexible block of several cylinders on its mounts, reduced from finite elements"
+    state_type = BlockState
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """All that the cylinders say."""
+        return ports(self.options["cylinders"], (*FORCES, ON_BORE))
+
+    @property
+    def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        """All that they are told."""
+        return ports(self.options["cylinders"], (*MOTIONS, DEFLECTION))
+
+    @staticmethod
+    def variables(options: dict[str, Any]) -> list[Variable]:
+        """The table of variables for the options of build.json."""
+        around, axial = options["grid"]
+        return table.variables(options["cylinders"], options["mounts"], (around, axial))
+
+    def start(self, values: dict[str, Any]) -> tuple[BlockState, dict[str, Any]]:
+        """Load the reduced block; at rest."""
+        body = load(ReducedMonoblock, self.resources / self.options["file"])
+        springs = np.array([values[f"stiffness_{axis}"] for axis in AXES]).T
+        names = ("damping_time", "damping_ratio", "quasi_static_frequency", "spectral_radius")
+        self.model = MountedMonoblock(body, Mounting(springs, *(values[one] for one in names)))
+        if self.model.loose():
+            raise BadInput(
+                [
+                    "stiffness_x, stiffness_y, stiffness_z: the block can move without a force of "
+                    "its mounts; hold it in all six directions, or by none (stiffness 0)"
+                ]
+            )
+        cylinders = self._cylinders(values)
+        state = self.model.start(cylinders)
+        return state, self._shown(state, state) | _six(
+            ("shaking_force", "shaking_moment"), self.model.total(cylinders)
+        )
+
+    def advance(
+        self, state: BlockState, values: dict[str, Any], time: float, step: float
+    ) -> tuple[BlockState, dict[str, Any]]:
+        """One step; returns (state, outputs)."""
+        end = self.model.advance(state, self._cylinders(values), step)
+        return end, self._shown(state, end)
+
+    def directional_derivative(self, seeds: dict[str, Any]) -> dict[str, Any]:
+        """Product of the step map's derivative with the seed fields."""
+        return _told(self.model.change(self.state, self._cylinders(seeds)))
+
+    def _cylinders(self, values: dict[str, Any]) -> list[Cylinder]:
+        """What each cylinder does."""
+        out = []
+        for k in range(1, self.options["cylinders"] + 1):
+            numbers = {name: float(values[f"cylinder_{k}.{name}"]) for name in FORCES}
+            out.append(
+                Cylinder(
+                    x=numbers["force_x"],
+                    y=numbers["force_y"],
+                    moment=numbers["moment"],
+                    bearing_x=numbers["bearing_force_x"],
+                    bearing_y=numbers["bearing_force_y"],
+                    bore=values[f"cylinder_{k}.{ON_BORE}"],
+                    deck=numbers["force_on_deck"],
+                )
+            )
+        return out
+
+    def _shown(self, before: BlockState, now: BlockState) -> dict[str, Any]:
+        """Outputs at the end of a step."""
+        model = self.model
+        seen = model.seen(now.position, now.velocity, now.acceleration)
+        kinetic, elastic = model.energies(now)
+        on_mounts = model.mounts @ now.position + model.mount_damping @ now.velocity
+        rate = now.velocity
+        return {
+            **_told(seen),
+            **_six(("displacement", "rotation"), now.position),
+            **_six(("velocity", "rotation_velocity"), now.velocity),
+            **_six(("shaking_force", "shaking_moment"), now.force),
+            **_six(("mount_force", "mount_moment"), on_mounts),
+            "kinetic_energy": kinetic,
+            "elastic_energy": elastic,
+            "mount_power": float(rate @ model.mount_damping @ rate),
+            "modal_power": float(rate @ (model.modal_damping * rate)),
+            "largest_bore_deflection": max(np.abs(one.bore_deflection).max() for one in seen),
+            "energy_error": model.energy_error(before, now),
+        }
+
+
+def _told(seen: list[Seen]) -> dict[str, Any]:
+    """What cylinders see, by variable."""
+    return {
+        f"cylinder_{k}.{name}": value
+        for k, one in enumerate(seen, 1)
+        for name, value in one._asdict().items()
+    }
+
+
+def _six(names: tuple[str, str], values: np.ndarray) -> dict[str, float]:
+    """The rigid part of a vector by variable."""
+    parts = zip(names, values[:RIGID_MOTIONS].reshape(2, 3))
+    return {f"{name}_{axis}": one for name, three in parts for axis, one in zip(AXES, three)}

@@ -1,0 +1,321 @@
+"""Offline: a block of several cylinders, free in space, to rigid motion and modes of all its bores.
+
+The modes move no momentum: the rigid motion is that of the mean frame, and both are coupled by the
+mounts alone.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..finite_elements.element import (
+    Sparse,
+    consistent_mass,
+    each_direction,
+    rigid_motions,
+    stiffness,
+)
+from ..finite_elements.faces import surface_matrix
+from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
+from ..finite_elements.solver import Factorise, factorise
+from ..geometry.grid import cell_centres
+from .bases import (
+    MeanElastic,
+    craig_bampton,
+    expected_pressure,
+    of_unit_energy,
+    orthonormal_modes,
+    pressure_modes,
+)
+from .interpolation import SurfaceReading
+from .reduce import code_digest, film_surface
+from .reduced_body import ReducedMonoblock, save
+
+Say = Callable[[str], None]
+SLACK = 1e-3
+"""How far the mesh's bores may lie beside their place and length, by their radius."""
+
+
+class Plan(NamedTuple):
+    """What a block of several cylinders is reduced to.
+
+    Parameters
+    ----------
+    cylinder_z : sequence of float
+        Of each bore's axis, x = 0, from the middle of the crank axis [m].
+    bearings, mounts : int
+        Surfaces bearing_1 .. and mount_1 ...
+    grid : (int, int)
+        Angles and heights of every bore's fields.
+    lower, upper : float
+        Ends of the bores above the crank axis [m].
+    free_modes, modes : int
+        Lowest free modes kept as they are, and modes in all.
+    """
+
+    cylinder_z: Sequence[float]
+    bearings: int
+    mounts: int
+    grid: tuple[int, int]
+    lower: float
+    upper: float
+    free_modes: int
+    modes: int
+
+    def surfaces(self) -> list[str]:
+        """Names of all surfaces that the mesh must have."""
+        counts = (len(self.cylinder_z), "bore"), (self.bearings, "bearing"), (self.mounts, "mount")
+        numbered = [f"{name}_{k}" for count, name in counts for k in range(1, count + 1)]
+        return [*numbered, "deck"]
+
+
+class FreeBlock(NamedTuple):
+    """Mesh [m], stiffness [N/m] and mass [kg] of the whole block, (3 n, 3 n)."""
+
+    mesh: Mesh
+    K: Sparse
+    M: Sparse
+
+
+class Places(NamedTuple):
+    """How displacements are read and forces spread: matrices with 3 n columns each.
+
+    Parameters
+    ----------
+    bores : sequence of SurfaceReading
+    deck : ndarray, shape (cylinders, 3 n)
+        Mean motion along y of the deck around each cylinder.
+    bearing : ndarray, shape (cylinders, 2, 3 n)
+        Along x and y of what holds the crank at each cylinder.
+    mount : ndarray, shape (mounts, 3, 3 n)
+    mount_place : ndarray, shape (mounts, 3)
+        [m]
+    radius : float
+        Of the bores [m].
+    """
+
+    bores: list[SurfaceReading]
+    deck: np.ndarray
+    bearing: np.ndarray
+    mount: np.ndarray
+    mount_place: np.ndarray
+    radius: float
+
+
+def free_block(
+    mesh: Mesh, material: tuple[float, float, float], head_mass: float, crank_mass: float
+) -> FreeBlock:
+    """Matrices of a block that carries a head on its deck and a crank in its bearings, both without
+    stiffness.
+
+    Eq. (J30):  M = M_block + sum_s (m_s/A_s) int N_i N_j dA,   s: deck, all bearings
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : (float, float, float)
+        Young's modulus [Pa], Poisson's ratio [-], density [kg/m3].
+    head_mass, crank_mass : float
+        [kg]
+    """
+    young, poisson, density = material
+    K = stiffness(mesh.points, mesh.tets, young, poisson)
+    M = consistent_mass(mesh.points, mesh.tets, density)
+    bearings = [faces for name, faces in mesh.faces.items() if name.startswith("bearing")]
+    for faces, mass in ((mesh.faces["deck"], head_mass), (np.vstack(bearings), crank_mass)):
+        area = surface_matrix(mesh.points, faces)
+        M = M + each_direction(area * (mass / area.sum()))  # Eq. (J30)
+    return FreeBlock(mesh, K, M)
+
+
+def inertia_relief(body: FreeBlock, factors: Factorise = factorise) -> MeanElastic:
+    """The body free in space: its answers move no momentum, loads lose what would accelerate it.
+
+    Eq. (J31):  K u + M R lambda = f,   R^T M u = 0       R its rigid motions: Eq. (J5), C = R^T M
+    """
+    rigid = rigid_motions(body.mesh.points)
+    return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid, factors)  # Eq. (J31)
+
+
+def places(mesh: Mesh, plan: Plan) -> Places:
+    """Where forces act and fields are read.
+
+    Raises
+    ------
+    MeshFault
+        Bores that are not where the plan has them.
+    """
+    angle, _ = cell_centres(plan.grid[0], 1, 0.0, 1.0)
+    heights = np.linspace(plan.lower, plan.upper, plan.grid[1])
+    bores, radii, faults = [], [], []
+    for k, z in enumerate(plan.cylinder_z, 1):
+        shifted = replace(mesh, points=mesh.points - np.array([0.0, 0.0, z]))
+        name = f"bore_{k}"
+        faults += _bore_faults(shifted, name, plan)
+        surface = film_surface(shifted, name, angle, heights)
+        bores.append(surface.reading)
+        radii.append(surface.radius)
+    if np.ptp(radii) > SLACK * radii[0]:
+        faults.append(f"bores of different radii: {', '.join(f'{r:g} m' for r in radii)}")
+    if faults:
+        raise MeshFault(faults)
+    along = np.array([_mean(mesh, f"bearing_{k}") for k in range(1, plan.bearings + 1)])
+    stands = along @ mesh.points[:, 2]
+    share = np.array([held_by(z, stands) for z in plan.cylinder_z])
+    mounts = np.array([_mean(mesh, f"mount_{k}") for k in range(1, plan.mounts + 1)])
+    return Places(
+        bores=bores,
+        deck=_directed(_deck_parts(mesh, plan.cylinder_z))[:, 1],
+        bearing=_directed(share @ along)[:, :2],
+        mount=_directed(mounts),
+        mount_place=mounts @ mesh.points,
+        radius=float(np.mean(radii)),
+    )
+
+
+def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
+    """What is wrong with a bore, its axis moved to z = 0."""
+    x, y, z = mesh.points[mesh.nodes(name)].T
+    radius = np.hypot(x, z)
+    slack = SLACK * radius.mean()
+    if np.ptp(radius) > slack:
+        return [
+            f"{name}: its nodes lie {radius.min():g} to {radius.max():g} m from the axis that "
+            "cylinder_z says"
+        ]
+    if plan.lower < y.min() - slack or plan.upper > y.max() + slack:
+        return [
+            f"bore_lower, bore_upper = {plan.lower:g}, {plan.upper:g} m: {name} reaches from "
+            f"{y.min():g} to {y.max():g} m"
+        ]
+    return []
+
+
+def held_by(z: float, stands: np.ndarray) -> np.ndarray:
+    """Shares of the bearings at heights `stands` along the crank, rising, of a force at z: the two
+    beside it, by the lever; outside of all the nearest bears it.
+
+    Returns
+    -------
+    ndarray, shape (bearings,)
+        Sum 1 [-].
+    """
+    order = np.argsort(stands)
+    unit = np.eye(len(stands))[order]
+    return np.array([np.interp(z, stands[order], column) for column in unit.T])
+
+
+def _mean(mesh: Mesh, name: str) -> np.ndarray:
+    """Weights of the nodes in the mean over a surface, (n,), sum 1."""
+    return _weights(mesh, mesh.faces[name])
+
+
+def _weights(mesh: Mesh, faces: np.ndarray) -> np.ndarray:
+    area = np.asarray(surface_matrix(mesh.points, faces).sum(axis=1)).ravel()
+    return area / area.sum()
+
+
+def _deck_parts(mesh: Mesh, cylinder_z: Sequence[float]) -> np.ndarray:
+    """Weights of the mean over the deck nearest to each cylinder, (cylinders, n)."""
+    faces = mesh.faces["deck"]
+    middle = mesh.points[faces[:, :3], 2].mean(axis=1)
+    nearest = np.abs(middle[:, None] - np.array(cylinder_z)).argmin(axis=1)
+    return np.array([_weights(mesh, faces[nearest == k]) for k in range(len(cylinder_z))])
+
+
+def _directed(weights: np.ndarray) -> np.ndarray:
+    """Rows that read x, y and z by weights of the nodes, (.., n) -> (.., 3, 3 n)."""
+    return np.einsum("sn,ab->sanb", weights, np.eye(3)).reshape(len(weights), 3, -1)
+
+
+def reduce_monoblock(
+    body: FreeBlock, plan: Plan, progress: Say = print, factors: Factorise = factorise
+) -> ReducedMonoblock:
+    """The reduced block.
+
+    Its shapes: the lowest free modes, static answers with inertia relief to forces on deck,
+    bearings and mounts, and those to the pressures on the bores to which they yield most.
+
+    Parameters
+    ----------
+    body : FreeBlock
+    plan : Plan
+    progress : callable
+        Takes a sentence now and then.
+    factors : callable
+        Factorises a matrix (`solver`).
+
+    Raises
+    ------
+    MeshFault, ValueError
+        What is wrong with the mesh or the number of modes.
+    """
+    read = places(body.mesh, plan)
+    rigid = rigid_motions(body.mesh.points)
+    rows = (*read.deck, *np.vstack(read.bearing), *np.vstack(read.mount))
+    least = plan.free_modes + len(rows)
+    if plan.modes <= least:
+        raise ValueError(
+            f"modes = {plan.modes}: {plan.free_modes} free ones and {len(rows)} answers to forces "
+            "on deck, bearings and mounts are among them; ask for more"
+        )
+    elastic = inertia_relief(body, factors)
+    progress(f"{plan.modes} modes of {body.K.shape[0]} degrees of freedom, free in space")
+    first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(np.array(rows).T)])
+    psi = of_unit_energy(elastic, first)
+    radial = _stacked(read.bores)
+    angle, _ = cell_centres(plan.grid[0], 1, 0.0, 1.0)
+    weight = np.tile(expected_pressure(angle, plan.grid[1]), len(read.bores))
+    modes = orthonormal_modes(
+        elastic, pressure_modes(elastic, radial, weight, plan.modes, psi, psi)
+    )
+    shapes, count = modes.shapes, plan.modes
+    table = (len(read.bores), *plan.grid, count)
+    return ReducedMonoblock(
+        omega=modes.omega,
+        radial=(radial @ shapes).reshape(table),
+        deck=read.deck @ shapes,
+        bearing=read.bearing @ shapes,
+        mount=read.mount @ shapes,
+        mount_place=read.mount_place,
+        cylinder_z=np.array(plan.cylinder_z, dtype=float),
+        rigid_mass=rigid.T @ (body.M @ rigid),  # Eq. (J8)
+        heights=np.linspace(plan.lower, plan.upper, plan.grid[1]),
+        radius=read.radius,
+    )
+
+
+def _stacked(bores: Sequence[SurfaceReading]) -> Sparse:
+    """Radial readings of all bores, one below the other."""
+    import scipy.sparse as sp
+
+    return sp.vstack([one.radial for one in bores], format="csr")
+
+
+def cached_monoblock(options: dict, make: Callable[[], ReducedMonoblock], folder: Path) -> Path:
+    """Path of a reduced block's .npz, made unless one of the same options (a file's as the digest
+    of its content) and code lies in `folder`.
+    """
+    decided = options | {"code": code_digest()}
+    digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
+    path = folder / f"monoblock-{digest}.npz"
+    if not path.exists():
+        save(path, make())
+    return path
+
+
+def read_block(
+    path: str, plan: Plan, unit: float, axes: Sequence[str], origin: Sequence[float], say: Say
+) -> Mesh:
+    """The block's mesh with all its surfaces.
+
+    Raises
+    ------
+    MeshFault
+    """
+    return read_mesh(path, dict.fromkeys(plan.surfaces()), unit, axes, origin, say)

@@ -1,0 +1,27 @@
+"""Make the mesh of this case's block: block.msh.gz (needs gmsh; running the case does not). Writes
+it beside this script:
+
+python -m piston_cosim.models.flexible_twin.make_mesh
+"""
+
+from pathlib import Path
+
+from ..meshes import TwinBlock, make
+
+BLOCK = TwinBlock(
+    bore=55.0,
+    wall=9.0,
+    pitch=130.0,
+    ends=(98.0, 360.0),
+    plate=16.0,
+    half_width=90.0,
+    half_length=145.0,
+    floor=-60.0,
+    side_wall=11.0,
+    bulkhead=22.0,
+    bearing=32.0,
+    foot=42.0,
+)
+
+if __name__ == "__main__":
+    make(Path(__file__).parent / "block.msh.gz", BLOCK, 32.0, 10)

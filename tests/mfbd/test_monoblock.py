@@ -1,0 +1,473 @@
+"""A flexible block of two cylinders: its reduction against independent assemblies and direct
+solutions of the whole mesh, its step against the rigid block's and a cylinder's own block's.
+"""
+
+import dataclasses
+import importlib.util
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+import skfem
+from scipy.spatial import KDTree
+from skfem import Basis, ElementTetP2, ElementVector, MeshTet2
+from skfem.helpers import dot
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.build_options import (
+    BlockOptions,
+    BoreGrid,
+    BuildOptions,
+    PistonOptions,
+)
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.monoblock import Cylinder, MountedMonoblock, Mounting
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
+from piston_cosim.fmu_mfbd.monoblock.build import declared_variables
+from piston_cosim.fmu_mfbd.reduction.monoblock import (
+    Plan,
+    free_block,
+    held_by,
+    places,
+    read_block,
+    reduce_monoblock,
+)
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston
+from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.fmi.errors import BadInput
+
+MESH = find_case("flexible_twin").parent / "block.msh.gz"
+YOUNG, POISSON, DENSITY = 110e9, 0.26, 7200.0
+HEAD, CRANK = 20.0, 25.0
+PLAN = Plan((-0.065, 0.065), 3, 4, (24, 24), 0.098, 0.36, 8, 70)
+STEP = 1e-4
+
+
+class Whole(NamedTuple):
+    """The block unreduced and reduced."""
+
+    body: object
+    reduced: object
+
+
+@pytest.fixture(scope="module")
+def whole():
+    mesh = read_block(str(MESH), PLAN, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), lambda text: None)
+    body = free_block(mesh, (YOUNG, POISSON, DENSITY), HEAD, CRANK)
+    return Whole(body, reduce_monoblock(body, PLAN, lambda text: None))
+
+
+def test_free_frequencies_against_an_independent_assembly(whole):
+    """Elements of vectors of scikit-fem with its own elasticity and its own quadrature, nodes in
+    its own order, mass of head and crank by its own facet forms; six rigid motions, then ours.
+    Quadratures differ on curved elements: 1e-4.
+    """
+    mesh = whole.body.mesh
+    tet = MeshTet2(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.tets.T))
+    basis = Basis(tet, ElementVector(ElementTetP2()), intorder=5)
+    K = linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(basis)
+    heavy = skfem.BilinearForm(lambda u, v, w: dot(u, v))
+    M = DENSITY * heavy.assemble(basis)
+    bearings = np.vstack([f for name, f in mesh.faces.items() if name.startswith("bearing")])
+    for faces, mass in ((mesh.faces["deck"], HEAD), (bearings, CRANK)):
+        middles = mesh.points[faces[:, :3]].mean(axis=1)
+        away, facets = KDTree(tet.p[:, tet.facets].mean(axis=1).T).query(middles)
+        assert away.max() < 1e-12
+        on = skfem.FacetBasis(tet, ElementVector(ElementTetP2()), facets=np.sort(facets))
+        products = heavy.assemble(on)
+        area = products.sum() / 3
+        M = M + products * (mass / area)
+    found = spla.eigsh(K, 14, M, sigma=-1e5, v0=np.ones(K.shape[0]))[0]
+    assert np.abs(found[:6]).max() < 1e-4 * found[6]
+    np.testing.assert_allclose(whole.reduced.omega[:8], np.sqrt(found[6:]), rtol=1e-4)
+
+
+def test_rigid_mass_by_a_volume(whole):
+    """Mass and centre from the volumes of straight tetrahedra, an upper bound of nothing: bores'
+    chords make 1 %; head and crank where they are.
+    """
+    mesh, mass = whole.body.mesh, whole.reduced.rigid_mass
+    corner = mesh.points[mesh.tets[:, :4]]
+    edges = corner[:, 1:] - corner[:, :1]
+    volume = np.abs(np.linalg.det(edges)) / 6
+    metal = DENSITY * volume.sum()
+    assert mass[0, 0] == pytest.approx(metal + HEAD + CRANK, rel=5e-3)
+    centre = DENSITY * volume @ corner.mean(axis=1)
+    moment = centre[1] + HEAD * 0.36
+    assert -mass[0, 5] == pytest.approx(moment, rel=5e-3)
+    # symmetric about x = 0 and z = 0
+    assert abs(mass[0, 4]) + abs(mass[1, 5]) < 1e-9 * moment
+
+
+def test_shares_of_bearings_by_the_lever():
+    stands = np.array([0.13, -0.13, 0.0])
+    np.testing.assert_allclose(held_by(0.065, stands), [0.5, 0.0, 0.5])
+    np.testing.assert_allclose(held_by(-0.0975, stands), [0.0, 0.75, 0.25])
+    np.testing.assert_allclose(held_by(-0.2, stands), [0.0, 1.0, 0.0])
+
+
+def directly(body, load):
+    """Answer of the whole free mesh to nodal forces by a direct solution: what accelerates it taken
+    off, three nodes held (which then bear nothing), the rigid motion that is left taken off.
+    """
+    rigid = rigid_motions(body.mesh.points)
+    heavy = body.M @ rigid
+    gram = np.linalg.inv(rigid.T @ heavy)
+    load = load - heavy @ (gram @ (rigid.T @ load))
+    x, y, z = body.mesh.points.T
+    a, b, c = np.argmin(x + z), np.argmax(x - z), np.argmax(y)
+    held = [3 * a, 3 * a + 1, 3 * a + 2, 3 * b + 1, 3 * b + 2, 3 * c]
+    free = np.setdiff1d(np.arange(len(load)), held)
+    out = np.zeros(len(load))
+    K = body.K.tocsr()[free][:, free].tocsc()
+    lu = spla.splu(
+        K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    out[free] = lu.solve(load[free])
+    return out - rigid @ (gram @ (heavy.T @ out))
+
+
+def test_cross_talk_is_the_meshs(whole):
+    """A patch of pressure on the thrust side of one bore, gas on the deck and at the bearings: what
+    both bores do, against a direct solution of the whole mesh.
+    """
+    reduced, body = whole.reduced, whole.body
+    read = places(body.mesh, PLAN)
+    theta = np.pi / 2 + (np.arange(24) - 6) * 2 * np.pi / 24
+    patch = np.maximum(np.cos(theta - np.pi / 2), 0.0)[:, None] ** 2
+    force = 2e3 * patch * np.exp(-(((reduced.heights - 0.22) / 0.03) ** 2)) / 10
+    load = read.bores[0].radial.T @ force.ravel()
+    load = load + 5e4 * (read.deck[0] - read.bearing[0, 1])
+    u = directly(body, load)
+    modal = np.einsum("cs,csk->k", force, reduced.radial[0])
+    modal = modal + 5e4 * (reduced.deck[0] - reduced.bearing[0, 1])
+    q = modal / reduced.omega**2
+    fields = [(one.radial @ u).reshape(24, 24) for one in read.bores]
+    errors = [np.abs(field - table @ q).max() for field, table in zip(fields, reduced.radial)]
+    own, other = (np.abs(field).max() for field in fields)
+    print(f"own bore {own:.4g} m, the other {other:.4g} m, errors {errors}")
+    assert 0.02 * own < other < own
+    # 70 modes for both bores, 26 of them free or answers to forces on deck, bearings and mounts
+    assert errors[0] < 0.05 * own
+    assert errors[1] < 0.03 * other
+
+
+# the step
+
+
+def twins_block():
+    path = find_case("twin").parent / "mounted_block.py"
+    spec = importlib.util.spec_from_file_location("mounted_block", path)
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+SPRINGS = np.array([[1.5e5, 3e5, 1.5e5]]) * np.array([1.0, 2.0, 1.5, 1.0])[:, None]
+
+
+def mounted(reduced, **values):
+    given = {"stiffness": SPRINGS, "damping_time": 3e-3, "damping_ratio": 0.02}
+    given |= {"quasi_static_frequency": 1e9, "spectral_radius": 0.6}
+    return MountedMonoblock(reduced, Mounting(**given | values))
+
+
+def pushes(n, size=1.0):
+    """What two cylinders do in step n: a rough one each."""
+    rng = np.random.default_rng(n)
+    out = []
+    for k in range(2):
+        x, y, turn, bx, by, deck = size * 1e3 * rng.standard_normal(6)
+        bore = size * 10.0 * rng.standard_normal((24, 24))
+        out.append(Cylinder(x, y, 0.1 * turn, bx, by, bore, deck + 100.0 * k))
+    return out
+
+
+def run(model, steps, step=STEP):
+    state = model.start(pushes(0))
+    for n in range(1, steps + 1):
+        before = state
+        state = model.advance(before, pushes(n), step)
+    return before, state
+
+
+def test_power_of_forces_at_their_places(whole):
+    """What the cylinders do along what they see: F along q' (Eqs. (U31), (U32)); deck and bearings
+    by themselves.
+    """
+    model = mounted(whole.reduced)
+    rng = np.random.default_rng(5)
+    motion = rng.standard_normal(model.size)
+    cylinders = pushes(3)
+    seen = model.seen(motion, motion, motion)
+    body = whole.reduced
+    power = sum(
+        one.x * at.acceleration_x
+        + one.y * at.acceleration_y
+        + one.moment * at.angular_velocity
+        + np.sum(one.bore * at.bore_deflection)
+        + one.deck * (deck @ motion[6:])
+        + np.array([one.bearing_x, one.bearing_y]) @ bearing @ motion[6:]
+        for one, at, deck, bearing in zip(cylinders, seen, body.deck, body.bearing)
+    )
+    assert model.total(cylinders) @ motion == pytest.approx(power, rel=1e-12)
+
+
+def test_a_stiff_block_is_the_rigid_one(whole):
+    """Modulus times 1e4 and 1e6, which changes no shape: the twin's rigid block with the
+    same mass and mounts, to a rest that goes with 1/modulus.
+    """
+    twin = twins_block()
+    body = whole.reduced
+    one = object.__new__(twin.MountedBlock)
+    one.options = {"cylinders": 2}
+    model = mounted(body)
+    one.engine = twin.Engine(
+        body.rigid_mass,
+        model.mount_damping[:6, :6],
+        model.mounts[:6, :6],
+        body.cylinder_z,
+        np.zeros(2),
+    )
+    still = np.zeros(6)
+    state = twin.State(still, still, still, still, 0.0)
+    for n in range(1, 31):
+        values = {
+            f"cylinder_{k}.{name}": value
+            for k, push in enumerate(pushes(n), 1)
+            for name, value in zip(twin.FORCES, push[:3])
+        }
+        state, told = one.advance(state, values, 0.0, STEP)
+    apart, bent = [], []
+    for times in (1e4, 1e6):
+        stiff = mounted(dataclasses.replace(body, omega=np.sqrt(times) * body.omega))
+        _, end = run(stiff, 30)
+        apart.append(np.abs(end.position[:6] - state.position).max())
+        seen = stiff.seen(end.position, end.velocity, end.acceleration)
+        bent.append(max(np.abs(one.bore_deflection).max() for one in seen))
+    size = np.abs(state.position).max()
+    assert apart[1] < 1e-7 * size
+    assert apart[0] / apart[1] == pytest.approx(100.0, rel=0.05)
+    assert bent[0] / bent[1] == pytest.approx(100.0, rel=0.05)
+    assert seen[1].acceleration_y == pytest.approx(told["cylinder_2.acceleration_y"], rel=1e-6)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7])
+@pytest.mark.parametrize("static", [1e9, 3e3])
+def test_change_with_forces_is_the_difference(whole, steps, static):
+    """Linear: any size of change; round-off of what is there besides."""
+    model = mounted(whole.reduced, quasi_static_frequency=static)
+    before, _ = run(model, steps)
+    base = pushes(steps)
+    direction = pushes(99, size=50.0)
+    changed = [
+        Cylinder(*(a + b for a, b in zip(one, other))) for one, other in zip(base, direction)
+    ]
+    ends = [model.advance(before, some, STEP) for some in (base, changed)]
+    up, down = (model.seen(e.position, e.velocity, e.acceleration) for e in reversed(ends))
+    for found, a, b in zip(model.change(ends[0], direction), up, down):
+        for product, x, y in zip(found, a, b):
+            wanted = np.asarray(x) - y
+            np.testing.assert_allclose(product, wanted, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_energy_of_a_step(whole):
+    """Trapezoidal rule: work is what is stored and lost, modes without inertia and the loss of all
+    others included; the first two steps lose some of it, as does a smaller spectral radius.
+    """
+    model = mounted(whole.reduced, spectral_radius=1.0, quasi_static_frequency=6e3)
+    assert 5 < model.static.sum() < len(whole.reduced.omega) - 5
+    for steps in (3, 8):
+        before, end = run(model, steps)
+        stored = sum(model.energies(end))
+        assert abs(model.energy_error(before, end)) < 1e-10 * stored
+        assert model.lost(before, end) > 1e-6 * stored
+    before, end = run(mounted(whole.reduced), 8)
+    assert model.energy_error(before, end) > 0.0
+
+
+def test_a_static_load_bends_it_as_the_mesh(whole):
+    """Long after a load began to act and with strong dampers: Omega^2 q = f, and mounts that bear
+    it.
+    """
+    model = mounted(whole.reduced, damping_ratio=1.0, damping_time=0.05)
+    state = model.start(pushes(1))
+    for _ in range(400):
+        state = model.advance(state, pushes(1), 2e-2)
+    force = model.total(pushes(1))
+    np.testing.assert_allclose(
+        state.position,
+        np.linalg.solve(model.stiffness, force),
+        rtol=0,
+        atol=1e-8 * np.abs(state.position[6:]).max(),
+    )
+
+
+# beside a cylinder that has the same modes as a flexible block of its own
+
+SPEED = 1680 * np.pi / 30
+VALUES = {
+    "radial_clearance": 50e-6,
+    "barrel": 40e-6,
+    "ovality": 200e-6,
+    "crank_radius": 72e-3,
+    "rod_length": 223e-3,
+    "rod_mass": 1.7,
+    "rod_inertia": 0.017,
+    "rod_centre": 72e-3,
+    "pin_mass": 0.5,
+    "top_ring_height": 55e-3,
+    "second_ring_height": 47e-3,
+    "crank_speed": SPEED,
+    "high_frequency_damping_ratio": 0.02,
+}
+FILM = (24, 10)
+
+
+def piston():
+    no = np.zeros(0)
+    return ReducedPiston(
+        mass=1.39,
+        S=1.39 * np.array([-5e-4, 26.5e-3]),
+        I0=3e-3 + 1.39 * (26.5e-3**2 + 5e-4**2),
+        T=np.zeros((2, 0)),
+        b=no,
+        B=np.zeros((0, 0)),
+        g=no,
+        G=np.zeros((0, 0)),
+        omega=no,
+        kind=no.astype(int),
+        gas_force=no,
+        radial=np.zeros((240, 0)),
+        axial=np.zeros((240, 0)),
+        radius=54.95e-3,
+        skirt_lower=-45.5e-3,
+        skirt_upper=37.3e-3,
+    )
+
+
+def cylinder(block, grid=None):
+    known = {key: value for key, value in VALUES.items() if key != "crank_speed"}
+    given = BlockOptions("", len(block.omega), bore_from_outside=BoreGrid(*grid) if grid else None)
+    options = BuildOptions(FILM, PistonOptions("", 0, 5e-4), given, mounted=bool(grid))
+    return assemble(piston(), block, options, Parameters(**known))
+
+
+@pytest.mark.parametrize(("grid", "within"), [((24, 24), 1e-6), ((16, 16), 0.02)])
+def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
+    """The block's modes as those of a cylinder's own block that stands still, and as a participant
+    of its own on mounts that do not yield, through fields on the bore: the same film for the same
+    pressures, to single precision of the tables on the same grid, to the interpolation of a coarser
+    one otherwise (by the largest deflection).
+    """
+    reduced = whole.reduced
+    around, stations = 24, 24
+    own_block = ReducedBlock(
+        omega=reduced.omega,
+        kind=np.full(len(reduced.omega), -1),
+        radial=reduced.radial[1],
+        axial=np.zeros((around, stations, len(reduced.omega))),
+        heights=reduced.heights,
+        radius=reduced.radius,
+    )
+    own = cylinder(own_block)
+    rows = np.linspace(0, stations - 1, grid[1])
+    if grid == (24, 24):
+        shared = reduced
+    else:  # every point of the coarse grid by the table's own spline
+        from scipy.interpolate import CubicSpline, make_interp_spline
+
+        theta = np.linspace(0.0, 2 * np.pi, around + 1)
+        to = np.arange(grid[0]) * 2 * np.pi / grid[0]
+        closed = np.concatenate([reduced.radial, reduced.radial[:, :1]], axis=1)
+        coarse = make_interp_spline(theta, closed, axis=1, bc_type="periodic")(to)
+        coarse = CubicSpline(np.arange(stations), coarse, axis=2, bc_type="natural")(rows)
+        heights = np.linspace(reduced.heights[0], reduced.heights[-1], grid[1])
+        shared = dataclasses.replace(reduced, radial=coarse, heights=heights)
+    nothing = np.zeros((around, grid[1], 0))
+    still = dataclasses.replace(
+        own_block,
+        omega=np.zeros(0),
+        kind=np.zeros(0, dtype=int),
+        radial=nothing,
+        axial=nothing,
+        heights=shared.heights,
+    )
+    other = cylinder(still, grid)
+    held = dataclasses.replace(shared, mount=0.0 * shared.mount)
+    block = mounted(held, stiffness=np.full((4, 3), 1e30))
+    zero = np.zeros(FILM)
+    quiet = Cylinder(0.0, 0.0, 0.0, 0.0, 0.0, np.zeros(grid), 0.0)
+    ours = block.start([quiet, quiet])
+    first = Inputs(SPEED, 1e6, zero, zero, bore_deflection=np.zeros(grid))
+    a, _ = own.start(-0.3, 0.0, 0.0, first)
+    b, told = other.start(-0.3, 0.0, 0.0, first)
+    sine = np.maximum(np.sin(own.system.surfaces[0].skirt.angle), 0.0)[:, None] ** 4
+    for n in range(5):
+        push = (20.0 + 5 * n) * sine * np.linspace(1.0, 2.0, FILM[1])
+        inputs = Inputs(SPEED, (1 + n) * 1e6, push, -0.1 * push)
+        a, wanted = own.advance(a, inputs, np.pi / 180 / SPEED)
+        # forces on the bore do not depend on its deflection: one pass is the whole iteration
+        guess = dataclasses.replace(inputs, bore_deflection=np.zeros(grid))
+        _, told = other.advance(b, guess, np.pi / 180 / SPEED)
+        does = quiet._replace(bore=told["force_on_bore"])
+        ours = block.advance(ours, [quiet, does], np.pi / 180 / SPEED)
+        field = block.seen(ours.position, ours.velocity, ours.acceleration)[1].bore_deflection
+        inputs = dataclasses.replace(inputs, bore_deflection=field)
+        b, told = other.advance(b, inputs, np.pi / 180 / SPEED)
+    bend = np.abs(field).max()
+    assert bend > 1e-6
+    error = np.abs(told["film_thickness"] - wanted["film_thickness"]).max()
+    print(f"grid {grid}: deflection {bend:.4g} m, film apart by {error / bend:.3g} of it")
+    assert error < within * bend
+
+
+# refusals
+
+TABLE = {
+    "mesh": "block.msh.gz",
+    "density": "7200 kg/m^3",
+    "young": "110 GPa",
+    "poisson": 0.26,
+    "cylinder_z": ["-65 mm", "65 mm"],
+    "bearings": 3,
+    "bore_lower": "98 mm",
+    "bore_upper": "360 mm",
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"cylinder_z": ["65 mm", "-65 mm"]}, "must rise"),
+        ({"bore_lower": "370 mm"}, "must lie below"),
+        ({"modes": 20}, "ask for more"),
+        ({"mesh": "nowhere.msh"}, "no such file"),
+        ({"youngs": "1 Pa"}, "unknown key"),
+        ({"bore": {"around": 4}}, "greater than or equal to 8"),
+    ],
+)
+def test_build_tables_that_are_refused(change, told):
+    with pytest.raises(BadInput, match=told):
+        declared_variables(TABLE | change, MESH.parent)
+
+
+def test_bores_that_are_not_there_are_refused():
+    for plan, told in (
+        (PLAN._replace(cylinder_z=(-0.06, 0.065)), "cylinder_z"),
+        (PLAN._replace(upper=0.38), "bore_upper"),
+    ):
+        mesh = read_block(str(MESH), plan, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), lambda text: None)
+        with pytest.raises(Exception, match=told):
+            places(mesh, plan)
+
+
+def test_variables_of_the_block():
+    shapes = {one.name: one.shape for one in declared_variables(TABLE, MESH.parent)}
+    for k in (1, 2):
+        assert shapes[f"cylinder_{k}.bore_deflection"] == (24, 24)
+        assert shapes[f"cylinder_{k}.force_on_bore"] == (24, 24)
+    assert "cylinder_3.force_x" not in shapes
