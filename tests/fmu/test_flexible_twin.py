@@ -1,0 +1,191 @@
+"""Two cylinders in one flexible block, built as FMUs: the rigid block as its limit, momentum and
+work, processes of their own, a run that was cut in two.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.builder import import_part
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+from .test_resume import compare
+
+PATH = find_case("flexible_twin")
+GRID = [16, 12]
+NAMES = ("front", "rear")
+
+
+def tree_of(path, stop):
+    """A case on a coarse film grid, nothing drawn."""
+    tree = read_tree(path)
+    for name in NAMES:
+        tree["participants"][name]["build"]["grid"] = GRID
+        tree["participants"][f"{name}_film"]["build"]["grid"] = GRID
+    tree["time"]["stop"] = stop
+    tree["record"] = {"fields": ["front.film_thickness"], "every": 1}
+    for key in ("variants", "beside", "pictures", "axes", "monitor"):
+        tree.pop(key, None)
+    return tree
+
+
+def computed(tree, out, path=PATH):
+    """Results of a tree, every step converged."""
+    case = check_case(tree, path)
+    system = open_system(case, path.parent, lambda text: None)
+    summary = run(system, case, tree, out)
+    assert summary["unconverged_steps"] == 0
+    return Results(out)
+
+
+def of(results, name):
+    return results.series(name).values
+
+
+@pytest.fixture(scope="module")
+def flexible(tmp_path_factory):
+    return computed(tree_of(PATH, "24 deg"), tmp_path_factory.mktemp("block") / "run.h5")
+
+
+def rigid_mass():
+    """6 x 6 of the case's block, from its reduction."""
+    build = read_tree(PATH)["participants"]["block"]["build"]
+    prepare = import_part("fmu_mfbd.monoblock.build").prepare
+    _, (file,) = prepare(build, PATH.parent, lambda text: None)
+    return load(ReducedMonoblock, file).rigid_mass
+
+
+def test_interface_newton_and_what_it_leaves(flexible):
+    """All five participants by their own derivatives: as many iterations as a rigid block's twin
+    takes, one more while the modes ring after the start; what film and bodies say of their work.
+    """
+    assert not flexible.summary.get("derivatives_by_differences")
+    iterations = of(flexible, "coupling.iterations")[1:]
+    assert iterations.max() <= 6
+    assert iterations.mean() <= 4
+    assert abs(flexible.summary["interface_work_imbalance"]) < 1e-6
+    for name in NAMES:
+        assert np.abs(of(flexible, f"{name}.interface_work_error")).max() < 1e-13
+    assert of(flexible, "block.largest_bore_deflection").max() > 1e-6
+
+
+def test_momentum_of_the_block(flexible):
+    """What the block does not keep its mounts take, by the trapezoidal rule; modes have none."""
+    mass = rigid_mass()
+    step = np.diff(flexible.time)
+    force = of(flexible, "block.shaking_force_y") - of(flexible, "block.mount_force_y")
+    names = [f"block.{kind}_{axis}" for kind in ("velocity", "rotation_velocity") for axis in "xyz"]
+    momentum = mass[1] @ np.array([of(flexible, name) for name in names])
+    impulse = step * (force[1:] + force[:-1]) / 2
+    impulse[0] = step[0] * force[1] / 2  # forces begin to act in the first step
+    np.testing.assert_allclose(np.diff(momentum), impulse, atol=1e-8 * np.abs(impulse).max())
+
+
+def test_a_stiff_block_is_the_rigid_twin(tmp_path):
+    """A million times the modulus against the case `twin` with the same mass, centre, inertia and
+    mounts: what 2 um of deflection over a million leave, and Newton's tolerance of 1 nm on films
+    that move by micrometres.
+    """
+    tree = tree_of(PATH, "8 deg")
+    block = tree["participants"]["block"]
+    block["build"]["young"] = "110000000 GPa"
+    for wire in tree["wires"]:
+        if wire["to"].endswith("film_thickness"):
+            wire["tolerance"] = "1e-3 nm"
+    stiff = computed(tree, tmp_path / "stiff.h5")
+    mass = rigid_mass()
+    weight = mass[0, 0]
+    height = -mass[0, 5] / weight
+    about = np.diag(mass)[3:] - weight * height**2 * np.array([1.0, 0.0, 1.0])
+    twin = find_case("twin")
+    rigid = tree_of(twin, "8 deg")
+    parameters = {
+        "mass": f"{weight!r} kg",
+        "centre_x": "0 m",
+        "centre_y": f"{height!r} m",
+        "centre_z": "0 m",
+        **{f"inertia_{axis}": f"{one!r} kg*m^2" for axis, one in zip("xyz", about)},
+        "cylinder_z": block["build"]["cylinder_z"],
+        **{
+            f"mount_{axis}": [f"{one!r} m" for one in column]
+            for axis, column in zip("xyz", mount_places().T)
+        },
+        **{f"stiffness_{axis}": block["parameters"][f"stiffness_{axis}"] for axis in "xyz"},
+        "damping_time": block["parameters"]["damping_time"],
+    }
+    rigid["participants"]["block"]["parameters"] = parameters
+    for name in NAMES:
+        for key in ("bore_lower", "bore_upper"):
+            given = tree["participants"][name]["build"]["block"][key]
+            rigid["participants"][name]["build"]["block"][key] = given
+    for wire in rigid["wires"]:
+        if wire["to"].endswith("film_thickness"):
+            wire["tolerance"] = "1e-3 nm"
+    wanted = computed(rigid, tmp_path / "rigid.h5", twin)
+    for name in (
+        "front.lateral_displacement",
+        "rear.rocking_angle",
+        "front.side_force",
+        "block.displacement_x",
+        "block.rotation_x",
+        "block.mount_force_y",
+    ):
+        a, b = of(stiff, name), of(wanted, name)
+        assert np.abs(a - b).max() < 1e-5 * np.abs(b).max(), name
+
+
+def mount_places():
+    """Of the case's block [m]."""
+    build = read_tree(PATH)["participants"]["block"]["build"]
+    _, (file,) = import_part("fmu_mfbd.monoblock.build").prepare(
+        build, PATH.parent, lambda text: None
+    )
+    return load(ReducedMonoblock, file).mount_place
+
+
+def test_processes_of_their_own_give_the_same_bits(tmp_path):
+    """Films, cylinders and block in processes that have not seen the source."""
+    tree = tree_of(PATH, "3 deg")
+    computed(tree, tmp_path / "here.h5")
+    apart = deepcopy(tree)
+    for table in apart["participants"].values():
+        table["isolated"] = True
+    computed(apart, tmp_path / "apart.h5")
+    assert compare(tmp_path / "here.h5", tmp_path / "apart.h5") == []
+
+
+def test_a_run_that_was_killed_goes_on_with_the_same_bits(flexible, tmp_path):
+    """kill -9 after the first checkpoint of five participants, resumed in a new process; `flexible`
+    has built what it needs.
+    """
+    del flexible
+    command = [sys.executable, "-m", "piston_cosim", "run", "flexible_twin", "--no-plots"]
+    command += ["--only", "flexible_180", "--set", "time.stop=10 deg"]
+    command += ["--set", "record.checkpoint_every=2"]
+    for name in NAMES:
+        command += ["--set", f"participants.{name}.build.grid=[16, 12]"]
+        command += ["--set", f"participants.{name}_film.build.grid=[16, 12]"]
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    given = {"check": True, "capture_output": True, "timeout": 300}
+    subprocess.run([*command, "--output", str(whole)], **given)
+    with subprocess.Popen(
+        [*command, "--output", str(killed)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        checkpoint = killed / "flexible_180.h5.checkpoint"
+        deadline = time.monotonic() + 200
+        while not checkpoint.exists() and time.monotonic() < deadline:
+            time.sleep(0.002)
+        os.kill(process.pid, signal.SIGKILL)
+    assert not (killed / "flexible_180.h5").exists()
+    subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], **given)
+    assert compare(whole / "flexible_180.h5", killed / "flexible_180.h5") == []
