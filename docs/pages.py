@@ -34,6 +34,7 @@ TEXTS = {
     "models/floating_pin/README.md": "cases/floating_pin.md",
     "models/yielding_bosses/README.md": "cases/yielding_bosses.md",
     "models/twin/README.md": "cases/twin.md",
+    "models/flexible_twin/README.md": "cases/flexible_twin.md",
     "models/elastic_tube/README.md": "cases/elastic_tube.md",
     "models/two_mass_oscillator/README.md": "cases/two_mass_oscillator.md",
 }

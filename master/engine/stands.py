@@ -17,7 +17,8 @@ APART = 1.5
 
 def stands(results: Results) -> dict[str, Stand]:
     """Participant in the role `bodies` -> where its cylinder stands, as an engine block says to
-    which wires lead: those to its `cylinder_K`, its parameters `cylinder_z` and `bank_angle`.
+    which wires lead: those to its `cylinder_K`, its parameters or build options `cylinder_z` and
+    `bank_angle`.
     """
     bodies = players(results.case, "bodies")
     found = {}
@@ -27,7 +28,8 @@ def stands(results: Results) -> dict[str, Stand]:
         numbered = re.match(r"cylinder_(\d+)\.", port)
         if body not in bodies or not numbered:
             continue
-        given = results.case["participants"][block].get("parameters", {})
+        table = results.case["participants"][block]
+        given = table.get("build", {}) | table.get("parameters", {})
         k = int(numbered[1]) - 1
         if "cylinder_z" in given:
             bank = _of_cylinder(given.get("bank_angle", "0 deg"), k, "rad")

@@ -117,8 +117,9 @@ def test_a_film_of_a_place_that_is_not_known_is_left_out_aloud():
     assert said == ["low: where it lies is not known, it is left out"]
 
 
-def test_cylinders_stand_where_the_block_says():
-    block = {"parameters": {"cylinder_z": ["-65 mm", "65 mm"], "bank_angle": "30 deg"}}
+@pytest.mark.parametrize("said", ["parameters", "build"])
+def test_cylinders_stand_where_the_block_says(said):
+    block = {said: {"cylinder_z": ["-65 mm", "65 mm"], "bank_angle": "30 deg"}}
     run = SimpleNamespace(
         case={
             "participants": {"a": {"role": "bodies"}, "b": {"role": "bodies"}, "block": block},
