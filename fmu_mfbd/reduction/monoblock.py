@@ -257,7 +257,9 @@ def reduce_monoblock(
     """
     read = places(body.mesh, plan)
     rigid = rigid_motions(body.mesh.points)
-    rows = (*read.deck, *np.vstack(read.bearing), *np.vstack(read.mount))
+    size = body.K.shape[0]
+    pushed = [one.reshape(-1, size) for one in (read.deck, read.bearing, read.mount)]
+    rows = np.concatenate(pushed)
     least = plan.free_modes + len(rows)
     if plan.modes <= least:
         raise ValueError(
@@ -265,8 +267,8 @@ def reduce_monoblock(
             "on deck, bearings and mounts are among them; ask for more"
         )
     elastic = inertia_relief(body, factors)
-    progress(f"{plan.modes} modes of {body.K.shape[0]} degrees of freedom, free in space")
-    first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(np.array(rows).T)])
+    progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")
+    first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(rows.T)])
     psi = of_unit_energy(elastic, first)
     radial = _stacked(read.bores)
     angle, _ = cell_centres(plan.grid[0], 1, 0.0, 1.0)

@@ -155,6 +155,34 @@ def test_cross_talk_is_the_meshs(whole):
     assert errors[1] < 0.03 * other
 
 
+def test_what_bends_a_bore(whole):
+    """Static answers to what happens when cylinder 1 fires; gas between deck and bearings of the
+    other cylinder does the mirror image, z to -z: theta to pi - theta, i to 12 - i; points on edges
+    of faces may be read in either of two, 2e-5.
+    """
+    body = whole.reduced
+    gas = 6.78e6 * np.pi * body.radius**2
+
+    def fields(modal):
+        return body.radial @ (modal / body.omega**2)
+
+    lifted = [fields(gas * (body.deck[k] - body.bearing[k, 1])) for k in (0, 1)]
+    image = lifted[1][::-1, (12 - np.arange(24)) % 24]
+    np.testing.assert_allclose(lifted[0], image, rtol=0, atol=1e-4 * np.abs(image).max())
+    top = np.where(body.heights > 0.34, 1.0, 0.0)
+    area = body.radius * 2 * np.pi / 24 * (body.heights[1] - body.heights[0])
+    wall = fields(np.einsum("s,csk->k", 6e6 * area * top, body.radial[0]))
+    theta = np.pi / 2 + (np.arange(24) - 6) * 2 * np.pi / 24
+    patch = np.maximum(np.sin(theta), 0.0)[:, None] ** 8
+    patch = patch * np.exp(-(((body.heights - 0.29) / 0.03) ** 2))
+    film = fields(np.einsum("cs,csk->k", 4.8e3 * patch / patch.sum(), body.radial[0]))
+    said = {"deck": lifted[0], "wall": wall, "film": film}
+    said = {name: 1e6 * np.abs(field).max(axis=(1, 2)) for name, field in said.items()}
+    print({name: f"{own:.3g} um, the other {other:.3g}" for name, (own, other) in said.items()})
+    for own, other in said.values():
+        assert 0.2 * own < other < 0.7 * own
+
+
 # the step
 
 
