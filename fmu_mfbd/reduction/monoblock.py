@@ -113,7 +113,7 @@ def free_block(
     """Matrices of a block that carries a head on its deck and a crank in its bearings, both without
     stiffness.
 
-    Eq. (J30):  M = M_block + sum_s (m_s/A_s) int N_i N_j dA,   s: deck, all bearings
+    Eq. (J40):  M = M_block + sum_s (m_s/A_s) int N_i N_j dA,   s: deck, all bearings
 
     Parameters
     ----------
@@ -129,17 +129,17 @@ def free_block(
     bearings = [faces for name, faces in mesh.faces.items() if name.startswith("bearing")]
     for faces, mass in ((mesh.faces["deck"], head_mass), (np.vstack(bearings), crank_mass)):
         area = surface_matrix(mesh.points, faces)
-        M = M + each_direction(area * (mass / area.sum()))  # Eq. (J30)
+        M = M + each_direction(area * (mass / area.sum()))  # Eq. (J40)
     return FreeBlock(mesh, K, M)
 
 
 def inertia_relief(body: FreeBlock, factors: Factorise = factorise) -> MeanElastic:
     """The body free in space: its answers move no momentum, loads lose what would accelerate it.
 
-    Eq. (J31):  K u + M R lambda = f,   R^T M u = 0       R its rigid motions: Eq. (J5), C = R^T M
+    Eq. (J41):  K u + M R lambda = f,   R^T M u = 0       R its rigid motions: Eq. (J5), C = R^T M
     """
     rigid = rigid_motions(body.mesh.points)
-    return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid, factors)  # Eq. (J31)
+    return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid, factors)  # Eq. (J41)
 
 
 def places(mesh: Mesh, plan: Plan) -> Places:
