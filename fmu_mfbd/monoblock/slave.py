@@ -71,6 +71,7 @@ class Monoblock(FieldSlave):
 
     def directional_derivative(self, seeds: dict[str, Any]) -> dict[str, Any]:
         """Product of the step map's derivative with the seed fields."""
+        assert self.state is not None  # a derivative is asked of a step
         return _told(self.model.change(self.state, self._cylinders(seeds)))
 
     def _cylinders(self, values: dict[str, Any]) -> list[Cylinder]:
