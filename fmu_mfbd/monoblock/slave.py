@@ -46,13 +46,16 @@ class Monoblock(FieldSlave):
     def start(self, values: dict[str, Any]) -> tuple[BlockState, dict[str, Any]]:
         """Load the reduced block; at rest."""
         body = load(ReducedMonoblock, self.resources / self.options["file"])
-        springs = np.array([values[f"stiffness_{axis}"] for axis in AXES]).T
+        mounts = range(1, self.options["mounts"] + 1)
+        springs = [[values[f"mount_{k}_stiffness_{axis}"] for axis in AXES] for k in mounts]
         names = ("damping_time", "damping_ratio", "quasi_static_frequency", "spectral_radius")
-        self.model = MountedMonoblock(body, Mounting(springs, *(values[one] for one in names)))
+        self.model = MountedMonoblock(
+            body, Mounting(np.array(springs), *(values[one] for one in names))
+        )
         if self.model.loose():
             raise BadInput(
                 [
-                    "stiffness_x, stiffness_y, stiffness_z: the block can move without a force of "
+                    "mount_1_stiffness_x, ..: the block can move without a force of "
                     "its mounts; hold it in all six directions, or by none (stiffness 0)"
                 ]
             )

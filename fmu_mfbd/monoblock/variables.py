@@ -54,17 +54,10 @@ def variables(cylinders: int, mounts: int, grid: tuple[int, int]) -> list[Variab
         what = "Of the bore, outwards, at its own angles and heights"
         told.append(output_variable(prefix + DEFLECTION, "m", what, 1e-5, grid))
     of_mounts = [
-        Variable(
-            f"stiffness_{axis}",
-            "N/m",
-            "parameter",
-            "Of each mount",
-            0.0,
-            None,
-            0.0,
-            1e20,
-            (mounts,),
+        parameter(
+            f"mount_{k}_stiffness_{axis}", "N/m", f"Of mount {k} along {axis}", 0.0, 0.0, 1e20
         )
+        for k in range(1, mounts + 1)
         for axis in AXES
     ]
     vectors = [

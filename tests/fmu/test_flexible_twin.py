@@ -120,7 +120,12 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
             f"mount_{axis}": [f"{one!r} m" for one in column.tolist()]
             for axis, column in zip("xyz", mount_places().T)
         },
-        **{f"stiffness_{axis}": block["parameters"][f"stiffness_{axis}"] for axis in "xyz"},
+        **{
+            f"stiffness_{axis}": [
+                block["parameters"][f"mount_{k}_stiffness_{axis}"] for k in (1, 2, 3, 4)
+            ]
+            for axis in "xyz"
+        },
         "damping_time": block["parameters"]["damping_time"],
     }
     rigid["participants"]["block"]["parameters"] = parameters
