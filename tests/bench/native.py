@@ -119,14 +119,14 @@ def bodies(modes, grid):
     return compare("fmu_mfbd", build, course, GAP, seeds, BODY_ROUND_OFF)
 
 
-def coupled_fmu(modes, grid):
+def coupled_fmu(modes, grid, stop=f"{STEPS} deg"):
     """The coupled FMU of the numerical example with so many modes a body, on a grid; its case, the
-    tree of that, and the file it is from. Half a turn from rest.
+    tree of that, and the file it is from. Half a turn from rest, or up to another crank angle.
     """
     path = find_case("numerical_example")
     own = {f"participants.bodies.build.{body}.modes": modes for body in ("piston", "block")}
     grids = {f"participants.{name}.build.grid": list(grid) for name in ("bodies", "ehd")}
-    rest = {"time.stop": f"{STEPS} deg", "record.fields": []}
+    rest = {"time.stop": stop, "record.fields": []}
     tree = read_tree(path, [*own.items(), *grids.items(), *rest.items()])
     case = check_case(tree, path)
     return export_fmu(case, path.parent, print, "2.0", ["linux64"]), case, tree, path

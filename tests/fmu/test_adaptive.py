@@ -87,6 +87,7 @@ def test_a_smaller_local_error_takes_more_steps_and_errs_less(runs):
     assert 2.5 < errors[0] / errors[1] < 10.0
 
 
+@pytest.mark.slow  # test_resume.py interrupts three times
 def test_interrupted_and_resumed_equals_uninterrupted(tmp_path):
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     more = ("wires.0.local_error=1 nm", "record.checkpoint_every=2")

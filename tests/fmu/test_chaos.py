@@ -8,7 +8,7 @@ from . import chaos
 
 
 @pytest.mark.skipif(not compiler(), reason="no C compiler")
-@pytest.mark.parametrize("seconds", [40, pytest.param(120, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seconds", [20, pytest.param(120, marks=pytest.mark.slow)])
 def test_tables_are_those_of_an_undisturbed_run(tmp_path, seconds):
     rounds, seen = chaos.chaos(seconds, tmp_path)
     assert rounds >= 1 and sum(seen.values()) >= 1

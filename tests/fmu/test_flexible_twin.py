@@ -158,6 +158,7 @@ def mount_places():
     return load(ReducedMonoblock, file).mount_place
 
 
+@pytest.mark.slow  # test_twin.py has one
 def test_processes_of_their_own_give_the_same_bits(tmp_path):
     """Films, cylinders and block in processes that have not seen the source."""
     tree = tree_of(PATH, "3 deg")

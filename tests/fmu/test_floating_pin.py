@@ -60,7 +60,7 @@ def computed(tree, path):
     return Results(path)
 
 
-@pytest.mark.parametrize("eccentricity", [0.3, 0.6])
+@pytest.mark.parametrize("eccentricity", [pytest.param(0.3, marks=pytest.mark.slow), 0.6])
 def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
     """The lubrication model under the body's film thickness, in a shell turned by 0.3 rad, the pin
     off its axis along 1.1 rad: load, attitude angle and moments of Ocvirk's bearing as in

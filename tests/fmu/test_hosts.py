@@ -143,6 +143,7 @@ def stranger():
     return words
 
 
+@pytest.mark.slow  # nothing can be kept: all is compiled
 def test_a_user_without_an_entry_and_without_home(host, film, stranger):
     """What is kept of a home directory is done without; the results are the same bits."""
     _, (known,), _ = ask(host, film)

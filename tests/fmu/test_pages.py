@@ -35,7 +35,7 @@ CASES = {
     "twin": ("twin", [("time.stop", "12 deg")]),
 }
 """A case, and what is changed for it to be short."""
-SLOW = {"twin": pytest.mark.slow}
+SLOW = {"twin": pytest.mark.slow, "pin": pytest.mark.slow}
 
 
 @pytest.fixture(

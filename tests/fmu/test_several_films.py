@@ -58,6 +58,7 @@ def masked(tmp_path_factory):
     return computed(with_cut_out(), tmp_path_factory.mktemp("one") / "one.h5")
 
 
+@pytest.mark.slow
 def test_two_films_beside_a_groove_are_one_film_with_a_groove(tmp_path):
     """The same equations, solved together or apart, in steps that agree to 1 pm of film: films of
     1e-5 m then stand at most a tenth of that apart, motion a few 1e-9 of its range. Friction is the

@@ -165,6 +165,7 @@ def test_a_body_reduced_for_other_films_is_refused(tmp_path):
         prepare(build | {"piston": piston, "floating_pin": other}, PATH.parent, lambda text: None)
 
 
+@pytest.mark.slow  # test_flexible_twin.py has one of two films and a block
 def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
     changes = settings(("time.stop", "30 deg"), ("record.checkpoint_every", 5))
     command = [sys.executable, "-m", "piston_cosim", "run", "yielding_bosses", "--no-plots"]
