@@ -102,7 +102,7 @@ class Body(BaseModel):
 
     model_config = STRICT
     mesh: str | None = None
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .gz), or nodes as CSV for a body of
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz), or nodes as CSV for a body of
     matrices.
     """
     reduced: str | None = None

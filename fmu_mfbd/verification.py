@@ -449,7 +449,7 @@ def shipped_body(name):
     """
     kind = BODIES[name]
     mesh = read_mesh(
-        MODELS / "numerical_example" / f"{name}.msh.gz",
+        MODELS / "numerical_example" / f"{name}.msh.xz",
         dict.fromkeys([kind["surface"], kind["fixed"], *kind["others"]]),
     )
     M = consistent_mass(mesh.points, mesh.tets, kind["density"])
@@ -586,7 +586,7 @@ def step_checks():
         build = read_options(
             {
                 name: {
-                    "mesh": f"{name}.msh.gz",
+                    "mesh": f"{name}.msh.xz",
                     "density": f"{kind['density']} kg/m^3",
                     "young": f"{kind['young']} Pa",
                     "poisson": 0.33,

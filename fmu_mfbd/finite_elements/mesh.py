@@ -1,6 +1,7 @@
 """A body's mesh: reading it, its named surfaces, and everything that can be wrong with it."""
 
 import gzip
+import lzma
 import shutil
 import tempfile
 from collections import Counter
@@ -115,8 +116,9 @@ def read_mesh(
     path : Path
         Abaqus .inp (parts and instances, included files; node sets, element sets of shells,
         surfaces), Nastran .bdf, .nas, .fem (surfaces by geometry), ANSYS .cdb (components of
-        nodes), gmsh .msh (physical groups) and whatever else meshio reads; `.gz` is unpacked on the
-        way. Linear tetrahedra get edge nodes, with a warning: curved walls stay polygons.
+        nodes), gmsh .msh (physical groups) and whatever else meshio reads; `.gz` and `.xz` are
+        unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay
+        polygons.
     surfaces : dict of str to Region or None
         Surfaces that must be there; None where the file names them.
     scale : float
@@ -207,13 +209,16 @@ def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.n
     return np.vstack([points, middles]), np.hstack([tets, number.reshape(-1, 6) + len(points)])
 
 
+PACKED = {".gz": gzip.open, ".xz": lzma.open}
+
+
 def read_raw(path: Path) -> Deck:
-    """A file as it is, `.gz` unpacked; what cannot be read is a MeshFault."""
-    if path.suffix != ".gz":
+    """A file as it is, one of `PACKED` unpacked; what cannot be read is a MeshFault."""
+    if path.suffix not in PACKED:
         return _read(path, path)
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / path.stem
-        with gzip.open(path) as packed, open(plain, "wb") as file:
+        with PACKED[path.suffix](path) as packed, open(plain, "wb") as file:
             shutil.copyfileobj(packed, file)
         return _read(plain, path)
 

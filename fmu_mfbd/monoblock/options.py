@@ -26,7 +26,7 @@ class BuildMonoblock(BaseModel):
 
     model_config = STRICT
     mesh: str
-    """Mesh of 10-node tetrahedra (.msh, .inp, .cdb, also .gz) that names all surfaces."""
+    """Mesh of 10-node tetrahedra (.msh, .inp, .cdb, also .xz, .gz) that names all surfaces."""
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
     """What a length of 1 in the mesh file means."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")

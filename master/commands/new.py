@@ -73,7 +73,7 @@ def command(
             mesh = Path(place) / "piston.msh"
             mesh_of_step(step, mesh, made["bore"])
         elif piston in ("slipper", "full"):
-            mesh = Path(place) / "piston.msh.gz"
+            mesh = Path(place) / "piston.msh.xz"
             with console.status("meshing"):
                 mesh_of_sizes(made, piston, mesh)
         found = write_case(made, name, mesh)

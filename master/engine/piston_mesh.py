@@ -32,7 +32,7 @@ def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
     kind : "slipper" or "full"
         Two panels on the thrust sides, or a skirt all around.
     target : Path
-        Ending in .msh.gz.
+        Ending in .msh.xz.
 
     Raises
     ------

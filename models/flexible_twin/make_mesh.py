@@ -1,4 +1,4 @@
-"""Make the mesh of this case's block: block.msh.gz (needs gmsh; running the case does not). Writes
+"""Make the mesh of this case's block: block.msh.xz (needs gmsh; running the case does not). Writes
 it beside this script:
 
 python -m piston_cosim.models.flexible_twin.make_mesh
@@ -24,4 +24,4 @@ BLOCK = TwinBlock(
 )
 
 if __name__ == "__main__":
-    make(Path(__file__).parent / "block.msh.gz", BLOCK, 32.0, 10)
+    make(Path(__file__).parent / "block.msh.xz", BLOCK, 32.0, 10)

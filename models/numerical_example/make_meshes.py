@@ -1,4 +1,4 @@
-"""Make the meshes of this case: piston.msh.gz and block.msh.gz (needs gmsh; running the case does
+"""Make the meshes of this case: piston.msh.xz and block.msh.xz (needs gmsh; running the case does
 not). Writes both files beside this script:
 
 python -m piston_cosim.models.numerical_example.make_meshes

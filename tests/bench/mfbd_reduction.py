@@ -26,7 +26,7 @@ def reduce_one(name, basis, modes):
         "modes": modes,
     }
     table = {"grid": [40, 40]} | {
-        body: {"mesh": f"{body}.msh.gz", **material} for body in ("piston", "block")
+        body: {"mesh": f"{body}.msh.xz", **material} for body in ("piston", "block")
     }
     options = getattr(read_options(table, CASE), name)
     begin = time.perf_counter()

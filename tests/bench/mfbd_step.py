@@ -41,7 +41,7 @@ def fastest(calls, repeats=500, number=4):
 def model(modes, symmetric=True):
     """The shipped bodies with the given number of modes each, as a running model."""
     table = {"grid": [40, 40]} | {
-        name: {"mesh": f"{name}.msh.gz", "modes": modes, **MATERIAL} for name in ("piston", "block")
+        name: {"mesh": f"{name}.msh.xz", "modes": modes, **MATERIAL} for name in ("piston", "block")
     }
     options, files = prepare(table, CASE, lambda text: None)
     piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])

@@ -2,8 +2,8 @@
 outside any checkout, and its numbers beside a careful run by hand. Needs the extra `mesh`.
 """
 
-import gzip
 import json
+import lzma
 import subprocess
 import sys
 
@@ -134,7 +134,7 @@ def test_gmshs_own_decks_give_the_same_run(place, automatic, ending):
     of 20 um: 1e-5.
     """
     plain = place / "piston.msh"
-    plain.write_bytes(gzip.decompress((place / "own/piston.msh.gz").read_bytes()))
+    plain.write_bytes(lzma.decompress((place / "own/piston.msh.xz").read_bytes()))
     gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.open(str(plain))

@@ -64,14 +64,14 @@ def test_the_case_is_sound_and_marks_its_estimates(tmp_path):
 
 
 def test_a_mesh_brings_its_skirt(tmp_path):
-    mesh = find_case("fired_motorcycle").parent / "piston.msh.gz"
+    mesh = find_case("fired_motorcycle").parent / "piston.msh.xz"
     made = engine({"bore": 73, "stroke": 59.5, "rod": 108})
     seen = write_case(made, tmp_path / "own", mesh)
     assert seen.faults == []
     tree = read_tree(tmp_path / "own" / "case.toml")
     # the mesh's skirt is from -14 to 13 mm, the rule's from -23.4 to 11.7
     assert tree["participants"]["ehd"]["parameters"]["skirt_length"] == "27 mm"
-    assert (tmp_path / "own" / "piston.msh.gz").is_file()
+    assert (tmp_path / "own" / "piston.msh.xz").is_file()
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_the_command(tmp_path, capsys):
 )
 def test_sizes_that_make_no_piston(tmp_path, given, message):
     with pytest.raises(BadInput, match=message):
-        mesh_of_sizes(engine(SQUARE | given), "slipper", tmp_path / "piston.msh.gz")
+        mesh_of_sizes(engine(SQUARE | given), "slipper", tmp_path / "piston.msh.xz")
 
 
 def test_without_gmsh_a_sentence(tmp_path, monkeypatch):

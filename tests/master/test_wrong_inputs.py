@@ -178,10 +178,10 @@ def test_wrong_results(tmp_path, monkeypatch, capsys):
 
 def test_a_mesh_that_is_none(tmp_path, monkeypatch, capsys):
     folder = find_case("fired_motorcycle").parent
-    text = (folder / "case.toml").read_text().replace("piston.msh.gz", "piston.msh")
+    text = (folder / "case.toml").read_text().replace("piston.msh.xz", "piston.msh")
     (tmp_path / "case.toml").write_text(text)
     (tmp_path / "piston.msh").write_text("no mesh")
-    (tmp_path / "block.msh.gz").write_bytes((folder / "block.msh.gz").read_bytes())
+    (tmp_path / "block.msh.xz").write_bytes((folder / "block.msh.xz").read_bytes())
     (tmp_path / "gas_pressure.csv").write_bytes((folder / "gas_pressure.csv").read_bytes())
     code, printed = answer(["check", "."], monkeypatch, capsys)
     assert code == 2 and "no mesh that can be read" in printed and "Traceback" not in printed

@@ -166,7 +166,7 @@ def test_shipped_meshes_are_mirror_symmetric():
         ("piston", ("skirt", "crown", "pin_bore")),
         ("block", ("bore", "bolts")),
     ):
-        mesh = read_mesh(folder / f"{name}.msh.gz", dict.fromkeys(surfaces))
+        mesh = read_mesh(folder / f"{name}.msh.xz", dict.fromkeys(surfaces))
         assert len(mesh.points) >= 15000
         place = {tuple(p): k for k, p in enumerate(mesh.points.tolist())}
         elements = {tuple(sorted(t)) for t in mesh.tets.tolist()}

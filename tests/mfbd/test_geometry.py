@@ -24,7 +24,7 @@ MASS = 0.2  # [kg]
 @pytest.fixture(scope="module")
 def piston():
     """Mesh of the shipped fired piston."""
-    return read_mesh(MODELS / "fired_motorcycle/piston.msh.gz", SURFACES, say=lambda text: None)
+    return read_mesh(MODELS / "fired_motorcycle/piston.msh.xz", SURFACES, say=lambda text: None)
 
 
 UNTURNED = np.eye(3)
@@ -43,10 +43,10 @@ def test_circle_of_three_points():
 @pytest.mark.parametrize("case", ["fired_motorcycle", "numerical_example"])
 def test_shipped_meshes_lie_right(case):
     folder = MODELS / case
-    mesh = read_mesh(folder / "piston.msh.gz", SURFACES, say=lambda text: None)
+    mesh = read_mesh(folder / "piston.msh.xz", SURFACES, say=lambda text: None)
     assert piston_faults(mesh, MASS, 0.0) == []
     bore = dict.fromkeys(("bore", "bolts"))
-    assert block_faults(read_mesh(folder / "block.msh.gz", bore, say=lambda text: None)) == []
+    assert block_faults(read_mesh(folder / "block.msh.xz", bore, say=lambda text: None)) == []
 
 
 @pytest.mark.parametrize(

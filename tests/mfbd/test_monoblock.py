@@ -39,7 +39,7 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPi
 from piston_cosim.master.case.schema import find_case
 from piston_cosim.master.fmi.errors import BadInput
 
-MESH = find_case("flexible_twin").parent / "block.msh.gz"
+MESH = find_case("flexible_twin").parent / "block.msh.xz"
 YOUNG, POISSON, DENSITY = 110e9, 0.26, 7200.0
 HEAD, CRANK = 20.0, 25.0
 PLAN = Plan((-0.065, 0.065), 3, 4, (24, 24), 0.098, 0.36, 8, 70)
@@ -456,7 +456,7 @@ def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
 # refusals
 
 TABLE = {
-    "mesh": "block.msh.gz",
+    "mesh": "block.msh.xz",
     "density": "7200 kg/m^3",
     "young": "110 GPa",
     "poisson": 0.26,

@@ -29,7 +29,7 @@ def test_box_walls_add_what_they_weigh(tmp_path):
 
     coarse, surfaces = replace(PISTON, top=27.0), ("skirt", "crown", "pin_bore")
     meshes = [
-        made(shape, tmp_path / f"{k}.msh.gz", 7.0, surfaces)
+        made(shape, tmp_path / f"{k}.msh.xz", 7.0, surfaces)
         for k, shape in enumerate((coarse, replace(coarse, box_wall=(2.0, 20.0))))
     ]
     for mesh in meshes:
@@ -53,7 +53,7 @@ def test_fins_of_a_block(tmp_path):
     from piston_cosim.models.numerical_example.make_meshes import BLOCK
 
     meshes = [
-        made(shape, tmp_path / f"{k}.msh.gz", 14.0, ("bore", "bolts"))
+        made(shape, tmp_path / f"{k}.msh.xz", 14.0, ("bore", "bolts"))
         for k, shape in enumerate((BLOCK, replace(BLOCK, fins=(102.0,))))
     ]
     finned, plain = (consistent_mass(mesh.points, mesh.tets, 1.0).sum() / 3 for mesh in meshes)
@@ -71,8 +71,8 @@ def test_own_piston_has_its_sizes_and_its_skirt(tmp_path, kind):
     from piston_cosim.master.engine.piston_mesh import mesh_of_sizes
 
     made = engine({"bore": 86, "stroke": 86, "rod": 143})
-    mesh_of_sizes(made, kind, tmp_path / "piston.msh.gz")
-    mesh = read_mesh(tmp_path / "piston.msh.gz", dict.fromkeys(("skirt", "crown", "pin_bore")))
+    mesh_of_sizes(made, kind, tmp_path / "piston.msh.xz")
+    mesh = read_mesh(tmp_path / "piston.msh.xz", dict.fromkeys(("skirt", "crown", "pin_bore")))
     assert all(mirror_image(mesh.points, axis) is not None for axis in (0, 2))
     x, y, z = mesh.points[mesh.nodes("skirt")].T
     assert np.hypot(x, z) == pytest.approx(made.skirt_radius, abs=1e-7)
