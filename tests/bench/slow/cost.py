@@ -1,5 +1,5 @@
 """What a macro step costs, by cells and by modes: `run`, the time inside its participants, which no
-master could spare, and both in one native FMU. Draws docs/cost.svg; some ten minutes, a quiet
+master could spare, and both in one native FMU. Draws docs/cost.svg; some five minutes, a quiet
 machine. Run: python tests/bench/slow/cost.py
 
 The numerical example, 60 deg from rest, rigid steps and fields left out of the results; what either
@@ -21,7 +21,7 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.runs.run import run
 
 STEPS, PASSES = 60, 2
-CELLS = (20, 40, 80, 160)  # around and along, 60 modes a body
+CELLS = (20, 40, 80)  # around and along, 60 modes a body
 MODES = (0, 20, 60, 200)  # a body, 40 x 40 cells
 USUAL = 60, 40
 PICTURE = HERE.parents[3] / "docs" / "cost.svg"
