@@ -617,7 +617,7 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     try:
         build = kind.model_validate(options)
     except ValidationError as error:
-        raise BadInput([_sentence(fault, kind) for fault in error.errors()]) from None
+        raise BadInput([sentence_of(fault, kind) for fault in error.errors()]) from None
     faults = []
     if build.piston:
         ends = ("skirt_lower", build.piston.skirt_lower), ("skirt_upper", build.piston.skirt_upper)
@@ -675,13 +675,16 @@ def _resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list
     return [] if path.is_file() else [f"{where}: no such file in {folder}"]
 
 
-def _sentence(fault: Any, kind: type[BaseModel]) -> str:
-    """One pydantic fault of an option class as a sentence."""
+def sentence_of(fault: Any, kind: type[BaseModel]) -> str:
+    """One pydantic fault of an option class as a sentence; of the class as a whole, its own."""
     path = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
         return f"{path}: unknown key{near_key(kind.model_json_schema(), fault['loc'])}"
     if fault["type"] == "missing":
         return f"{path}: is missing"
+    told = fault["msg"].removeprefix("Value error, ")
+    if not path:
+        return told
     bound_crossed = fault["type"].startswith(("greater", "less"))
     units = " in SI units" if isinstance(fault["input"], str) and bound_crossed else ""
-    return f"{path} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}{units}"
+    return f"{path} = {fault['input']!r}: {told}{units}"

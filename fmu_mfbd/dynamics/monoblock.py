@@ -27,6 +27,7 @@ import scipy.linalg as la
 from ..reduction.reduced_body import ReducedMonoblock
 from .first_steps import FIRST_STEPS, first_steps
 from .generalised_alpha import Coefficients, Motion, coefficients, predict
+from .motion_in_space import skew
 
 RIGID_MOTIONS = 6
 TRAPEZOIDAL = 1.0
@@ -142,7 +143,7 @@ class MountedMonoblock:
         self.mass = la.block_diag(body.rigid_mass, np.diag((~fast).astype(float)))
         levers = np.array(
             [
-                np.hstack([np.eye(3), -cross(place), shapes])
+                np.hstack([np.eye(3), -skew(place), shapes])
                 for place, shapes in zip(body.mount_place, body.mount)
             ]
         )
@@ -291,9 +292,3 @@ class MountedMonoblock:
             moved = self.mass + self.damping * to_velocity + self.stiffness * to_position
             self._rules = {key: Rule(to_velocity, to_position, la.lu_factor(moved))}
         return self._rules[key]
-
-
-def cross(vector: np.ndarray) -> np.ndarray:
-    """Matrix of v -> vector x v."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
 
 from ...master.fmi.errors import BadInput
-from ...master.fmi.option_classes import near_key
 from ..options import (
     STRICT,
     BoreFromOutside,
@@ -16,6 +15,7 @@ from ..options import (
     Mass,
     Number,
     Pressure,
+    sentence_of,
 )
 
 
@@ -100,24 +100,8 @@ def read_monoblock(options: dict[str, Any], folder: Path) -> BuildMonoblock:
     try:
         build = BuildMonoblock.model_validate(options)
     except ValidationError as error:
-        raise BadInput([_sentence(fault) for fault in error.errors()]) from None
+        raise BadInput([sentence_of(fault, BuildMonoblock) for fault in error.errors()]) from None
     path = (folder / build.mesh).resolve()
     if not path.is_file():
         raise BadInput([f"mesh = {build.mesh!r}: no such file in {folder}"])
     return build.model_copy(update={"mesh": str(path)})
-
-
-def _sentence(fault: Any) -> str:
-    """One pydantic fault as a sentence."""
-    path = ".".join(str(part) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        schema = BuildMonoblock.model_json_schema()
-        return f"{path}: unknown key{near_key(schema, fault['loc'])}"
-    if fault["type"] == "missing":
-        return f"{path}: is missing"
-    told = fault["msg"].removeprefix("Value error, ")
-    if not path:
-        return told
-    bound_crossed = fault["type"].startswith(("greater", "less"))
-    units = " in SI units" if isinstance(fault["input"], str) and bound_crossed else ""
-    return f"{path} = {fault['input']!r}: {told}{units}"
