@@ -18,7 +18,7 @@ from ..coupling.native_given import (
     uncovered_wires,
     without_derivative,
 )
-from ..fmi.builder import code_of, pack_fmu, slave_of
+from ..fmi.builder import code_of, code_with, pack_fmu, slave_of
 from ..fmi.builder_native import cannot_build, pack_native_fmu, part_of, slave_inside
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
@@ -89,6 +89,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         )
     builds = build_options(case, folder, progress)
     packages = {name: table.package for name, table in case.participants.items()}
+    codes = {name: code_of(package) for name, package in packages.items()}
     prepared = {
         name: import_part(f"{package}.build").prepare(builds[name], Path(folder), progress)
         for name, package in packages.items()
@@ -102,7 +103,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
     options = {
         "name": name if name.isidentifier() else f"engine_{name}",
         "title": case.title,
-        "participants": {name: slave_of(package) for name, package in packages.items()},
+        "participants": {name: (code.name, code.slave) for name, code in codes.items()},
         "order": list(system.order),
         "step": system.step,
         "wires": [asdict(c) for c in system.wires],
@@ -118,12 +119,12 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         return _pack_native(options, prepared, system, usual, progress, (version, platforms))
     return pack_fmu(
         options["name"],
-        f"{COUPLED}:Coupled",
-        [*map(code_of, packages.values()), COUPLED],
+        code_with(f"{COUPLED}:Coupled", COUPLED),
         options,
         _resources(prepared),
         progress,
         version,
+        participants=codes.values(),
         experiment=usual,
     )
 
@@ -172,7 +173,8 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
     """
     version, platforms = made_for
     slave = _coupled_slave(options)
-    packages = {name: path.partition(".")[0] for name, path in slave.inside.participants.items()}
+    slaves = {name: path for name, (_, path) in slave.inside.participants.items()}
+    packages = {name: path.partition(".")[0] for name, path in slaves.items()}
     codes = sorted(set(packages.values()))
     parts = {name: part_of(package) for name, package in packages.items()}
     faults = [

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from importlib import import_module
 from math import ceil
 from typing import Any
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from ..fmi.errors import Discard
 from ..fmi.slave import FieldSlave
-from ..fmi.tree import slave_class
 from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
@@ -51,7 +51,8 @@ class Options:
 
     name         : model identifier
     title        : the case's
-    participants : slave ("module:class") by name, in the order of their start
+    participants : package of its code and slave in it ("module:class") by name, in the order of
+                   their start
     order        : stepping order
     step         : macro step [s]
     wires        : those of the system
@@ -62,7 +63,7 @@ class Options:
 
     name: str
     title: str
-    participants: dict[str, str]
+    participants: dict[str, tuple[str, str]]
     order: tuple[str, ...]
     step: float
     wires: tuple[Wire, ...]
@@ -78,7 +79,7 @@ class Options:
         return Options(
             tree["name"],
             tree["title"],
-            tree["participants"],
+            {name: (code, slave) for name, (code, slave) in tree["participants"].items()},
             tuple(tree["order"]),
             tree["step"],
             tuple(_read_wire(entry) for entry in tree["wires"]),
@@ -170,8 +171,8 @@ class Coupled(FieldSlave):
         for exposed, (owner, name) in (options.parameter | options.input).items():
             parameters[owner][name] = values[exposed]
         participants = {
-            name: LocalParticipant(name, self._slave(name, path))
-            for name, path in options.participants.items()
+            name: LocalParticipant(name, self._slave(name, *place))
+            for name, place in options.participants.items()
         }
         coupling = options.coupling
         self.system = System(
@@ -189,8 +190,9 @@ class Coupled(FieldSlave):
         )
         return self._reached(values, self.start)
 
-    def _slave(self, name, path):
-        return slave_class(path)(instance_name=name, resources=str(self.resources / name))
+    def _slave(self, name, code, path):
+        tree = import_module(f"{code}.master.fmi.tree")
+        return tree.slave_class(path)(instance_name=name, resources=str(self.resources / name))
 
     def advance(self, state, values, time, step):
         """Macro steps up to time + step; discarded, everything as before, if one of them fails."""

@@ -3,7 +3,8 @@ description.
 
 Two FMUs in one process share modules of equal name, so the embedded tree is a package named after
 the hash of its code, and reaches itself by relative imports only. FMUs of the same code share it,
-and what is compiled of it.
+and what is compiled of it; an FMU with participants inside carries the codes of theirs beside its
+own.
 """
 
 import hashlib
@@ -17,6 +18,7 @@ from contextlib import suppress
 from importlib.metadata import version as version_of
 from inspect import getfile
 from pathlib import Path
+from typing import NamedTuple
 from xml.dom.minidom import parseString
 from xml.etree.ElementTree import tostring
 
@@ -59,21 +61,24 @@ STOCK = Path(pythonfmu.__file__).parent / "resources" / "binaries"
 hosts alone.
 """
 
-ENTRY = '''"""Entry script of the FMU; its code is the package {code}."""
+ENTRY = '''"""Entry script of the FMU; its code is the first of these packages."""
 
 import ctypes
 import os
 import shutil
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
+
+CODES = {codes}
 
 # pythonfmu's library drops one reference too many to this module's dictionary each time it runs
 # this text
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
-def code_folder():
+def folder_of(code):
     """A folder that stays where it is, with the code in it, so that what numba compiles is kept for
     the next time.
     """
@@ -84,28 +89,28 @@ def code_folder():
         return here  # no HOME, and a user without an entry
     root = Path(named or Path(user, "piston-cosim")) / "code"
     try:
-        if not (root / "{code}").exists():
+        if not (root / code).exists():
             root.mkdir(parents=True, exist_ok=True)
             partial = Path(tempfile.mkdtemp(dir=root))
-            shutil.copytree(here / "{code}", partial / "{code}")
-            os.rename(partial / "{code}", root / "{code}")
+            shutil.copytree(here / code, partial / code)
+            os.rename(partial / code, root / code)
             partial.rmdir()
     except OSError:
         pass  # another process was faster, or there is no writable cache
-    return root if (root / "{code}").exists() else here
+    return root if (root / code).exists() else here
 
 
-if "{code}" not in sys.modules:
-    sys.path.insert(0, str(code_folder()))
+for code in CODES:
+    if code in sys.modules:
+        continue
+    sys.path.insert(0, str(folder_of(code)))
     try:
-        from {code}.master.fmi.requirements import missing
-
-        if missing():
-            raise ImportError(missing())
-        import {code}.master.fmi.tree
+        if lacking := import_module(f"{{code}}.master.fmi.requirements").missing():
+            raise ImportError(lacking)
+        import_module(f"{{code}}.master.fmi.tree")
     finally:
         sys.path.pop(0)
-Fmi2Slave = sys.modules["{code}.master.fmi.tree"].slave_class("{slave}")
+Fmi2Slave = sys.modules[f"{{CODES[0]}}.master.fmi.tree"].slave_class("{slave}")
 
 
 class Entry(Fmi2Slave):
@@ -114,6 +119,18 @@ class Entry(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
 '''
+
+
+class Code(NamedTuple):
+    """A slave's code as an FMU carries it.
+
+    name : the package's, made of its content; slave : "module:class" in it; files : path in it ->
+    bytes.
+    """
+
+    name: str
+    slave: str
+    files: dict[str, bytes]
 
 
 def slave_of(package):
@@ -129,7 +146,19 @@ def code_of(package):
     all that it imports, of one from elsewhere the whole package.
     """
     own = import_part(package).__name__.startswith(f"{ROOT}.")
-    return f"{package}.slave" if own else package
+    return code_with(slave_of(package), f"{package}.slave" if own else package)
+
+
+def code_with(slave, part):
+    """What the slave "module:class" needs that is in `part`, a package or a module by its place in
+    the project ("master.coupling.coupled"); what it needs of `master.fmi` comes by itself.
+    """
+    paths = {}
+    for name in (*(f"master.fmi.{module}" for module in EMBEDDED), part):
+        paths |= _files(name)
+    files = {name: path.read_bytes() for name, path in paths.items()}
+    digest = _digest(files | {"entry": (ENTRY + slave).encode()})
+    return Code(f"code_{digest}", slave, files)
 
 
 def build_fmu(
@@ -166,8 +195,7 @@ def build_fmu(
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     return pack_fmu(
         package,
-        slave_of(package),
-        [code_of(package)],
+        code_of(package),
         resolved,
         {f.name: f.read_bytes() for f in files},
         progress,
@@ -199,58 +227,59 @@ def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"
     try:
         if not hasattr(importlib.import_module(path.stem), slave):
             raise BadInput(f"{origin!r}: {path.name} has no class {slave}")
-        return pack_fmu(
-            path.stem, f"{path.stem}:{slave}", [path.stem], options, {}, progress, version
-        )
+        code = code_with(f"{path.stem}:{slave}", path.stem)
+        return pack_fmu(path.stem, code, options, {}, progress, version)
     finally:
         sys.path.pop(0)
 
 
-def pack_fmu(name, slave, packages, options, files, progress, version="2.0", *, experiment=None):
+def pack_fmu(
+    name, code, options, files, progress, version="2.0", *, participants=(), experiment=None
+):
     """FMU of a slave, from the cache if the same was packed before.
 
     Parameters
     ----------
     name : str
         Begins the file's name.
-    slave : str
-        "module:class".
-    packages : list of str
-        What the slave's code needs: packages or modules, those of the project by their place in it
-        ("fmu_ehd.slave", "master.coupling.coupled"); what it needs of `master.fmi` comes by itself.
+    code : Code
     options : dict
         Becomes build.json.
     files : dict of str to bytes
         Further resources.
+    participants : iterable of Code
+        Those of slaves that this one has inside: the same packages as in FMUs of their own, so
+        what is compiled of them serves both.
     experiment : Experiment, optional
         What the description says of a run, in place of the slave's own.
     """
     if version == "3.0" and not compiler():
         raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
-    sources = _sources(packages)
+    codes = {one.name: one for one in (code, *participants)}
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
-    code = f"code_{_digest(sources | {'entry': (ENTRY + slave).encode()})}"
     front = front_sources(version) if compiler() else {"stock": pythonfmu.__version__.encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
     packing["version"] = version_of("piston-cosim").encode()
     packing["experiment"] = repr(experiment).encode()
+    packing["codes"] = repr(list(codes)).encode()
     _remember_python()
-    fmu = (
-        cache_folder("fmus")
-        / f"{name}-{_digest({'code': code.encode()} | contents | front | packing)}.fmu"
-    )
+    fmu = cache_folder("fmus") / f"{name}-{_digest(contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
-        entry = ENTRY.format(code=code, slave=slave).encode()
-        contents |= {f"{code}/{name}": data for name, data in sources.items()}
-        contents |= {f"{code}_entry.py": entry, "slavemodule.txt": f"{code}_entry".encode()}
-        contents |= {"requirements.py": sources["master/fmi/requirements.py"]}
+        entry = ENTRY.format(codes=tuple(codes), slave=code.slave).encode()
+        for one in codes.values():
+            contents |= {f"{one.name}/{path}": data for path, data in one.files.items()}
+        contents |= {
+            f"{code.name}_entry.py": entry,
+            "slavemodule.txt": f"{code.name}_entry".encode(),
+        }
+        contents |= {"requirements.py": code.files["master/fmi/requirements.py"]}
         contents |= {
             f"pythonfmu/{name}.py": (Path(pythonfmu.__file__).parent / f"{name}.py").read_bytes()
             for name in OF_PYTHONFMU
         }
         contents |= {"pythonfmu/__init__.py": PYTHONFMU.encode()}
-        _pack(contents, f"{code}_entry", fmu, version, experiment)
+        _pack(contents, f"{code.name}_entry", fmu, version, experiment)
     return fmu
 
 
@@ -258,16 +287,6 @@ def _remember_python():
     """Tell the fronts of this machine, in the user's cache, which Python has what an FMU needs."""
     with suppress(OSError):
         (cache_folder("") / "python.txt").write_text(sys.executable)
-
-
-def _sources(packages):
-    """Path in the tree -> bytes of all code the FMU carries: the project's own tree, as far as it
-    is needed.
-    """
-    paths = {}
-    for name in (*(f"master.fmi.{module}" for module in EMBEDDED), *packages):
-        paths |= _files(name)
-    return {name: path.read_bytes() for name, path in paths.items()}
 
 
 def _files(name):

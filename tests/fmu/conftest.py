@@ -29,9 +29,9 @@ def native_fmu():
     return native_film([12, 10])
 
 
-def native_film(grid, **options):
+def native_film(grid, version="2.0", **options):
     """A native lubrication FMU for this machine."""
-    return native("fmu_ehd", {"grid": grid} | options, Path("."))
+    return native("fmu_ehd", {"grid": grid} | options, Path("."), version=version)
 
 
 def native(package, options, folder, **more):

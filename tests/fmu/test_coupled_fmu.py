@@ -4,6 +4,8 @@ whole.
 
 import subprocess
 import sys
+import zipfile
+from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -13,6 +15,7 @@ from fmpy.validation import validate_fmu
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -77,6 +80,23 @@ def test_model_description_is_valid(coupled):
     }
     rings = {"ring_side_force", "ring_axial_force", "ring_moment"}
     assert inputs == {"crank_speed", "gas_pressure", "land_pressure"} | rings
+
+
+def test_participants_have_the_code_of_their_own_fmus(coupled, tree):
+    """So that what is compiled of a participant serves both."""
+    inside = codes_in(coupled)
+    builds = {name: table["build"] for name, table in tree["participants"].items()}
+    for package, name in (("fmu_ehd", "ehd"), ("fmu_mfbd", "bodies")):
+        own = codes_in(build_fmu(package, builds[name], PATH.parent))
+        assert len(own) == 1 and own < inside
+    assert len(inside) == 3
+
+
+def codes_in(fmu):
+    """Names of the packages of code that an FMU carries."""
+    with zipfile.ZipFile(fmu) as archive:
+        paths = [Path(name).parts for name in archive.namelist()]
+    return {path[1] for path in paths if len(path) > 2 and path[1].startswith("code_")}
 
 
 def test_same_results_as_run_at_the_macro_step(coupled, reference):

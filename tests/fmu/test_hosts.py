@@ -159,8 +159,8 @@ import sys
 sys.path.insert(0, sys.argv[1])
 text = open(sys.argv[1] + "/" + sys.argv[2] + ".py").read()
 scope = {"__file__": sys.argv[1] + "/entry.py"}
-exec(text[: text.index("if 'code_".replace("'", chr(34)))], scope)
-print(scope["code_folder"]())
+exec(text[: text.index("for code in CODES")], scope)
+print(scope["folder_of"](*scope["CODES"]))
 """
 
 

@@ -1,6 +1,7 @@
 """Calls at random of a native FMU and damaged files of it, under AddressSanitizer."""
 
 import subprocess
+from math import prod
 from pathlib import Path
 
 import pytest
@@ -22,20 +23,34 @@ INSIDE = {"fmu_ehd": [], "fmu_mfbd": [], "master.coupling": ["fmu_mfbd", "fmu_eh
 """Packages -> those whose entries theirs call, in the order of the FMU."""
 
 
+VERSIONS = ["2.0", pytest.param("3.0", marks=pytest.mark.slow)]
+
+
+@pytest.fixture(scope="session", params=VERSIONS)
+def version(request):
+    return request.param
+
+
 @pytest.fixture(scope="session", params=INSIDE)
-def fuzzed(request, make_native, native_bodies, native_engine, unpack, tmp_path_factory):
+def fuzzed(request, version, make_native, native_bodies, native_engine, unpack, tmp_path_factory):
     """Runs a number of calls on two FMUs of one library; what was counted."""
     inside = INSIDE[request.param]
     make = dict(zip(INSIDE, (make_native, native_bodies, native_engine)))[request.param]
-    fmus = make([12, 10]), make([6, 5])
+    fmus = make([12, 10], version=version), make([6, 5], version=version)
     folder = tmp_path_factory.mktemp("fuzzed")
     program = folder / "fuzz_calls"
     objects = [folder / f"{package}.o" for package in (request.param, *inside)]
     for path in objects:
         path.write_bytes(object_files(path.stem, ["linux64"])["linux64"])
-    of_front = (*SOURCES, "fmi2.c", *([OF_COUPLED] if inside else ()))
+    of_front = (*SOURCES, f"fmi{version[0]}.c", *([OF_COUPLED] if inside else ()))
     sources = [HERE / "fuzz_calls.c", *(HOME / name for name in of_front)]
-    command = ["gcc", *CHECKED, *definitions(request.param, inside), f"-I{HOME}"]
+    command = [
+        "gcc",
+        *CHECKED,
+        f"-DFMI{version[0]}",
+        *definitions(request.param, inside),
+        f"-I{HOME}",
+    ]
     command += ["-DLONG_STEP=1e-3"] if inside else []  # s; macro steps are taken one by one
     command += [*map(str, (*sources, *objects)), "-lm"]
     told = subprocess.run([*command, "-o", str(program)], capture_output=True, text=True)
@@ -50,18 +65,31 @@ def fuzzed(request, make_native, native_bodies, native_engine, unpack, tmp_path_
         arguments.append(str(scratch))
         for k, path in enumerate(fmus):
             place = unpack(path, folder / str(k))
-            variables = place.description.modelVariables
-            kinds = [v.type for v in variables]
             resources = str(place.folder / "resources")
             if not k:
                 (scratch / "token.txt").write_text(Path(resources, "token.txt").read_text())
-            reals = kinds.count("Real")
-            arguments += [resources, place.description.guid, str(reals), str(len(kinds) - reals)]
+            description = place.description
+            token = description.guid or description.instantiationToken
+            arguments += [resources, token, " ".join(map(str, sizes(description)))]
         done = subprocess.run([str(program), *arguments], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr[-4000:]
         return map(int, done.stdout.split())
 
     return run
+
+
+def sizes(description):
+    """Elements of each variable in the order of references, negative where they are no reals; time,
+    which FMI 3.0 has behind all, is none of them.
+    """
+    variables = [v for v in description.modelVariables if v.causality != "independent"]
+    if description.fmiVersion.startswith("2"):
+        return [1 if v.type == "Real" else -1 for v in variables]
+    variables.sort(key=lambda v: v.valueReference)
+    return [
+        prod(int(d.start) for d in v.dimensions) * (1 if v.type == "Float64" else -1)
+        for v in variables
+    ]
 
 
 def check(counted, calls):
