@@ -259,7 +259,8 @@ class Record(Table):
     """
     checkpoint_every: int | None = Field(None, ge=0)
     """Macro steps from one checkpoint to the next; 0: none but at SIGINT and SIGTERM; without it
-    every 50, and no more often than is worth a fiftieth of the time.
+    every 50 once a run takes longer than 5 s, and no more often than is worth a fiftieth of the
+    time.
     """
 
     @field_validator("every")

@@ -91,7 +91,8 @@ class Interface:
 
     The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of
     wires that run against the stepping order: the unknowns of a sequential (Gauss-Seidel)
-    evaluation (`feedback_wires`: the slice of each among them). Norms are scaled: element / nominal
+    evaluation (`unknowns`: where they are, a slice if they lie one behind the other;
+    `feedback_wires`: the slice of each wire among them). Norms are scaled: element / nominal
     of its wire.
 
     Parameters
@@ -131,6 +132,7 @@ class Interface:
         against = [is_unknown(wire, list(participants), parallel) for wire in wires]
         self.feedback = np.repeat(np.array(against, bool), np.array(sizes, int))
         self.feedback_wires = _slices([size for size, back in zip(sizes, against) if back])
+        self.unknowns = _places([part for part, back in zip(self.parts, against) if back])
         whole = list(zip(wires, self.parts))
         self.inputs = {
             name: [End(w.target[1], part, w.shape) for w, part in whole if w.target[0] == name]
@@ -269,7 +271,8 @@ class Interface:
         ndarray, shape (size,)
             Change of all outputs.
         """
-        seen = np.where(self.feedback, change, 0.0)
+        seen = np.zeros(self.size)
+        seen[self.unknowns] = change[self.unknowns]
         result = np.zeros(self.size)
         for name, participant in self.participants.items():
             if not (self.inputs[name] and self.outputs[name]):
@@ -286,6 +289,8 @@ class Interface:
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
         """Residual that counts as converged, per element, for given values; shape (size,)."""
+        if not self.relative:
+            return self.tolerance
         return np.concatenate(
             [
                 np.full(part.stop - part.start, wire.allowed(values[part], first))

@@ -15,6 +15,15 @@ def size_of(vector):
 
 
 @compiled
+def is_within(vector: np.ndarray, limits: np.ndarray):
+    """Whether no element is larger than it may be."""
+    for i in range(len(vector)):
+        if not abs(vector[i]) <= limits[i]:
+            return False
+    return True
+
+
+@compiled
 def factorise(gram: np.ndarray, noise: float):
     """Cholesky factor of Z' Z + n I, shape (pairs, pairs), as lower triangle."""
     n = len(gram)
@@ -119,13 +128,7 @@ def least_squares(hessenberg: np.ndarray, size: float, count: int):
 
 
 class Arnoldi(NamedTuple):
-    """What is known of the products of a solve without another look at them.
-
-    Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ki basis_i
-
-    hessenberg : ndarray, shape (>= count, >= count + 1), H by columns, the basis orthonormal;
-    projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
-    """
+    """As `krylov.Arnoldi`, H by columns: hessenberg, shape (>= count, >= count + 1)."""
 
     hessenberg: np.ndarray
     projected: np.ndarray

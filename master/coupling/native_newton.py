@@ -74,6 +74,7 @@ from .native_journal import overwrite
 from .native_krylov import (
     Arnoldi,
     factorise,
+    is_within,
     learn,
     least_squares,
     orthogonalise,
@@ -406,32 +407,37 @@ def gathered(memory: np.ndarray, whole: np.ndarray, reduced: np.ndarray):
 
 
 @compiled
-def smallest_allowed(memory):
-    """Least tolerance of an unknown over its nominal value."""
-    found = np.inf
+def allowed(memory: np.ndarray, limits: np.ndarray):
+    """Tolerance of every unknown over its nominal value."""
     for w in range(count(memory, WIRE_COUNT)):
         wire = wire_of(memory, w)
         if wire[UNKNOWN] != NOWHERE:
-            found = min(found, wire[TOLERANCE] / wire[NOMINAL])
-    return found
+            at = int(wire[UNKNOWN])
+            for k in range(int(wire[ELEMENTS])):
+                limits[at + k] = wire[TOLERANCE] / wire[NOMINAL]
 
 
 @compiled
 def minimised(
-    memory: np.ndarray, right: np.ndarray, tolerance: float, x: np.ndarray, change: np.ndarray
+    memory: np.ndarray,
+    right: np.ndarray,
+    limits: np.ndarray,
+    enough: float,
+    x: np.ndarray,
+    change: np.ndarray,
 ):
-    """GMRES as `RecycledGmres.solve`: the solution into `x`, the change of all wires along it into
-    `change`; whether all participants answered.
-
-    Of that change no product is asked for: it is the sum of those of the directions.
+    """GMRES as `RecycledGmres.solve` with the goal of elements `limits` and size `enough`: the
+    solution into `x`, the change of all wires along it into `change`; whether all participants
+    answered.
     """
     n = len(right)
     seed = np.zeros(len(change))
     size = size_of(right)
-    if size <= tolerance:
+    if size <= enough or is_within(right, limits):
         keep(x, right)
         scattered(memory, x, seed)
         return derivative(memory, seed, change)
+    whole_limit = size_of(limits)
     kept = count(memory, KEPT)
     images = part(memory, IMAGES).reshape((kept, n))
     differences = part(memory, DIFFERENCES).reshape((kept, n))
@@ -470,8 +476,15 @@ def minimised(
         for k in range(n):
             basis[found, k] = new[k] / column[found]
         null[found] = -(column[:found] @ null[:found]) / column[found]  # Eq. (Q9)
-        if size <= tolerance * size_of(null[: found + 1]):
+        known = size_of(null[: found + 1])
+        if size <= enough * known:
             break
+        if size <= whole_limit * known:
+            keep(new, null[: found + 1] @ basis[: found + 1])
+            for k in range(n):
+                new[k] *= size / known**2  # Eq. (Q9)
+            if is_within(new, limits):
+                break
     weights = least_squares(hessenberg, size, found)
     keep(x, weights @ directions[:found])
     keep(change, weights @ wholes[:found])
@@ -496,11 +509,13 @@ def update(memory: np.ndarray, outcome: np.ndarray, change: np.ndarray):
     right = np.empty(n)
     gathered(memory, apart, right)
     constants = part(memory, CONSTANTS)
-    tolerance = max(
-        constants[ACCURACY] * smallest_allowed(memory), constants[FORCING] * size_of(right)
-    )
+    limits = np.empty(n)
+    allowed(memory, limits)
+    for k in range(n):
+        limits[k] *= constants[ACCURACY]
+    enough = constants[FORCING] * size_of(right)
     solution = np.empty(n)
-    if not minimised(memory, right, tolerance, solution, change):  # Eq. (Q1)
+    if not minimised(memory, right, limits, enough, solution, change):  # Eq. (Q1)
         return False
     scattered(memory, solution, change)
     return True

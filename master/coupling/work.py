@@ -102,9 +102,13 @@ class InterfaceWork:
             worth += span * pair.tolerance * float(np.abs(used[f]).sum())
         return Exchange(work, exchanged, passed, worth)
 
-    def add(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
-        """Add the macro step that ends at `time` [s]; arguments as of `exchange`."""
-        exchange = self.exchange(time, used, y)
+    def add(
+        self, time: float, used: np.ndarray, y: np.ndarray, exchange: Exchange | None = None
+    ) -> Exchange:
+        """Add the macro step that ends at `time` [s]; arguments as of `exchange`, and what that
+        has said of them, if anything.
+        """
+        exchange = exchange or self.exchange(time, used, y)
         self.last = time, used, y
         self.work += exchange.work
         self.exchanged += exchange.exchanged

@@ -39,7 +39,9 @@ from .repetition import repetition
 USUAL_CHECKPOINTS = 50
 """Macro steps from one checkpoint to the next, where the case does not say ..."""
 CHECKPOINT_SHARE = 0.02
-"""... and where this is the largest share of the time that goes into writing them."""
+"""... and where this is the largest share of the time that goes into writing them ..."""
+WORTH_KEEPING = 5.0
+"""... of a run that has taken so many seconds: the first one reads all FMUs."""
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
@@ -194,8 +196,9 @@ class March:
             made("observers", name, options, system, output)
             for name, options in case.observers.items()
         ]
-        self.kept_until = 0.0
+        self.exchanged = None
         self.begin = clock.perf_counter() - self.account.wall_time
+        self.kept_until = self.begin + WORTH_KEEPING
         with writing(output):
             self.recorder = self._recorder()
             self.log = CouplingLog(output, system.wires, self.account.counters)
@@ -348,7 +351,8 @@ class March:
             reduction.add(time, values)
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
-            exchange = account.work.add(time, solution.inputs, self.stepper.interface.read())
+            y, exchange = self._exchanged(time, solution)
+            account.work.add(time, solution.inputs, y, exchange)
             if account.ledger:
                 account.ledger.add(self.system.participants, exchange)
         monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
@@ -358,11 +362,19 @@ class March:
 
     def judge(self, time, solution):
         """Raise EnergyCreated where energy came from nowhere in the step that ends at `time`."""
-        account = self.account
-        if account.ledger:
+        if self.account.ledger:
+            _, exchange = self._exchanged(time, solution)
+            self.account.ledger.check(self.system.participants, exchange)
+
+    def _exchanged(self, time, solution):
+        """All outputs at the end of the step that has led to a solution, and what crossed the
+        interface in it; asked for when it is judged and when it is accepted.
+        """
+        if self.exchanged is None or self.exchanged[0] is not solution:
             y = self.stepper.interface.read()
-            exchange = account.work.exchange(time, solution.inputs, y)
-            account.ledger.check(self.system.participants, exchange)
+            found = self.account.work.exchange(time, solution.inputs, y)
+            self.exchanged = solution, (y, found)
+        return self.exchanged[1]
 
     def keep(self):
         """Write a checkpoint, if all participants can put their states into a file."""

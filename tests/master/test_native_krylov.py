@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling import native_krylov
+from piston_cosim.master.coupling.methods import krylov
 from piston_cosim.master.coupling.methods.krylov import NOISE, RecycledGmres, orthogonal
 from piston_cosim.master.fmi.compiled import Kernel
 
@@ -24,7 +25,8 @@ def remembered(rng, kept, n, filled):
     memory.images, memory.differences = np.zeros((2, kept, n))
     memory.gram = np.zeros((kept, kept))
     for _ in range(filled):
-        memory._learn(*rng.standard_normal((2, 1, n)))
+        one, image = rng.standard_normal((2, 1, n))
+        memory._learn(one, image, krylov.Arnoldi(*of_products(rng, image, memory.images)))
     return memory
 
 
@@ -39,7 +41,8 @@ def test_preconditioner():
     projected = np.empty(9)
     native_krylov.precondition(r, memory.images, memory.differences, factor, projected, found)
     np.testing.assert_allclose(projected, memory.images @ r, rtol=1e-13)
-    expected = memory._preconditioner()(r)
+    inverse = np.linalg.inv(memory.gram + NOISE * np.eye(9))
+    expected = r + inverse @ projected @ memory.differences  # Eq. (Q7)
     assert np.abs(found - r).max() > 0.1  # it does something
     # a matrix of condition 1e6 factorised in one, inverted in the other
     np.testing.assert_allclose(found, expected, rtol=1e-8)
@@ -70,15 +73,15 @@ def test_least_squares():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
-def arnoldi(rng, products, images):
+def of_products(rng, products, images):
     """Eq. (Q10) of any products: a basis begun with any vector, the k-th within k + 2 of it."""
     count, n = products.shape
     basis, triangle = np.linalg.qr(np.vstack([rng.standard_normal(n), products]).T)
-    hessenberg = np.zeros((count, count + 1))
-    hessenberg[:, : len(triangle)] = triangle.T[1:]
+    hessenberg = np.zeros((count + 1, count))
+    hessenberg[: len(triangle)] = triangle[:, 1:]
     projected = np.zeros((count + 1, len(images)))
     projected[: basis.shape[1]] = (images @ basis).T
-    return native_krylov.Arnoldi(hessenberg, projected)
+    return hessenberg, projected
 
 
 @pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
@@ -93,8 +96,11 @@ def test_what_is_kept(filled, count):
     oldest = np.array([float(memory.oldest)])
     directions, products = rng.standard_normal((2, count, n))
     products[1] = 0.0
-    native_krylov.learn(directions, products, arnoldi(rng, products, ours[0]), *ours, oldest)
-    memory._learn(directions, products)
+    hessenberg, projected = of_products(rng, products, ours[0])
+    by_columns = native_krylov.Arnoldi(np.ascontiguousarray(hessenberg.T), projected)
+    native_krylov.learn(directions, products, by_columns, *ours, oldest)
+    memory._learn(directions, products, krylov.Arnoldi(hessenberg, projected))
     for found, expected in zip(ours, (memory.images, memory.differences, memory.gram)):
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(memory.gram, memory.images @ memory.images.T, atol=1e-14)
     assert oldest[0] == memory.oldest

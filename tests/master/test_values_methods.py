@@ -21,7 +21,7 @@ from piston_cosim.master.coupling.methods import (
     step_length,
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
-from piston_cosim.master.coupling.methods.krylov import RecycledGmres
+from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import is_unknown
 
@@ -170,21 +170,22 @@ def test_filters_compare_what_is_new_with_different_sizes(rule, kept):
 
 
 def test_newton_on_an_affine_map_needs_one_update(affine):
-    # two evaluations; I - J = diag(2, 1) has two eigenvalues: two products, and one for the outputs
+    # two evaluations; I - J = diag(2, 1) has two eigenvalues: two products, and the change of the
+    # outputs is a sum of theirs
     attempts, stepper = trail_of(affine(A, lambda t: B, FINE), Newton())
     assert attempts[0] == pytest.approx(np.array([[200, 100], [0, 0]]), abs=ROUND_OFF)
     counters = stepper.counters
     assert counters.iterations == [2]
     assert counters.residual_evaluations == 2
     assert counters.jacobian_evaluations == 1
-    assert counters.derivative_products == 3
+    assert counters.derivative_products == 2
 
 
 def test_products_by_differences_are_counted_as_evaluations(affine):
     _, stepper = trail_of(affine(A, lambda t: B, FINE), Newton(differences=True))
     counters = stepper.counters
     assert counters.iterations == [2]
-    assert counters.residual_evaluations == 2 + 3
+    assert counters.residual_evaluations == 2 + 2
     assert counters.jacobian_evaluations == 1
     assert counters.derivative_products == 0
 
@@ -204,21 +205,62 @@ def test_newton_in_a_krylov_space_of_one_direction(affine, nominal, second):
     assert history == pytest.approx(np.array([[2, 1], second]), rel=1e-9)
 
 
-def test_gmres_minimises_the_residual_and_counts_its_products():
-    def product(v):
-        return np.array([2.0, 1.0]) * v
+def doubled(v):
+    """A v of A = diag(2, 1)."""
+    return np.array([2.0, 1.0]) * v
 
+
+def within(*elements, size=0.0):
+    return Goal(np.array(elements), size)
+
+
+def test_gmres_minimises_the_residual_and_counts_its_products():
     # along (1, 1): weight (b . A b) / (A b . A b) = 3/5
-    x, count = RecycledGmres(1).solve(product, np.ones(2), 0.0)
-    assert (x, count) == (pytest.approx([0.6, 0.6], rel=1e-12), 1)
+    found = RecycledGmres(1).solve(doubled, np.ones(2), within(0.0, 0.0))
+    assert (found.x, found.products) == (pytest.approx([0.6, 0.6], rel=1e-12), 1)
+    # |(1, 1)| = sqrt(2): the weight of that direction as a unit vector
+    assert found.weights == pytest.approx([0.6 * np.sqrt(2)], rel=1e-12)
     gmres = RecycledGmres(5)
-    x, count = gmres.solve(product, np.ones(2), 1e-9)
-    assert (x, count) == (pytest.approx([0.5, 1.0], rel=1e-9), 2)
+    found = gmres.solve(doubled, np.ones(2), within(0.0, 0.0, size=1e-9))
+    assert (found.x, found.products) == (pytest.approx([0.5, 1.0], rel=1e-9), 2)
     # what it learned answers the next system at once, but for the noise 1e-5 of Eq. (Q7)
-    x, count = gmres.solve(product, np.array([3.0, -2.0]), 1e-3)
-    assert (x, count) == (pytest.approx([1.5, -2.0], rel=1e-4), 1)
-    # nothing to do: the right-hand side is within the tolerance
-    assert gmres.solve(product, np.array([1e-4, 0.0]), 1e-3)[1] == 0
+    found = gmres.solve(doubled, np.array([3.0, -2.0]), within(0.0, 0.0, size=1e-3))
+    assert (found.x, found.products) == (pytest.approx([1.5, -2.0], rel=1e-4), 1)
+    # nothing to do: the right-hand side is within the goal
+    assert gmres.solve(doubled, np.array([1e-4, 0.0]), within(0.0, 0.0, size=1e-3)).products == 0
+    assert gmres.solve(doubled, np.array([1e-4, 0.1]), within(1e-4, 0.1)).products == 0
+
+
+def test_gmres_looks_at_every_element_of_the_residual():
+    # one product along (1, 1) leaves (1, 1) - 3/5 (2, 1) = (-1/5, 2/5), of length 0.447
+    for elements, size, products in (
+        ((0.21, 0.41), 0.0, 1),
+        ((0.19, 0.9), 0.0, 2),
+        ((0.9, 0.39), 0.0, 2),
+        ((0.0, 0.0), 0.45, 1),
+        ((0.0, 0.0), 0.44, 2),
+        ((np.inf, 0.41), 0.0, 1),
+        ((np.inf, 0.39), 0.0, 2),
+    ):
+        found = RecycledGmres(5).solve(doubled, np.ones(2), within(*elements, size=size))
+        assert found.products == products, elements
+
+
+def test_products_of_remembered_pairs():
+    """Eq. (Q10): what is known without looking at the pairs is what looking at them gives, also
+    where the oldest give way.
+    """
+    rng = np.random.default_rng(8)
+    matrix = np.eye(100) + 0.06 * rng.standard_normal((100, 100))
+    gmres = RecycledGmres(90)
+    for _ in range(3):
+        right = rng.standard_normal(100)
+        found = gmres.solve(matrix.__matmul__, right, within(*np.full(100, 1e-9)))
+        assert found.products > 20
+        assert np.abs(right - matrix @ found.x).max() <= 1e-9
+        np.testing.assert_allclose(gmres.gram, gmres.images @ gmres.images.T, atol=1e-13)
+        matrix += 0.01 * rng.standard_normal((100, 100))
+    assert np.diag(gmres.gram) == pytest.approx(np.ones(80), abs=1e-13)
 
 
 def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):

@@ -1,6 +1,7 @@
 """GMRES that remembers: products of the last solves precondition the next one."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,49 @@ counts as noise.
 
 Product = Callable[[np.ndarray], np.ndarray]
 """v -> A v."""
+
+
+class Goal:
+    """How small a residual r is to be: |r| <= `size`, or each |r_i| <= `elements`_i.
+
+    `whole` is the 2-norm above which an element must be too large.
+    """
+
+    def __init__(self, elements: np.ndarray, size: float = 0.0):
+        self.elements = elements
+        self.size = size
+        self.whole = float(np.linalg.norm(elements))
+
+    def is_reached(self, residual: np.ndarray) -> bool:
+        """Whether no element is larger than it may be."""
+        return bool((np.abs(residual) <= self.elements).all())
+
+
+class Solved(NamedTuple):
+    """A solution: x = sum of weights times the directions of which products were asked for, in that
+    order; without a product the right-hand side, which is within the goal.
+    """
+
+    x: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def products(self) -> int:
+        """How many it took."""
+        return len(self.weights)
+
+
+class Arnoldi(NamedTuple):
+    """What is known of the products of a solve without another look at them.
+
+    Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ik basis_i
+
+    hessenberg : ndarray, shape (>= count + 1, >= count), H, the basis orthonormal;
+    projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
+    """
+
+    hessenberg: np.ndarray
+    projected: np.ndarray
 
 
 class RecycledGmres:
@@ -51,80 +95,86 @@ class RecycledGmres:
         self.gram = np.zeros((0, 0))
         self.oldest = 0
 
-    def solve(
-        self, product: Product, right: np.ndarray, tolerance: float
-    ) -> tuple[np.ndarray, int]:
-        """Solution of A x = right with |right - A x| <= tolerance, or the best in the largest
-        space.
+    def solve(self, product: Product, right: np.ndarray, goal: Goal) -> Solved:
+        """Solution of A x = right as near as `goal` says, or the best in the largest space.
 
         The least residual r_k in the space of k products needs no solve: the Hessenberg matrix has
         one vector g with g' H = 0, of which every product gives another element.
 
-        Eq. (Q9):  |r_k| = |right| / |g|,   g_0 = 1,   g_k+1 = -sum_i H_ik g_i / H_k+1,k
+        Eq. (Q9):  r_k = |right| / |g|^2 sum_i g_i basis_i,   |r_k| = |right| / |g|,
+                   g_0 = 1,   g_k+1 = -sum_i H_ik g_i / H_k+1,k
 
         Parameters
         ----------
         product : callable
             v -> A v.
         right : ndarray, shape (n,)
-        tolerance : float
-            2-norm.
+        goal : Goal
 
         Returns
         -------
-        x : ndarray, shape (n,)
-        products : int
+        Solved
         """
         size = float(np.linalg.norm(right))
-        if size <= tolerance:
-            return right.copy(), 0
+        if size <= goal.size or goal.is_reached(right):
+            return Solved(right.copy(), np.zeros(0))
         if not self.images.size:
             kept = min(KEPT, right.size)
             self.images, self.differences = np.zeros((2, kept, right.size))
             self.gram = np.zeros((kept, kept))
-        precondition = self._preconditioner()
+        inverse = np.linalg.inv(self.gram + NOISE * np.eye(len(self.images)))
         most = self.largest_space
         basis = np.empty((most + 1, right.size))
         directions, images = np.empty((2, most, right.size))
-        hessenberg = np.zeros((most + 1, most))
+        arnoldi = Arnoldi(np.zeros((most + 1, most)), np.zeros((most + 1, len(self.images))))
+        hessenberg, projected = arnoldi
         null = np.zeros(most + 1)
         basis[0], null[0], count = right / size, 1.0, 0
         while count < most:
             column = hessenberg[:, count]
-            directions[count] = precondition(basis[count])
+            projected[count] = self.images @ basis[count]
+            change = (inverse @ projected[count]) @ self.differences
+            directions[count] = basis[count] + change  # Eq. (Q7)
             images[count] = product(directions[count])
             new = orthogonal(images[count], basis[: count + 1], column)
             count += 1
             if column[count] == 0.0:
                 break
-            null[count] = -(column[:count] @ null[:count]) / column[count]  # Eq. (Q9)
-            if size <= tolerance * np.linalg.norm(null[: count + 1]):
-                break
             basis[count] = new / column[count]
+            null[count] = -(column[:count] @ null[:count]) / column[count]  # Eq. (Q9)
+            known = null[: count + 1]
+            if size <= goal.size * np.linalg.norm(known):
+                break
+            # no element is larger than it may be only where the whole is not
+            if size <= goal.whole * np.linalg.norm(known):
+                residual = (size / (known @ known) * known) @ basis[: count + 1]  # Eq. (Q9)
+                if goal.is_reached(residual):
+                    break
         target = np.zeros(count + 1)
         target[0] = size
         weights = np.linalg.lstsq(hessenberg[: count + 1, :count], target, rcond=None)[0]
-        x = weights @ directions[:count]
-        self._learn(directions[:count], images[:count])
-        return x, count
+        if column[count] != 0.0:
+            projected[count] = self.images @ basis[count]
+        self._learn(directions[:count], images[:count], arnoldi)
+        return Solved(weights @ directions[:count], weights)
 
-    def _learn(self, directions: np.ndarray, images: np.ndarray) -> None:
-        """Put pairs in the place of the oldest."""
+    def _learn(self, directions: np.ndarray, images: np.ndarray, arnoldi: Arnoldi) -> None:
+        """Put pairs in the place of the oldest. Their inner products need no look at them: what is
+        remembered knows its own with the basis, and by Eq. (Q10) images are sums of that.
+        """
+        count = len(images)
         sizes = np.linalg.norm(images, axis=1)
         newest = np.flatnonzero(sizes)[-len(self.images) :]
-        z = images[newest] / sizes[newest, None]
+        scales = sizes[newest]
+        z = images[newest] / scales[:, None]
         places = (self.oldest + np.arange(len(newest))) % len(self.images)
         self.images[places] = z
-        self.differences[places] = directions[newest] / sizes[newest, None] - z
-        self.gram[places] = self.images[places] @ self.images.T
+        self.differences[places] = directions[newest] / scales[:, None] - z
+        shares = arnoldi.hessenberg[: count + 1, newest].T / scales[:, None]
+        self.gram[places] = shares @ arnoldi.projected[: count + 1]  # Eq. (Q10)
+        self.gram[np.ix_(places, places)] = shares @ shares.T  # Eq. (Q10)
         self.gram[:, places] = self.gram[places].T
         self.oldest = int(self.oldest + len(newest)) % len(self.images)
-
-    def _preconditioner(self) -> Product:
-        """P as a callable."""
-        images, differences = self.images, self.differences
-        inverse = np.linalg.inv(self.gram + NOISE * np.eye(len(images)))
-        return lambda r: r + (inverse @ (images @ r)) @ differences  # Eq. (Q7)
 
 
 def orthogonal(vector: np.ndarray, basis: np.ndarray, column: np.ndarray) -> np.ndarray:

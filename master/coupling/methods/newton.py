@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .krylov import RecycledGmres
+from .krylov import Goal, RecycledGmres
 from .probing import ProbedStep
 from .solution import NotConverged, Solution, Tried, step_length
 
@@ -25,10 +25,9 @@ class Newton:
     largest_krylov_space : int
         Products a linear solve.
     accuracy : float
-        GMRES stops at this share of the tolerance ...
+        GMRES stops where no element is larger than this share of its tolerance ...
     forcing : float
-        ... or at this share of the right-hand side, whichever is larger: the next nonlinear
-        residual spoils the rest.
+        ... or at this share of the right-hand side: the next nonlinear residual spoils the rest.
     differences : bool
         Products by differences of evaluations (rollback), also where the participants offer
         derivatives.
@@ -36,7 +35,7 @@ class Newton:
 
     max_iterations: int = 20
     largest_krylov_space: int = 120
-    accuracy: float = 0.1
+    accuracy: float = 0.3
     forcing: float = 1e-6
     differences: bool = False
 
@@ -83,23 +82,26 @@ class Newton:
     ) -> tuple[np.ndarray, int]:
         """Newton update of the whole vector, and the number of products it took."""
         interface = macro_step.interface
-        feedback = interface.feedback
-        scale = interface.nominal[feedback]
+        unknowns = interface.unknowns
+        scale = interface.nominal[unknowns]
+        seed = np.zeros(interface.size)
+        changes: list[np.ndarray] = []
 
         def directional(reduced: np.ndarray) -> np.ndarray:
-            change = np.zeros(interface.size)
-            change[feedback] = reduced * scale
-            return macro_step.derivative(change)
+            seed[unknowns] = reduced * scale
+            changes.append(macro_step.derivative(seed))
+            return reduced - changes[-1][unknowns] / scale
 
-        right = residual[feedback] / scale
-        tolerance = max(
-            self.accuracy * float(np.min(allowed[feedback] / scale, initial=np.inf)),
+        right = residual[unknowns] / scale
+        goal = Goal(
+            self.accuracy * allowed[unknowns] / scale,
             self.forcing * float(np.linalg.norm(right)),
         )
-        # Eq. (Q1)
-        solution, count = memory.solve(
-            lambda v: v - directional(v)[feedback] / scale, right, tolerance
-        )
-        change = directional(solution)
-        change[feedback] = solution * scale
-        return change, count + 1
+        solution, weights = memory.solve(directional, right, goal)  # Eq. (Q1)
+        if len(weights):
+            change = weights @ np.array(changes)
+        else:
+            directional(solution)
+            change = changes[0]
+        change[unknowns] = solution * scale
+        return change, len(changes)
