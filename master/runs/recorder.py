@@ -254,7 +254,7 @@ class Recorder:
         datasets = [*self.columns, *self.fields]
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 2 for item in datasets]
         return sum(
-            count * item.dtype.itemsize * int(np.prod(item.chunks))
+            count * item.dtype.itemsize * int(np.prod(item.chunks or ()))
             for count, item in zip(waiting, datasets)
         )
 

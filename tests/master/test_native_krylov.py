@@ -92,7 +92,7 @@ def test_what_is_kept(filled, count):
     rng = np.random.default_rng(4)
     kept, n = 7, 5
     memory = remembered(rng, kept, n, filled)
-    ours = [a.copy() for a in (memory.images, memory.differences, memory.gram)]
+    ours = memory.images.copy(), memory.differences.copy(), memory.gram.copy()
     oldest = np.array([float(memory.oldest)])
     directions, products = rng.standard_normal((2, count, n))
     products[1] = 0.0
