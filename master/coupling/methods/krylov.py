@@ -122,7 +122,9 @@ class RecycledGmres:
             kept = min(KEPT, right.size)
             self.images, self.differences = np.zeros((2, kept, right.size))
             self.gram = np.zeros((kept, kept))
-        inverse = np.linalg.inv(self.gram + NOISE * np.eye(len(self.images)))
+        from scipy.linalg.lapack import dpotrf, dpotrs  # slow to import
+
+        factor, _ = dpotrf(self.gram + NOISE * np.eye(len(self.images)))
         most = self.largest_space
         basis = np.empty((most + 1, right.size))
         directions, images = np.empty((2, most, right.size))
@@ -133,8 +135,8 @@ class RecycledGmres:
         while count < most:
             column = hessenberg[:, count]
             projected[count] = self.images @ basis[count]
-            change = (inverse @ projected[count]) @ self.differences
-            directions[count] = basis[count] + change  # Eq. (Q7)
+            shares, _ = dpotrs(factor, projected[count])
+            directions[count] = basis[count] + shares @ self.differences  # Eq. (Q7)
             images[count] = product(directions[count])
             new = orthogonal(images[count], basis[: count + 1], column)
             count += 1
