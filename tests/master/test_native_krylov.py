@@ -48,6 +48,13 @@ def test_preconditioner():
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
+def test_every_element_is_looked_at():
+    limits = np.array([1.0, 0.5, np.inf])
+    assert native_krylov.is_within(np.array([-1.0, 0.5, 1e9]), limits)
+    for beyond in ([-1.1, 0.0, 0.0], [0.0, 0.51, 0.0], [0.0, np.nan, 0.0]):
+        assert not native_krylov.is_within(np.array(beyond), limits)
+
+
 def test_orthogonal_part():
     rng = np.random.default_rng(2)
     basis = np.linalg.qr(rng.standard_normal((8, 3)))[0].T

@@ -181,6 +181,19 @@ def test_newton_on_an_affine_map_needs_one_update(affine):
     assert counters.derivative_products == 2
 
 
+@pytest.mark.parametrize("unknown, products", [(FINE, 2), (np.inf, 1)])
+def test_what_goes_along_the_order_is_updated_with_the_unknowns(affine, unknown, products):
+    # plant.y, measured here, changes by the sum of what it does along the directions: nothing is
+    # left of its residual. Where the unknowns are not measured their residual is within the goal
+    # and is the update itself, one product tells what y does along it
+    system = affine(A, lambda t: B, FINE)
+    tolerances = (unknown, unknown, FINE, FINE)
+    wires = tuple(replace(wire, tolerance=t) for wire, t in zip(system.wires, tolerances))
+    attempts, stepper = trail_of(replace(system, wires=wires), Newton())
+    assert stepper.counters.iterations == [2]
+    assert stepper.counters.derivative_products == products
+
+
 def test_products_by_differences_are_counted_as_evaluations(affine):
     _, stepper = trail_of(affine(A, lambda t: B, FINE), Newton(differences=True))
     counters = stepper.counters
