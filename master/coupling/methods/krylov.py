@@ -122,7 +122,8 @@ class RecycledGmres:
             kept = min(KEPT, right.size)
             self.images, self.differences = np.zeros((2, kept, right.size))
             self.gram = np.zeros((kept, kept))
-        from scipy.linalg.lapack import dpotrf, dpotrs  # slow to import
+        # slow to import
+        from scipy.linalg.lapack import dpotrf, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 
         factor, _ = dpotrf(self.gram + NOISE * np.eye(len(self.images)))
         most = self.largest_space

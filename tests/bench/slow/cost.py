@@ -59,9 +59,14 @@ def costs(modes, cells):
             one.step(k * DEGREE_AT_6000, DEGREE_AT_6000)
         native.append(perf_counter() - begin)
     one.close()
-    times = best["wall_time_s"], inside, min(native), best["wall_time_ehd_s"]
-    a_step = best["derivative_products"] / best["steps"]
-    return Costs(*(1e3 * seconds / STEPS for seconds in times), a_step)
+    ms_a_step = 1e3 / STEPS
+    return Costs(
+        ms_a_step * best["wall_time_s"],
+        ms_a_step * inside,
+        ms_a_step * min(native),
+        ms_a_step * best["wall_time_ehd_s"],
+        best["derivative_products"] / best["steps"],
+    )
 
 
 def table(name, values, rows):
