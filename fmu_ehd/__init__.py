@@ -23,9 +23,9 @@ Kernels, pure functions on arrays, each file with its numbered equations:
     oil_layer  oil on the bore (T)
 
 What composes them, kernels too: film_step (one step of the balance and its tangent), coated_film
-(the same under a coating), faults (what is refused), step_parts (begin, forces, sums and
-derivatives of a step). In Python: parameters, surroundings, model (everything, with `advance` and
-`tangent`). The FMU: variables, slave, build; without Python: native_step (the same parts on one
-block), native (where in memory that lies).
+(the same under a coating), faults and contradictions (what is refused), step_parts (begin, forces,
+sums and derivatives of a step); step puts all of them in order, for skirt and bearing. In Python:
+parameters, surroundings, model (everything, with `advance` and `tangent`). The FMU: variables,
+slave, build; without Python: native_step (what `step` needs, on one block), native (its entries).
 Proof: verification (V), on films of its own and of motored.
 """

@@ -24,10 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from .films import COUETTE, POISEUILLE, FilmSlopes
 from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
-from .grid import Array
+from .grid import Array, put, sum_of_products
+from .step_parts import Forces, Powers
 
 
 class Turning(NamedTuple):
@@ -106,23 +107,28 @@ def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: 
     return gradient
 
 
+@compilable
 def boundary_shares(inputs: ShearInputs, turning: Turning) -> tuple[Array, Array]:
     """Asperity forces along the axis and around it for a boundary stress of 1, Eq. (F7) [m2]."""
     scale = -inputs.area / _speed(inputs, turning)  # Eq. (F7)
     return scale * inputs.velocity, scale * turning.velocity
 
 
+@compilable
 def _speed(inputs, turning):
     """s of Eq. (F7) [m/s]."""
-    square = inputs.velocity**2 + turning.velocity**2
-    return np.sqrt(square + inputs.constants.rounding_velocity**2)
+    square = inputs.velocity * inputs.velocity + turning.velocity * turning.velocity
+    rounding = inputs.constants.rounding_velocity
+    return np.sqrt(square + rounding * rounding)
 
 
+@compilable
 def _gradients(inputs, turning, pressure):
     """Those of `gradients_around` with the pressure of a step."""
     return gradients_around(pressure, inputs.area, turning.end, turning.dx, turning.ring)
 
 
+@compilable
 def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
     """Circumferential force of film and asperities on the journal of each cell, Eqs. (F6), (F7);
     positive with ascending i.
@@ -134,23 +140,55 @@ def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
     return ShearForces(-inputs.area * (couette - driven), across * inputs.boundary_stress)
 
 
-def rubbing_power(inputs: ShearInputs, turning: Turning) -> float:
-    """Heat that shear by turning makes in the film, asperities apart, as Eq. (F5) with W [W]."""
+@compilable
+def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Array) -> Powers:
+    """Power that sliding costs on a bearing.
+
+    Parameters
+    ----------
+    acted : step_parts.Forces
+        Along the axis.
+    around : friction.ShearForces
+        From `shear_forces`.
+    turning : Turning
+    thickness : ndarray, shape (n_c, n_a)
+        h, not below the floor [m].
+    """
+    w = turning.velocity
+    inputs = acted.shear
+    carried = carried_power(inputs, turning, thickness)
+    turned = around.viscous + around.boundary
+    friction = acted.summary.power - sum_of_products(turned, w) + carried  # Eq. (F8)
+    boundary = acted.boundary_power - sum_of_products(around.boundary, w)
     couette = inputs.area * inputs.shearing * inputs.film[COUETTE]
-    return float(np.vdot(couette, turning.velocity**2))
+    # as Eq. (F5) with W
+    rubbing = acted.rubbing_power + sum_of_products(couette, w * w) + carried
+    return Powers(friction, boundary, rubbing + boundary)
 
 
+@compilable
 def carried_power(inputs: ShearInputs, turning: Turning, thickness: Array) -> float:
     """Second sum of Eq. (F8) [W], for a film thickness h [m] of shape (n_c, n_a)."""
-    pressure, _, velocity, _, _, area, constants = inputs
-    along = gradients(pressure, area, constants.lower, constants.upper, constants.dy)
-    across = _gradients(inputs, turning, pressure)
+    constants = inputs.constants
+    along = gradients(inputs.pressure, inputs.area, constants.lower, constants.upper, constants.dy)
+    across = _gradients(inputs, turning, inputs.pressure)
     # Eq. (F8)
-    return float(np.vdot(area * thickness, velocity * along + turning.velocity * across))
+    driven = inputs.velocity * along + turning.velocity * across
+    return sum_of_products(inputs.area * thickness, driven)
 
 
+@compilable
+def _by(inputs, quantities, velocity, gradient):
+    """Derivative of a viscous force through the quantities of the film."""
+    if quantities.shape[0] == 0:
+        return 0.0 * inputs.area
+    sheared = inputs.shearing * velocity * quantities[COUETTE]
+    return -inputs.area * (sheared - quantities[POISEUILLE] * gradient)
+
+
+@compilable
 def force_slopes(
-    inputs: ShearInputs, turning: Turning, slopes: tuple[FilmSlopes, FilmSlopes], by_pressure: Array
+    inputs: ShearInputs, turning: Turning, to_v: FilmSlopes, to_w: FilmSlopes, by_pressure: Array
 ) -> TurningSlopes:
     """Derivatives of the circumferential force of each cell, and of the axial one as far as W and
     the asperities take part.
@@ -159,7 +197,7 @@ def force_slopes(
     ----------
     inputs : friction.ShearInputs
     turning : Turning
-    slopes : tuple of films.FilmSlopes
+    to_v, to_w : films.FilmSlopes
         `by_velocity` to V, and to W.
     by_pressure : ndarray, shape (n_c, n_a)
         By piezoviscosity, beyond the gradient [N/Pa].
@@ -168,41 +206,37 @@ def force_slopes(
     -------
     TurningSlopes
     """
-    pressure, shearing, v, film, stress, area, _ = inputs
+    pressure, shearing, v, film, stress, area, constants = inputs
     w = turning.velocity
     across = _gradients(inputs, turning, pressure)
-    constants = inputs.constants
     along = gradients(pressure, area, constants.lower, constants.upper, constants.dy)
-
-    def by(quantities, velocity, gradient):
-        """Derivative of a viscous force through the quantities of the film."""
-        if len(quantities) == 0:
-            return 0.0 * area
-        couette, poiseuille = quantities[COUETTE], quantities[POISEUILLE]
-        return -area * (shearing * velocity * couette - poiseuille * gradient)
-
-    to_v, to_w = slopes
     s = _speed(inputs, turning)
     dry = -area * stress / s
-    crosswise = -dry * v * w / s**2
+    crosswise = -dry * v * w / (s * s)
     return TurningSlopes(
-        film=by(to_w.by_film, w, across),
+        film=_by(inputs, to_w.by_film, w, across),
         own=-area * shearing * film[COUETTE]
-        + by(to_w.by_velocity, w, across)
-        + dry * (1.0 - (w / s) ** 2),
-        axial=by(to_v.by_velocity, w, across) + crosswise,
+        + _by(inputs, to_w.by_velocity, w, across)
+        + dry * (1.0 - (w / s) * (w / s)),
+        axial=_by(inputs, to_v.by_velocity, w, across) + crosswise,
         shearing=-area * film[COUETTE] * w,
         gradient=area * film[POISEUILLE],
         pressure=by_pressure,
-        axial_own=dry * (1.0 - (v / s) ** 2),
-        axial_across=by(to_w.by_velocity, v, along) + crosswise,
+        axial_own=dry * (1.0 - (v / s) * (v / s)),
+        axial_across=_by(inputs, to_w.by_velocity, v, along) + crosswise,
     )
 
 
+@compilable
 def force_changes(
-    slopes: TurningSlopes, shared: ForceSlopes, turning: Turning, changes: Changes, shear: Array
-) -> Array:
-    """Changes of the circumferential force, but for contact, shape (m, n_c, n_a) [N].
+    slopes: TurningSlopes,
+    shared: ForceSlopes,
+    turning: Turning,
+    changes: Changes,
+    shear: Array,
+    around: Array,
+) -> None:
+    """Changes of the forces of a bearing, but for contact.
 
     Parameters
     ----------
@@ -213,18 +247,24 @@ def force_changes(
     shear : ndarray, shape (m, n_c, n_a)
         Changes of the axial force by `friction.force_changes`, with no boundary stress; what W and
         the asperities add is added in place [N].
+    around : ndarray, shape (m, n_c, n_a)
+        Overwritten: changes of the circumferential force [N].
     """
     dfilm, dv, dw, dunknown = changes
     dpressure = shared.pressure_share * dunknown
-    dgradient = np.stack(
-        [gradients_around(dp, shared.area, 0.0, turning.dx, turning.ring) for dp in dpressure]
-    )
-    shear += slopes.axial_own * dv + slopes.axial_across * dw
-    return (
+    dgradient = np.empty(dfilm.shape)
+    for q in range(dfilm.shape[0]):
+        put(
+            dgradient[q],
+            gradients_around(dpressure[q], shared.area, 0.0, turning.dx, turning.ring),
+        )
+    put(shear, shear + (slopes.axial_own * dv + slopes.axial_across * dw))
+    put(
+        around,
         slopes.film * dfilm
         + slopes.own * dw
         + slopes.axial * dv
         + slopes.shearing * shared.fraction_share * dunknown
         + slopes.pressure * dpressure
-        + slopes.gradient * dgradient
+        + slopes.gradient * dgradient,
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled, standing_for
 from . import cavitation, openings, reynolds, transport
-from .blocks import BlockTridiagonal, Factors, factorise_changed, substitute_one
+from .blocks import BlockTridiagonal, Factors, factorise_changed, substitute, substitute_one
 from .cavitation import Cavitation
 from .coating import Softness, soften
 from .faults import NOT_FINITE, STILL_SWITCHING, none_yet, raise_noted, refuse
@@ -144,6 +144,22 @@ def solution(solver: LinearSolver | Factors, stencil: Array, right: Array) -> Ar
     if isinstance(solver, Factors):
         return substitute_one(solver, stencil, right)
     return solver.solve(right[None])[0]
+
+
+@compiled
+def _solutions(factors, stencil, right):
+    substitute(factors, stencil, factors.direction[0] > 0.0, right)
+    return right
+
+
+@standing_for(_solutions)
+def solutions(solver: LinearSolver | Factors, stencil: Array, right: Array) -> Array:
+    """The same for right-hand sides of shape (m, n_c, n_a), of the stencil factorised last."""
+    if isinstance(solver, Factors):
+        return _solutions(solver, stencil, right)
+    if isinstance(solver, BlockTridiagonal):
+        solver.stencil = stencil
+    return solver.solve(right)
 
 
 # ---- a step
@@ -349,7 +365,24 @@ def solve(
     return solved(refined, pressure, now, equations)
 
 
+def run(way: Any, *arguments: Any) -> Any:
+    """What `solve`, or a function that calls it, makes of its arguments, the last of which are a
+    solver and faults: with dense blocks one kernel.
+    """
+    *given, solver, faults = arguments
+    if type(solver) is BlockTridiagonal:
+        return way.dispatcher(*given, solver.factors, faults)
+    return way(*arguments)
+
+
 # ---- tangent
+
+
+@compilable
+def solved_filling(found: FilmSolution, model: Cavitation) -> Filling:
+    """What the balance of a step was solved with."""
+    pressure = found.unknown if model.clipping else found.pressure
+    return Filling(pressure, found.film_fraction, found.lift)
 
 
 @compiled
@@ -445,11 +478,9 @@ class FilmStep:
             cavitation.at_once(*grid.shape),
         )
         self.solver = solver or linear_solver(grid.shape)
-        self._right = np.empty(0)
         self._given: Given | None = None
         self._solution: FilmSolution | None = None
-        self._stencil = np.empty(0)
-        self._stencil_around = np.empty(0)
+        self._slopes = np.empty(0)
 
     def solve(
         self,
@@ -468,37 +499,19 @@ class FilmStep:
         cavitation.NotConverged
         """
         given = Given(film, entrainment, edges, start, full, softness, lift)
-        return self.keep(given, self.run(solve, given))
-
-    def run(self, way: Any, *arguments: Any) -> Any:
-        """What `solve`, or a function that calls it, makes of its first arguments.
-
-        Raises
-        ------
-        cavitation.NotConverged
-        """
         faults = none_yet()
-        if type(self.solver) is BlockTridiagonal:
-            found = way.dispatcher(*arguments, self.domain, self.solver.factors, faults)
-        else:
-            found = way(*arguments, self.domain, self.solver, faults)
+        found = run(solve, given, self.domain, self.solver, faults)
         raise_noted(faults)
-        return found
-
-    def keep(self, given: Given, found: FilmSolution) -> FilmSolution:
-        """Keep a solved step for its tangent."""
-        if type(self.solver) is BlockTridiagonal:
-            self.solver.stencil = found.stencil
         self._given = given
         self._solution = found
         return found
 
-    def linearise(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> tuple[Array, Array]:
+    def linearise(self, slopes: FilmSlopes, dentrainment: Entrainment) -> tuple[Array, Array]:
         """Prepare the tangent of the last step, Eq. (E6).
 
         Parameters
         ----------
-        film_slopes : films.FilmSlopes
+        slopes : films.FilmSlopes
         dentrainment : grid.Entrainment
             Derivatives of the entrainment velocities to the sliding velocity [-].
 
@@ -507,55 +520,34 @@ class FilmStep:
         by_pressure, by_fraction : ndarray, shape (n_c, n_a)
             Derivatives of pressure and film fraction to the signed unknown.
         """
-        self._stencil = self._slopes(film_slopes, dentrainment)
-        found = self._solution
-        assert found is not None, "linearise before solve"
-        return cavitation.shares(self.domain.model, found.unknown, found.full)
-
-    def linearise_around(self, film_slopes: FilmSlopes, dentrainment: Entrainment) -> None:
-        """The same for a second velocity, that around the circumference."""
-        self._stencil_around = self._slopes(film_slopes, dentrainment)
-
-    def _slopes(self, slopes: FilmSlopes, dentrainment: Entrainment) -> Array:
-        """`film_slopes` of the last step."""
         given = self._given
         found = self._solution
         assert given is not None and found is not None, "linearise before solve"
-        # the pressure that the balance was solved with
-        pressure = found.unknown if self.domain.model.clipping else found.pressure
-        return film_slopes(
+        self._slopes = film_slopes(
             given.film,
             slopes,
             given.entrainment,
             dentrainment,
-            Filling(pressure, found.film_fraction, found.lift),
+            solved_filling(found, self.domain.model),
             given.edges,
             given.start.length,
             self.domain,
         )
+        return cavitation.shares(self.domain.model, found.unknown, found.full)
 
-    def tangent(self, dfilm: Array, dvelocity: Array, daround: Array | None = None) -> Array:
+    def tangent(self, dfilm: Array, dvelocity: Array) -> Array:
         """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
 
         Parameters
         ----------
         dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
             m changes of film thickness [m] and sliding velocity [m/s].
-        daround : ndarray, shape (m, n_c, n_a), optional
-            m changes of the circumferential velocity, after `linearise_around` [m/s].
 
         Returns
         -------
         ndarray, shape (m, n_c, n_a)
-            Overwritten by the next call.
         """
-        if self._right.size < dfilm.size:  # kept, as in `blocks`
-            self._right = np.empty(dfilm.size)
-        right = self._right[: dfilm.size].reshape(dfilm.shape)
-        reynolds.apply_stencils(self._stencil, dfilm, dvelocity, right)
-        if daround is not None:
-            added = np.empty_like(right)
-            still = np.zeros_like(dfilm)
-            reynolds.apply_stencils(self._stencil_around, still, daround, added)
-            right += added
-        return self.solver.solve(right)  # Eq. (E6)
+        right = np.empty(dfilm.shape)
+        reynolds.apply_stencils(self._slopes, dfilm, dvelocity, right)
+        assert self._solution is not None, "tangent before solve"
+        return solutions(self.solver, self._solution.stencil, right)  # Eq. (E6)

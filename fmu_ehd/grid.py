@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..master.fmi.compiled import compilable, compiled, standing_for
+
 Array = NDArray[np.float64]  # of the shape that the docstring says
 Flags = NDArray[np.bool_]
 
@@ -35,7 +37,7 @@ class Edges(NamedTuple):
 
     pressure : ndarray, shape (5,), above cavitation pressure [Pa], >= 0.
     film_fraction : ndarray, shape (5,), film fraction of the oil that sliding drags in [-], 0 to 1;
-    below 1 only at cavitation pressure, `parameters.edge_faults`.
+    below 1 only at cavitation pressure, `contradictions`.
     limit : ndarray, shape (n_c, n_a + 1), most that sliding can drag into the film over each axial
     face, an edge or one beside an opening [m3/s]; inf where oil is in plenty.
     """
@@ -55,6 +57,7 @@ class Entrainment(NamedTuple):
     axial: Array
 
 
+@compilable
 def in_plenty(shape: tuple[int, int]) -> Array:
     """`Edges.limit` of a grid of that shape without a limit."""
     n_c, n_a = shape
@@ -64,6 +67,46 @@ def in_plenty(shape: tuple[int, int]) -> Array:
 def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
     """Oil in plenty at all edges of a grid, at one pressure above cavitation pressure [Pa]."""
     return Edges(np.full(5, pressure), np.ones(5), in_plenty(shape))
+
+
+@compiled
+def keep(place: Array, values: np.ndarray):
+    """Copy an array into one of the same shape that is in one piece, in a loop: what numpy says of
+    unequal shapes would call Python.
+    """
+    to = place.reshape(place.size)
+    of = values.reshape(values.size)
+    for k in range(to.size):
+        to[k] = of[k]
+
+
+@standing_for(keep)
+def put(place: Array, values: Array) -> None:
+    """Copy an array into one of the same shape; what kernels do by `keep`."""
+    place[...] = values
+
+
+@compiled
+def _add(place, values):
+    for i in range(place.shape[0]):
+        for j in range(place.shape[1]):
+            place[i, j] += values[i, j]
+
+
+@standing_for(_add)
+def add(place: Array, values: Array) -> None:
+    """Add an array of shape (n_c, n_a) to a part of another; in place."""
+    place += values
+
+
+@compiled
+def sum_of_products(a: Array, b: Array):
+    """Sum over two fields of shape (n, m), one by one; of thickness and area a volume."""
+    total = 0.0
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            total += a[i, j] * b[i, j]
+    return total
 
 
 @dataclass(frozen=True)

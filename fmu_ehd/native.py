@@ -14,55 +14,58 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from ..master.fmi.native_parts import Entry, NativePart
 from ..master.fmi.slave import PRODUCT, SEED, reserved
-from . import native_step
+from . import step
 from .asperity import CONTACT_LAWS, contact_table
-from .faults import FAULTS, ROOM
-from .grid import Array
+from .contradictions import FULL_TURN, check_supply
+from .faults import FAULTS, NO_TANGENT, refuse
+from .grid import Array, keep
 from .native_step import (
     CHOSEN,
-    COLUMNS,
-    COUNTERS,
-    FIELD_INPUTS,
-    FIELD_OUTPUTS,
-    FILM_THICKNESS,
+    EULER_LENGTH,
     GIVEN_HEAD,
-    LAST_FIELDS,
-    LAST_NUMBERS,
-    LAW_NUMBERS,
-    LINEAR_FIELDS,
+    INITIAL_FILM_FRACTION,
+    LINEAR,
     NUMBERS,
-    OIL_TEMPERATURE,
-    ROWS,
-    SCALARS,
-    SLIDING_VELOCITY,
-    STATE_FIELDS,
-    STATE_NUMBERS,
-    TABLE,
-    Block,
-    Inputs,
-    Outputs,
-    check_surroundings,
+    SECTOR_ANGLE,
+    check_parameters,
+    domain_of,
+    factors_of,
     filled,
+    fixed_of,
+    keep_last,
+    keep_linear,
+    keep_memory,
+    laid_out,
+    last_of,
+    linear_of,
+    memory_of,
+    none_followed,
     place_openings,
     roughen,
+    supply_of,
+    surroundings_of,
     warm_by_edges,
     warm_by_field,
 )
+from .oil_layer import skirt_edges
 from .options import BuildOptions
-from .piezoviscosity import TABLE as LAW_TABLE
-from .roughness import TABLE as FACTORS
+from .step import ALONG, AROUND, NORMAL, Directions, Fields, Inputs, Scalars
 from .summary import halves
-from .variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
-
-COVERED: dict[str, tuple[str, ...] | float] = {
-    "oil_supply": ("edges",),
-}
-"""Choices, or the only value of a number, that are in the library; all else is free."""
 
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
 
 # ---- where things lie: numbers in the variables, then parts of the block
 
+FIELD_INPUTS = (
+    "film_thickness",
+    "sliding_velocity",
+    "circumferential_velocity",
+    "oil_temperature",
+)
+FILM_THICKNESS, SLIDING_VELOCITY, CIRCUMFERENTIAL_VELOCITY, OIL_TEMPERATURE = 0.0, 1.0, 2.0, 3.0
+FIELD_OUTPUTS = Fields._fields
+SCALARS = Scalars._fields
+COUNTERS = ("solver_iterations",)
 PLACED = (*NUMBERS, *CHOSEN, *FIELD_INPUTS, *FIELD_OUTPUTS, *SCALARS, *COUNTERS)
 PLACES = len(PLACED)
 OF_CHOSEN = len(NUMBERS)
@@ -70,13 +73,12 @@ OF_INPUTS = OF_CHOSEN + len(CHOSEN)
 OF_OUTPUTS = OF_INPUTS + len(FIELD_INPUTS)
 OF_SCALARS = OF_OUTPUTS + len(FIELD_OUTPUTS)
 OF_COUNTERS = OF_SCALARS + len(SCALARS)
-OF_SEEDS = PLACES
-OF_PRODUCTS = OF_SEEDS + 2
-FOLLOWED = OF_PRODUCTS + 2  # 1 for each of NUMBERS that is an input
-TABLES = GIVEN_HEAD + FOLLOWED + len(NUMBERS)
-HALVES = TABLES + 2 * TABLE[0] * TABLE[1]
+OF_SEEDS = PLACES  # the first of them; the others follow
+OF_PRODUCTS = OF_SEEDS + 1
+FOLLOWED = OF_PRODUCTS + 1  # 1 for each of NUMBERS that is an input
 NOWHERE = -1.0
-WHOLE, FIRST_STATE, STATES, FIRST_FAULT = range(4)  # what `size` tells
+
+block_of, measure = laid_out(GIVEN_HEAD + FOLLOWED + len(NUMBERS))
 
 
 def given(slave: Any) -> Array:
@@ -86,134 +88,31 @@ def given(slave: Any) -> Array:
     ----------
     slave : slave.Ehd
     """
-    n_c, n_a = slave.options["grid"]
+    built = BuildOptions.read(slave.options)
+    n_c, n_a = built.grid
+    cut = built.open_cells
+    faces = skirt_edges(np.zeros((n_c, n_a), dtype=bool) if cut is None else cut)
+    mask = np.ones((n_c, n_a)) if cut is None else ~cut
+    head = [n_c, n_a, len(faces), built.surface == "bearing"]
     places = [slave.references.get(name, NOWHERE) for name in PLACED]
     directions = [
-        slave.references[reserved(kind, name)]
-        for kind, names in ((SEED, DERIVATIVE_INPUTS), (PRODUCT, DERIVATIVE_OUTPUTS))
-        for name in names
+        slave.references[reserved(kind, names[0])]
+        for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
     ]
-    followed = [float(name in slave.options["inputs"]) for name in NUMBERS]
+    followed = [float(name in built.inputs) for name in NUMBERS]
     tables = [contact_table(law) for law in CONTACT_LAWS]
-    mask = slave.options["mask"] or np.ones((n_c, n_a))
-    whole = [[n_c, n_a], places, directions, followed, *tables, *halves(n_c), mask]
+    whole = [head, places, directions, followed, *tables, *halves(n_c), mask, faces]
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in whole])
 
 
 def uncovered(options: dict[str, Any]) -> Iterable[str]:
     """Sentences on build options that the library does not cover."""
-    built = BuildOptions.read(options)
-    n_c, _ = built.grid
-    if built.surface != "skirt":
-        yield f"surface = {built.surface}: a native FMU covers skirt"
+    n_c, n_a = BuildOptions.read(options).grid
     if n_c > WIDEST:
-        yield f"grid = {n_c} x {built.grid[1]}: a native FMU covers {WIDEST} cells around"
+        yield f"grid = {n_c} x {n_a}: a native FMU covers {WIDEST} cells around"
 
 
-# ---- the block
-
-
-@compiled(inline="always")
-def _state(n_c, n_a):
-    """Where the state begins, and its length."""
-    first = HALVES + 2 * n_c + len(NUMBERS) + len(CHOSEN) + 4 * n_c * n_a
-    length = STATE_FIELDS * n_c * n_a + 2 * n_c * (n_a + 1) + STATE_NUMBERS
-    return first, length
-
-
-@compiled
-def whole_size(n_c: int, n_a: int):
-    """Length of a block."""
-    first, length = _state(n_c, n_a)
-    fields = (LAST_FIELDS + LINEAR_FIELDS) * n_c * n_a + n_c * (n_a + 1) + LAST_NUMBERS
-    factors = n_a * n_c * (n_c + 2) + n_a + 1
-    laws = FACTORS[0] * FACTORS[1] + LAW_NUMBERS + LAW_TABLE[0] * LAW_TABLE[1]
-    return first + length + fields + factors + laws + ROOM
-
-
-@compiled
-def block_of(memory: Array):
-    """`Block` on the memory of a slave."""
-    n_c = int(memory[COLUMNS])
-    n_a = int(memory[ROWS])
-    n = n_c * n_a
-    a = HALVES
-    share = memory[a : a + n_c]
-    a += n_c
-    sine = memory[a : a + n_c]
-    a += n_c
-    mask = memory[a : a + n].reshape((n_c, n_a))
-    a += n
-    beside = memory[a : a + n].reshape((n_c, n_a))
-    a += n
-    numbers = memory[a : a + len(NUMBERS)]
-    a += len(NUMBERS)
-    chosen = memory[a : a + len(CHOSEN)]
-    a += len(CHOSEN)
-    temperature = memory[a : a + n].reshape((n_c, n_a))
-    a += n
-    viscosity = memory[a : a + n].reshape((n_c, n_a))
-    a += n
-    # the state, in one piece
-    fields = memory[a : a + STATE_FIELDS * n].reshape((STATE_FIELDS, n_c, n_a))
-    a += STATE_FIELDS * n
-    faces = memory[a : a + 2 * (n + n_c)].reshape((2, n_c, n_a + 1))
-    a += 2 * (n + n_c)
-    counts = memory[a : a + STATE_NUMBERS]
-    a += STATE_NUMBERS
-    last = memory[a : a + LAST_FIELDS * n].reshape((LAST_FIELDS, n_c, n_a))
-    a += LAST_FIELDS * n
-    last_faces = memory[a : a + n + n_c].reshape((n_c, n_a + 1))
-    a += n + n_c
-    last_numbers = memory[a : a + LAST_NUMBERS]
-    a += LAST_NUMBERS
-    linear = memory[a : a + LINEAR_FIELDS * n].reshape((LINEAR_FIELDS, n_c, n_a))
-    a += LINEAR_FIELDS * n
-    columns = memory[a : a + n * n_c].reshape((n_a, n_c, n_c))
-    a += n * n_c
-    diagonals = memory[a : a + n].reshape((n_a, n_c))
-    a += n
-    orders = memory[a : a + n].reshape((n_a, n_c))
-    a += n
-    sizes = memory[a : a + n_a]
-    a += n_a
-    direction = memory[a : a + 1]
-    a += 1
-    flow_factors = memory[a : a + FACTORS[0] * FACTORS[1]].reshape(FACTORS)
-    a += FACTORS[0] * FACTORS[1]
-    law = memory[a : a + LAW_NUMBERS]
-    a += LAW_NUMBERS
-    law_table = memory[a : a + LAW_TABLE[0] * LAW_TABLE[1]].reshape(LAW_TABLE)
-    a += LAW_TABLE[0] * LAW_TABLE[1]
-    faults = memory[a : a + ROOM]
-    tables = memory[TABLES:HALVES].reshape((2, TABLE[0], TABLE[1]))
-    return Block(
-        numbers,
-        chosen,
-        tables,
-        faults,
-        share,
-        sine,
-        mask,
-        beside,
-        temperature,
-        viscosity,
-        flow_factors,
-        law,
-        law_table,
-        fields,
-        faces,
-        counts,
-        last,
-        last_faces,
-        last_numbers,
-        linear,
-        columns,
-        diagonals,
-        orders,
-        sizes,
-        direction,
-    )
+# ---- between variables and block
 
 
 @compiled
@@ -230,55 +129,71 @@ def _field(real, place, shape):
 
 
 @compiled
-def inputs_of(real: Array, memory: Array, shape: tuple[int, int]):
-    """Fields that a step is given."""
+def _input(real, memory, block, which, domain):
+    """A field of `FIELD_INPUTS`, whatever stands in cells without a film."""
+    n_c, n_a = block.mask.shape
+    field = _field(real, _place(memory, OF_INPUTS + int(which)), block.mask.shape)
+    return filled(block, field.reshape((1, n_c, n_a)), domain)[0]
+
+
+@compiled
+def inputs_of(real, memory, block, domain, length):
+    """`step.Inputs` for a step of a length [s]."""
+    turning = np.zeros(block.mask.shape)
+    if block.bearing:
+        turning = _input(real, memory, block, CIRCUMFERENTIAL_VELOCITY, domain)
     return Inputs(
-        _field(real, _place(memory, OF_INPUTS + FILM_THICKNESS), shape),
-        _field(real, _place(memory, OF_INPUTS + SLIDING_VELOCITY), shape),
+        _input(real, memory, block, FILM_THICKNESS, domain),
+        _input(real, memory, block, SLIDING_VELOCITY, domain),
+        turning,
+        surroundings_of(block),
+        length,
     )
 
 
 @compiled
-def take_numbers(real, integer, memory, block, all_of_them):
-    """Take parameters from the variables, or those alone that are inputs; note what contradicts."""
+def take_numbers(real, integer, memory, block, length):
+    """Take parameters from the variables, for a step of a length [s] those alone that are inputs;
+    note what contradicts.
+    """
+    all_of_them = length == 0.0
     changed = all_of_them
     for k in range(len(NUMBERS)):
         follows = memory[GIVEN_HEAD + FOLLOWED + k] != 0.0
-        if all_of_them or follows:
-            block.numbers[k] = real[_place(memory, k)]
+        place = _place(memory, k)
+        if place >= 0 and (all_of_them or follows):
+            block.numbers[k] = real[place]
             changed = True
     if all_of_them:
+        if _place(memory, SECTOR_ANGLE) < 0:
+            block.numbers[SECTOR_ANGLE] = FULL_TURN
         for k in range(len(CHOSEN)):
             block.chosen[k] = float(integer[_place(memory, OF_CHOSEN + k)])
         place_openings(block)
         roughen(block)
+        check_parameters(block)
     if changed:
-        check_surroundings(block)
-    field = _place(memory, OF_INPUTS + OIL_TEMPERATURE)
-    if field >= 0:
-        warm_by_field(block, filled(block, _field(real, field, block.viscosity.shape)))
+        check_supply(supply_of(block), block.faults)
+    if _place(memory, OF_INPUTS + int(OIL_TEMPERATURE)) >= 0:
+        domain = domain_of(block)
+        warm_by_field(block, _input(real, memory, block, OIL_TEMPERATURE, domain))
     elif changed:
         warm_by_edges(block)
 
 
 @compiled
-def new_outputs(shape: tuple[int, int]):
-    """Room for what a step gives."""
-    n_c, n_a = shape
-    return Outputs(np.empty((len(FIELD_OUTPUTS), n_c, n_a)), np.empty(len(SCALARS)))
-
-
-@compiled
-def publish(outputs, iterations, real, integer, memory):
+def publish(fields, scalars, iterations, real, integer, memory):
     """Outputs into the variables."""
-    shape = outputs.fields[0].shape
-    for k in range(len(FIELD_OUTPUTS)):
+    shape = fields[0].shape
+    for k in range(len(fields)):
         place = _place(memory, OF_OUTPUTS + k)
         if place >= 0:
-            native_step.keep(_field(real, place, shape), outputs.fields[k])
-    for k in range(len(SCALARS)):
-        real[_place(memory, OF_SCALARS + k)] = outputs.scalars[k]
-    integer[_place(memory, OF_COUNTERS)] = iterations
+            keep(_field(real, place, shape), fields[k])
+    for k in range(len(scalars)):
+        place = _place(memory, OF_SCALARS + k)
+        if place >= 0:
+            real[place] = scalars[k]
+    integer[_place(memory, OF_COUNTERS)] = int(iterations)
 
 
 # ---- entries
@@ -286,8 +201,8 @@ def publish(outputs, iterations, real, integer, memory):
 
 @compiled
 def size(real: Array, integer: Array, memory: Array, numbers: Array):
-    """Lengths for the grid that a block begins with: of the whole, where its state begins and how
-    long that is, where faults are.
+    """Lengths for what a block begins with: of the whole, where its state begins and how long that
+    is, where faults are.
 
     Parameters
     ----------
@@ -298,40 +213,56 @@ def size(real: Array, integer: Array, memory: Array, numbers: Array):
     numbers : ndarray, shape (4,)
         Overwritten.
     """
-    n_c = int(memory[COLUMNS])
-    n_a = int(memory[ROWS])
-    first, length = _state(n_c, n_a)
-    numbers[WHOLE] = whole_size(n_c, n_a)
-    numbers[FIRST_STATE] = first
-    numbers[STATES] = length
-    numbers[FIRST_FAULT] = whole_size(n_c, n_a) - ROOM
+    measure(memory, numbers)
 
 
 @compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
     block = block_of(memory)
-    block.faults[0] = 0.0
-    block.last_numbers[native_step.EULER_LENGTH] = 0.0
-    take_numbers(real, integer, memory, block, True)
-    shape = block.viscosity.shape
-    outputs = new_outputs(shape)
-    native_step.start(block, inputs_of(real, memory, shape), outputs)
-    if block.faults[0] == 0.0:
-        publish(outputs, 0, real, integer, memory)
+    faults = block.faults
+    faults[0] = 0.0
+    block.last_numbers[EULER_LENGTH] = 0.0
+    take_numbers(real, integer, memory, block, 0.0)
+    if faults[0] > 0.0:
+        return
+    fixed = fixed_of(block, 1.0)
+    inputs = inputs_of(real, memory, block, fixed.domain, 0.0)
+    initial = block.numbers[INITIAL_FILM_FRACTION]
+    begun, fields, scalars = step.start(fixed, inputs, initial, none_followed(), faults)
+    if faults[0] > 0.0:
+        return
+    keep_memory(block, begun, fixed.bore.supply.followed)
+    publish(fields, scalars, 0.0, real, integer, memory)
 
 
 @compiled
 def advance(real: Array, integer: Array, memory: Array, numbers: Array):
-    """One step; numbers: its length [s]."""
+    """One step; numbers: its length [s]. Where it is refused the fault is noted and the state
+    stays.
+    """
     block = block_of(memory)
-    block.faults[0] = 0.0
-    take_numbers(real, integer, memory, block, False)
-    shape = block.viscosity.shape
-    outputs = new_outputs(shape)
-    iterations = native_step.advance(block, inputs_of(real, memory, shape), numbers[0], outputs)
-    if block.faults[0] == 0.0:
-        publish(outputs, iterations, real, integer, memory)
+    faults = block.faults
+    faults[0] = 0.0
+    block.last_numbers[EULER_LENGTH] = 0.0  # a refused step has no tangent
+    take_numbers(real, integer, memory, block, numbers[0])
+    if faults[0] > 0.0:
+        return
+    fixed = fixed_of(block, 1.0)
+    inputs = inputs_of(real, memory, block, fixed.domain, numbers[0])
+    before = memory_of(block, fixed)
+    begun = step.begin(fixed, before, inputs, faults)
+    if faults[0] > 0.0:
+        return
+    solved = step.solve(fixed, before, inputs, begun, factors_of(block), faults)
+    if faults[0] > 0.0:
+        return
+    ended = step.end(fixed, before, inputs, begun, solved, faults)
+    if faults[0] > 0.0:
+        return
+    keep_memory(block, ended.memory, fixed.bore.supply.followed)
+    keep_last(block, ended.last)
+    publish(ended.fields, ended.scalars, float(ended.iterations), real, integer, memory)
 
 
 @compiled
@@ -339,20 +270,38 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     """Products of the seeds among the variables; `numbers` unused."""
     block = block_of(memory)
     block.faults[0] = 0.0
-    n_c, n_a = block.viscosity.shape
-    n = n_c * n_a
+    if block.last_numbers[EULER_LENGTH] == 0.0:
+        refuse(block.faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
+        return
+    fixed = fixed_of(block, 0.0)
+    last = last_of(block, fixed)
+    if block.last_numbers[LINEAR] == 0.0:
+        keep_linear(block, step.linearise(fixed, last))
+        block.last_numbers[LINEAR] = 1.0
+    n_c, n_a = block.mask.shape
+    directions = 3 if block.bearing else 2
+    n = directions * n_c * n_a
     first = _place(memory, OF_SEEDS)
-    seeds = real[first : first + 2 * n].reshape((2, 1, n_c, n_a))
+    seeds = real[first : first + n].reshape((directions, 1, n_c, n_a))
     first = _place(memory, OF_PRODUCTS)
-    products = real[first : first + 2 * n].reshape((2, 1, n_c, n_a))
-    native_step.tangent(block, seeds, products)
+    products = real[first : first + n].reshape((directions, 1, n_c, n_a))
+    domain = fixed.domain
+    turning = np.zeros((0, 0, 0))
+    if block.bearing:
+        turning = filled(block, seeds[AROUND], domain)
+    seeded = Directions(
+        filled(block, seeds[NORMAL], domain), filled(block, seeds[ALONG], domain), turning
+    )
+    right = np.empty((1, n_c, n_a))
+    linear = linear_of(block, fixed)
+    step.changes(fixed, last, linear, seeded, factors_of(block), right, products)
 
 
 PART = NativePart(
     entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given=given,
     uncovered=uncovered,
-    covered=COVERED,
+    covered={},
     faults=FAULTS,
     refusal="lubrication step to t = {a} s: ",
 )

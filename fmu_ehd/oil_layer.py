@@ -71,12 +71,13 @@ piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .cavitation import NotConverged
-from .grid import Array, Flags, Grid, in_plenty
-from .parameters import Parameters
-from .storage import EulerStep
+from ..master.fmi.compiled import compilable
+from .faults import TOO_FAR, refuse
+from .grid import Array, Cells, Flags, add, in_plenty, put, sum_of_products
+
+NO_EDGE = -1.0
+BARE_AT_LEAST = 1e-300  # share of a cell in place of none, to divide by
 
 
 class OilLayer(NamedTuple):
@@ -118,26 +119,43 @@ class Passed(NamedTuple):
     spilled: Array
 
 
-class SkirtEdges(NamedTuple):
-    """Axial edges of a skirt, one entry each.
+class Supply(NamedTuple):
+    """What brings oil to the bore and takes it away.
 
-    order : which of its row it is, from below; row : i; face : axial face of the grid;
-    inward : 1 at a lower edge, -1 at an upper one.
+    followed : whether oil outside the film is followed; ring : whether an oil ring leaves some;
+    initial_layer : on the bore at the start [m]; stroke [m];
+    chamfer_capacity : a of Eq. (T25) [m2]; largest_layer : from which splash runs off [m].
     """
 
-    order: NDArray[np.intp]
-    row: NDArray[np.intp]
-    face: NDArray[np.intp]
-    inward: NDArray[np.intp]
+    followed: bool
+    ring: bool
+    initial_layer: float
+    stroke: float
+    chamfer_capacity: float
+    largest_layer: float
 
 
-def skirt_edges(open_cells: Flags) -> SkirtEdges:
-    """Edges of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
-    film = np.pad(~open_cells, ((0, 0), (1, 1))).astype(int)
-    inward = np.diff(film, axis=1)
-    row, face = np.nonzero(inward)
-    order = np.cumsum(inward != 0, axis=1)[row, face] - 1
-    return SkirtEdges(order, row, face, inward[row, face])
+class Bore(NamedTuple):
+    """The bore that a skirt slides on.
+
+    supply : Supply; cells : grid.Cells, of the film; length : of the grid along the bore [m];
+    beyond : cells of the bore below the grid at the start, and above it;
+    faces : ndarray, shape (n_e, n_c), axial face of the grid of each edge, -1 where a row has no
+    such edge; edges with even numbers are lower ones;
+    heights : ndarray, shape (n_e, n_c, 1), of the edges above the lower end of the grid, inf where
+    there is none [m];
+    bottom : ndarray, shape (n_b,), lower ends of the cells above that of the grid at the start [m];
+    area : ndarray, shape (n_c, n_b), of the cells [m2].
+    """
+
+    supply: Supply
+    cells: Cells
+    length: float
+    beyond: int
+    faces: Array
+    heights: Array
+    bottom: Array
+    area: Array
 
 
 class Exposed(NamedTuple):
@@ -151,233 +169,316 @@ class Exposed(NamedTuple):
     beyond: Array
     between: Array
 
-    def beside(self, edge: int) -> Array:
-        """What is bare beside an edge of that order, shape (n_c, n_b)."""
-        return self.between[(edge + 1) // 2]
+
+def skirt_edges(open_cells: Flags) -> Array:
+    """`Bore.faces` of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
+    film = np.pad(~open_cells, ((0, 0), (1, 1)))
+    row, face = np.nonzero(film[:, 1:] != film[:, :-1])
+    order = np.arange(row.size) - np.searchsorted(row, row)
+    faces = np.full((2 * int((order // 2).max(initial=0) + 1), len(open_cells)), NO_EDGE)
+    faces[order, row] = face
+    return faces
 
 
-class Bore:
-    """The bore that a skirt slides on.
+@compilable
+def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
+    """The bore of a film of n_a cells along it; without cells beyond where no oil is followed."""
+    n_e, n_c = faces.shape
+    beyond = int(np.ceil(supply.stroke / cells.dy)) if supply.followed else 0
+    heights = np.empty((n_e, n_c, 1))
+    for edge in range(n_e):
+        for i in range(n_c):
+            face = faces[edge, i]
+            heights[edge, i, 0] = np.inf if face == NO_EDGE else face * cells.dy
+    bottom = np.empty(n_a + 2 * beyond)
+    for k in range(bottom.size):
+        bottom[k] = (k - beyond) * cells.dy
+    area = np.full((n_c, bottom.size), cells.dx * cells.dy)
+    return Bore(supply, cells, n_a * cells.dy, beyond, faces, heights, bottom, area)
+
+
+@compilable
+def start(bore: Bore, velocity: Array) -> OilLayer:
+    """An even layer where the bore is bare, and nothing at the edges.
 
     Parameters
     ----------
-    parameters : Parameters
-    grid : grid.Grid
-        Of the film.
+    bore : Bore
+    velocity : ndarray, shape (n_c, n_a)
+        [m/s].
     """
+    layer = bore.supply.initial_layer * _bare(_exposed(bore, 0.0))
+    mean = mean_of(velocity)
+    held = sum_of_products(layer, bore.area)
+    nothing = np.zeros(bore.faces.shape)
+    return OilLayer(layer, nothing, np.zeros(velocity.shape), 0.0, 0.0, mean, mean, 0.0, held)
 
-    def __init__(self, parameters: Parameters, grid: Grid):
-        self.parameters = parameters
-        self.cells = grid.cells
-        self.cell_area = grid.cell_area
-        n_c, n_a = self._film = grid.shape
-        self._length = n_a * grid.cells.dy
-        self._beyond = int(np.ceil(parameters.stroke / grid.cells.dy))
-        self._bottom = (np.arange(n_a + 2 * self._beyond) - self._beyond) * grid.cells.dy
-        self._shape = (n_c, len(self._bottom))
-        openings = parameters.open_cells
-        self.edges = skirt_edges(np.zeros(grid.shape, dtype=bool) if openings is None else openings)
-        order, row, face, _ = self.edges
-        self._reservoirs = (2 * int((order // 2).max(initial=0) + 1), n_c)
-        self._heights = np.full((*self._reservoirs, 1), np.inf)
-        self._heights[order, row, 0] = face * grid.cells.dy
 
-    def start(self, velocity: float) -> OilLayer:
-        """An even layer where the bore is bare, and nothing at the edges.
+@compilable
+def mean_of(velocity: Array) -> float:
+    """V of the skirt [m/s]."""
+    return sum_of_products(velocity, np.ones(velocity.shape)) / velocity.size
 
-        Parameters
-        ----------
-        velocity : float
-            V [m/s].
-        """
-        layer = self.parameters.initial_oil_layer * self._exposed(0.0).between.sum(axis=0)
-        nothing = np.zeros(self._reservoirs)
-        held = float(layer.sum() * self.cell_area)
-        return OilLayer(
-            layer, nothing, np.zeros(self._film), 0.0, 0.0, velocity, velocity, 0.0, held
-        )
 
-    def volume(self, layer: OilLayer) -> float:
-        """Oil on the bore and at the edges of the skirt [m3]."""
-        return float(layer.bore.sum() * self.cell_area + layer.reservoir.sum())
+@compilable
+def volume(bore: Bore, layer: OilLayer) -> float:
+    """Oil on the bore and at the edges of the skirt [m3]."""
+    pushed = sum_of_products(layer.reservoir, np.ones(bore.faces.shape))
+    return sum_of_products(layer.bore, bore.area) + pushed
 
-    def covered(
-        self, layer: OilLayer, step: float, step_before: float, ring: float, splash: float
-    ) -> OilLayer:
-        """The layer after the skirt has moved on and taken up what it covers, before the film has
-        taken any, Eqs. (T21), (T26).
 
-        Parameters
-        ----------
-        layer : OilLayer
-            At the beginning of the step.
-        step, step_before : float
-            H, H_n [s]; H_n = 0 where there was no step before.
-        ring : float
-            Layer that the oil ring leaves above the skirt [m].
-        splash : float
-            Growth of the layer below the skirt [m/s].
+@compilable
+def covered(
+    bore: Bore,
+    layer: OilLayer,
+    length: float,
+    length_before: float,
+    ring: float,
+    splash: float,
+    faults: Array,
+) -> OilLayer:
+    """The layer after the skirt has moved on and taken up what it covers, before the film has taken
+    any, Eqs. (T21), (T26); a fault is noted where the skirt moves farther than `stroke`.
 
-        Raises
-        ------
-        cavitation.NotConverged
-            If the skirt moves farther than `stroke`.
-        """
-        change = layer.velocity - layer.velocity_before
-        gain = 0.5 * step * change * step / step_before if step_before > 0.0 else 0.0
-        reached = layer.height + step * layer.velocity + gain  # Eq. (T26)
-        if abs(reached) > self.parameters.stroke:
-            raise NotConverged(
-                f"the skirt comes to {reached:g} m from where it started, farther than stroke = "
-                f"{self.parameters.stroke:g} m"
-            )
-        old = self._exposed(layer.reached)
-        new = self._exposed(reached)
-        bare = old.between.sum(axis=0)
-        whole = np.where(bare > 0.0, bare, 1.0)
-        below = old.between[0]
-        room = np.maximum(self.parameters.largest_oil_layer * below - layer.bore, 0.0)
-        supply = np.minimum(splash * step * below, room)
-        if self.parameters.oil_supply == "bore_and_ring":
-            above = self._above(layer.reached, self._length)
-            scraped = layer.bore * (above / whole)
-            supply = supply + np.where(above > 0.0, ring * above - scraped, 0.0)
-        bore = layer.bore + supply
-        reservoir = layer.reservoir.copy()
-        for edge in range(len(reservoir)):
-            swept = np.maximum(old.beyond[edge] - new.beyond[edge], 0.0)
-            taken = bore * (np.minimum(swept, old.beside(edge)) / whole)
-            bore = bore - taken
-            reservoir[edge] += taken.sum(axis=1) * self.cell_area  # Eq. (T21)
-        return layer._replace(
-            bore=bore,
-            reservoir=reservoir,
-            reached=reached,
-            supplied=layer.supplied
-            + supply.sum() * self.cell_area
-            + (self.volume(layer) - layer.held),
-        )
+    Parameters
+    ----------
+    bore : Bore
+    layer : OilLayer
+        At the beginning of the step.
+    length, length_before : float
+        H, H_n [s]; H_n = 0 where there was no step before.
+    ring : float
+        Layer that the oil ring leaves above the skirt [m].
+    splash : float
+        Growth of the layer below the skirt [m/s].
+    faults : ndarray
+        `faults.refuse`.
+    """
+    change = layer.velocity - layer.velocity_before
+    gain = 0.5 * length * change * length / length_before if length_before > 0.0 else 0.0
+    reached = layer.height + length * layer.velocity + gain  # Eq. (T26)
+    supply = bore.supply
+    if abs(reached) > supply.stroke:
+        refuse(faults, TOO_FAR, 0, 0, reached, supply.stroke, 0.0)
+        return layer
+    old = _exposed(bore, layer.reached)
+    new = _exposed(bore, reached)
+    whole = np.maximum(_bare(old), BARE_AT_LEAST)
+    below = old.between[0]
+    room = np.maximum(supply.largest_layer * below - layer.bore, 0.0)
+    brought = np.minimum(splash * length * below, room)
+    if supply.ring:
+        above = _above(bore, layer.reached, np.full((1, 1), bore.length))
+        scraped = layer.bore * (above / whole)
+        brought = brought + (ring * above - scraped)
+    oil = layer.bore + brought
+    reservoir = layer.reservoir.copy()
+    for edge in range(reservoir.shape[0]):
+        swept = np.maximum(old.beyond[edge] - new.beyond[edge], 0.0)
+        taken = oil * (np.minimum(swept, old.between[(edge + 1) // 2]) / whole)
+        oil = oil - taken
+        for i in range(reservoir.shape[1]):
+            # Eq. (T21)
+            reservoir[edge, i] += sum_of_products(taken[i : i + 1], bore.area[i : i + 1])
+    added = sum_of_products(brought, bore.area) + (volume(bore, layer) - layer.held)
+    return OilLayer(
+        oil,
+        reservoir,
+        layer.spilled,
+        reached,
+        layer.height,
+        layer.velocity,
+        layer.velocity_before,
+        layer.supplied + added,
+        layer.held,
+    )
 
-    def limit(self, covered: OilLayer, carried: Array, begin: EulerStep) -> Array:
-        """Most that sliding can drag in over the axial faces, Eq. (T22).
 
-        Parameters
-        ----------
-        covered : OilLayer
-            From `covered`.
-        carried : ndarray, shape (n_e, n_c)
-            beta F_n [m3].
-        begin : storage.EulerStep
+@compilable
+def limit(bore: Bore, covered: OilLayer, carried: Array, length: float) -> Array:
+    """Most that sliding can drag in over the axial faces, Eq. (T22).
 
-        Returns
-        -------
-        ndarray, shape (n_c, n_a + 1)
-            S [m3/s], inf at faces that are no edge.
-        """
-        most = np.maximum(covered.reservoir - carried, 0.0) / begin.length  # Eq. (T22)
-        order, row, face, _ = self.edges
-        limit = in_plenty(self._film)
-        limit[row, face] = most[order, row]
-        return limit
+    Parameters
+    ----------
+    bore : Bore
+    covered : OilLayer
+        From `covered`.
+    carried : ndarray, shape (n_e, n_c)
+        beta F_n [m3].
+    length : float
+        H_e [s].
 
-    def left(
-        self,
-        covered: OilLayer,
-        before: OilLayer,
-        passed: Passed,
-        gap: Array,
-        velocity: float,
-        step: float,
-    ) -> OilLayer:
-        """The layer at the end of a step, Eqs. (T23) to (T26), (T28).
+    Returns
+    -------
+    ndarray, shape (n_c, n_a + 1)
+        S [m3/s], inf at faces that are no edge.
+    """
+    most = np.maximum(covered.reservoir - carried, 0.0) / length  # Eq. (T22)
+    entering = in_plenty(covered.spilled.shape)
+    for edge in range(most.shape[0]):
+        for i in range(most.shape[1]):
+            face = int(bore.faces[edge, i])
+            if face >= 0:
+                entering[i, face] = most[edge, i]
+    return entering
 
-        Parameters
-        ----------
-        covered, before : OilLayer
-            From `covered`, and at the beginning of the step.
-        passed : Passed
-        gap : ndarray, shape (n_e, n_c)
-            h at the edges [m].
-        velocity : float
-            V at the end of the step [m/s].
-        step : float
-            H [s].
-        """
-        old = self._exposed(before.reached)
-        new = self._exposed(covered.reached)
-        reservoir = covered.reservoir - passed.inflow  # Eq. (T23)
-        bore = covered.bore.copy()
-        self._spill(bore, passed.spilled, covered.reached)
-        for edge in range(len(reservoir)):
-            swept = np.maximum(new.beyond[edge] - old.beyond[edge], 0.0)
-            if not swept.any():
-                continue
-            room = np.maximum(gap[edge], 0.0) * swept.sum(axis=1) * self.cell_area
-            uncovered = np.minimum(swept, new.beside(edge))
-            length = uncovered.sum(axis=1)
-            volume = np.where(length > 0.0, np.clip(reservoir[edge], 0.0, room), 0.0)  # Eq. (T24)
-            reservoir[edge] -= volume
-            thickness = volume / (np.where(length > 0.0, length, 1.0) * self.cell_area)
-            bore += thickness[:, None] * uncovered
-        capacity = self.parameters.chamfer_capacity * self.cells.dx
-        fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
-        left = reservoir - fallen
-        return OilLayer(
-            bore,
-            left,
-            passed.spilled,
-            covered.reached,
-            before.height + 0.5 * step * (before.velocity + velocity),  # Eq. (T26)
-            velocity,
-            before.velocity,
-            covered.supplied - fallen.sum(),
-            float(bore.sum() * self.cell_area + left.sum()),
-        )
 
-    def inflow(self, passed: Array) -> Array:
-        """Volume that came in over the edges [m3], shape (n_e, n_c), from what passed the axial
-        faces with ascending j, shape (n_c, n_a + 1).
-        """
-        order, row, face, inward = self.edges
-        inflow = np.zeros(self._reservoirs)
-        inflow[order, row] = inward * passed[row, face]
-        return inflow
+@compilable
+def left(
+    bore: Bore,
+    covered: OilLayer,
+    before: OilLayer,
+    passed: Passed,
+    gap: Array,
+    velocity: float,
+    length: float,
+) -> OilLayer:
+    """The layer at the end of a step, Eqs. (T23) to (T26), (T28).
 
-    def gaps(self, film_thickness: Array) -> Array:
-        """Gap at the edges [m], shape (n_e, n_c), from that of the cells, shape (n_c, n_a)."""
-        order, row, face, inward = self.edges
-        gaps = np.zeros(self._reservoirs)
-        gaps[order, row] = film_thickness[row, np.where(inward > 0, face, face - 1)]
-        return gaps
+    Parameters
+    ----------
+    bore : Bore
+    covered, before : OilLayer
+        From `covered`, and at the beginning of the step.
+    passed : Passed
+    gap : ndarray, shape (n_e, n_c)
+        h at the edges [m].
+    velocity : float
+        V at the end of the step [m/s].
+    length : float
+        H [s].
+    """
+    old = _exposed(bore, before.reached)
+    new = _exposed(bore, covered.reached)
+    reservoir = covered.reservoir - passed.inflow  # Eq. (T23)
+    oil = covered.bore.copy()
+    _spill(bore, oil, passed.spilled, covered.reached)
+    upward = covered.reached - before.reached
+    for edge in range(reservoir.shape[0]):
+        if upward * (1 - 2 * (edge % 2)) <= 0.0:
+            continue  # this edge covers
+        swept = np.maximum(new.beyond[edge] - old.beyond[edge], 0.0)
+        uncovered = np.minimum(swept, new.between[(edge + 1) // 2])
+        thickness = np.zeros((reservoir.shape[1], 1))
+        for i in range(reservoir.shape[1]):
+            area = bore.area[i : i + 1]
+            bare = sum_of_products(uncovered[i : i + 1], area)
+            if bare > 0.0:
+                room = max(gap[edge, i], 0.0) * sum_of_products(swept[i : i + 1], area)
+                stays = min(max(reservoir[edge, i], 0.0), room)  # Eq. (T24)
+                reservoir[edge, i] -= stays
+                thickness[i, 0] = stays / bare
+        oil = oil + thickness * uncovered
+    capacity = bore.supply.chamfer_capacity * bore.cells.dx
+    fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
+    kept = OilLayer(
+        oil,
+        reservoir - fallen,
+        passed.spilled,
+        covered.reached,
+        before.height + 0.5 * length * (before.velocity + velocity),  # Eq. (T26)
+        velocity,
+        before.velocity,
+        covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
+        0.0,
+    )
+    return _holding(kept, volume(bore, kept))
 
-    def _spill(self, bore: Array, spilled: Array, height: float) -> None:
-        """Lay what came into openings on the bore under them, Eq. (T28); in place."""
-        _, n_a = self._film
-        cells = height / self.cells.dy
-        first = min(int(np.floor(cells)), self._beyond - 1)
-        upper = cells - first
-        lowest = first + self._beyond
-        # Eq. (T28)
-        bore[:, lowest : lowest + n_a] += (1.0 - upper) * spilled / self.cell_area
-        bore[:, lowest + 1 : lowest + 1 + n_a] += upper * spilled / self.cell_area
 
-    def _exposed(self, height: float) -> Exposed:
-        """What a skirt at `height` [m] leaves bare."""
-        lower = self._heights[0::2]
-        upper = self._heights[1::2]
-        below = _share((height + lower - self._bottom) / self.cells.dy)
-        above = self._above(height, upper)
-        beyond = np.stack([below, above], axis=1).reshape(-1, *self._shape)
+@compilable
+def _holding(layer: OilLayer, held: float) -> OilLayer:
+    """The same layer with what it holds."""
+    return OilLayer(
+        layer.bore,
+        layer.reservoir,
+        layer.spilled,
+        layer.reached,
+        layer.height,
+        layer.velocity,
+        layer.velocity_before,
+        layer.supplied,
+        held,
+    )
+
+
+@compilable
+def inflow(bore: Bore, passed: Array) -> Array:
+    """Volume that came in over the edges [m3], shape (n_e, n_c), from what passed the axial faces
+    with ascending j, shape (n_c, n_a + 1).
+    """
+    n_e, n_c = bore.faces.shape
+    flow = np.zeros((n_e, n_c))
+    for edge in range(n_e):
+        inward = 1.0 - 2.0 * (edge % 2)
+        for i in range(n_c):
+            face = int(bore.faces[edge, i])
+            if face >= 0:
+                flow[edge, i] = inward * passed[i, face]
+    return flow
+
+
+@compilable
+def gaps(bore: Bore, film_thickness: Array) -> Array:
+    """Gap at the edges [m], shape (n_e, n_c), from that of the cells, shape (n_c, n_a)."""
+    n_e, n_c = bore.faces.shape
+    gap = np.zeros((n_e, n_c))
+    for edge in range(n_e):
+        for i in range(n_c):
+            face = int(bore.faces[edge, i])
+            if face >= 0:
+                gap[edge, i] = film_thickness[i, face - edge % 2]
+    return gap
+
+
+@compilable
+def _spill(bore: Bore, oil: Array, spilled: Array, height: float) -> None:
+    """Lay what came into openings on the bore under them, Eq. (T28); in place."""
+    n_a = spilled.shape[1]
+    cells = height / bore.cells.dy
+    first = min(int(np.floor(cells)), bore.beyond - 1)
+    upper = cells - first
+    lowest = first + bore.beyond
+    area = bore.cells.dx * bore.cells.dy
+    # Eq. (T28)
+    add(oil[:, lowest : lowest + n_a], (1.0 - upper) * spilled / area)
+    add(oil[:, lowest + 1 : lowest + 1 + n_a], upper * spilled / area)
+
+
+@compilable
+def _exposed(bore: Bore, height: float) -> Exposed:
+    """What a skirt at `height` [m] leaves bare."""
+    heights = bore.heights
+    n_e, n_c, _ = heights.shape
+    beyond = np.empty((n_e, n_c, bore.bottom.size))
+    between = np.empty((n_e // 2 + 1, n_c, bore.bottom.size))
+    for edge in range(0, n_e, 2):
+        put(beyond[edge], _share((height + heights[edge] - bore.bottom) / bore.cells.dy))
+        put(beyond[edge + 1], _above(bore, height, heights[edge + 1]))
+    put(between[0], beyond[0])
+    put(between[n_e // 2], beyond[n_e - 1])
+    for edge in range(1, n_e - 1, 2):
         # an opening is at least a cell long: no cell of the bore meets both of its ends
-        windows = np.minimum(above[:-1], below[1:])
-        return Exposed(beyond, np.concatenate([below[:1], windows, above[-1:]]))
-
-    def _above(self, height: float, edge: Array | float) -> Array:
-        """Share of each cell of the bore above an edge of a skirt at `height` [-]."""
-        dy = self.cells.dy
-        return _share((self._bottom + dy - height - edge) / dy)
+        put(between[(edge + 1) // 2], np.minimum(beyond[edge], beyond[edge + 1]))
+    return Exposed(beyond, between)
 
 
-def _share(cells: NDArray[np.floating]) -> Array:
+@compilable
+def _bare(exposed: Exposed) -> Array:
+    """Share of each cell of the bore that is bare, shape (n_c, n_b)."""
+    bare = exposed.between[0]
+    for k in range(1, exposed.between.shape[0]):
+        bare = bare + exposed.between[k]
+    return bare
+
+
+@compilable
+def _above(bore: Bore, height: float, edge: Array) -> Array:
+    """Share of each cell of the bore above an edge of a skirt at `height` [-]."""
+    dy = bore.cells.dy
+    return _share((bore.bottom + dy - height - edge) / dy)
+
+
+@compilable
+def _share(cells: Array) -> Array:
     """Lengths in cells, bounded to a share of one."""
     return np.minimum(np.maximum(cells, 0.0), 1.0)

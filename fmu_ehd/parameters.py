@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from .asperity import CONTACT_LAWS
 from .cavitation import CAVITATION
+from .contradictions import FULL_TURN, Kind, Supply, check_kind, check_supply
 from .declaration import choice, declared, names_of
+from .faults import none_yet, sentences_of
 from .friction import CAVITY_SHEAR
 from .grid import Flags
 from .oil import Oil
@@ -16,7 +16,6 @@ from .roughness import FLOW_FACTORS
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
 SURFACES = ("skirt", "bearing")
-FULL_TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -201,122 +200,33 @@ CONDITION_NAMES = names_of(Parameters, condition=True)
 OF_BEARINGS = ("sector_angle",)
 
 
-# what belongs to one edge, and to openings of their own supply
-EDGES = (
-    ("film_fraction_lower_edge", "pressure_lower_edge"),
-    ("film_fraction_upper_edge", "pressure_upper_edge"),
-)
-OPENING = ("film_fraction_openings", "pressure_openings")
-
-
-def edge_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
-    """What is wrong with the oil supply at the edges and in openings.
-
-    An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity
-    at cavitation pressure: the model knows no gas at another pressure inside the film, and a higher
-    one would press oil in as if the edge were flooded.
+def supply_of(parameters: Parameters, conditions: Mapping[str, float]) -> Supply:
+    """Oil at the edges and in openings.
 
     Parameters
     ----------
     parameters : Parameters
     conditions : mapping
         Values of `CONDITION_NAMES`.
-
-    Returns
-    -------
-    list of str
-        One sentence a fault.
-    """
-    least = parameters.cavitation_pressure
-    sentences = []
-    own = parameters.opening_supply == "own"
-    for fraction_name, pressure_name in (*EDGES, OPENING) if own else EDGES:
-        pressure = conditions[pressure_name]
-        fraction = conditions[fraction_name]
-        if pressure < least:
-            sentences.append(
-                f"{pressure_name} = {pressure:g} Pa: must not be below cavitation_pressure = "
-                f"{least:g} Pa"
-            )
-        elif fraction < 1.0 and pressure > least:
-            sentences.append(
-                f"{fraction_name} = {fraction:g} (unit 1) at {pressure_name} = {pressure:g} Pa: "
-                f"what is only partly filled must be at cavitation_pressure = {least:g} Pa, or "
-                "filled to 1"
-            )
-    fraction_name, pressure_name = OPENING
-    if not own and (conditions[fraction_name] != 1.0 or conditions[pressure_name] != 0.0):
-        sentences.append(
-            f"{fraction_name} = {conditions[fraction_name]:g} (unit 1), {pressure_name} = "
-            f"{conditions[pressure_name]:g} Pa with opening_supply = {parameters.opening_supply}: "
-            "without effect, leave them at 1 and 0 Pa or choose opening_supply = own"
-        )
-    return sentences
-
-
-def bore_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
-    """What does not go with oil from the bore: an edge is then at cavitation pressure, and its
-    film fraction follows from the layer.
-
-    Parameters
-    ----------
-    parameters : Parameters
-    conditions : mapping
-        Values of `CONDITION_NAMES`.
-
-    Returns
-    -------
-    list of str
-        One sentence a fault.
-    """
-    law = f"oil_supply = {parameters.oil_supply}"
-    sentences = []
-    for fraction_name, pressure_name in EDGES:
-        pressure = conditions[pressure_name]
-        if pressure != parameters.cavitation_pressure:
-            sentences.append(
-                f"{pressure_name} = {pressure:g} Pa with {law}: an edge that oil may not fill must "
-                f"be at cavitation_pressure = {parameters.cavitation_pressure:g} Pa"
-            )
-        if conditions[fraction_name] != 1.0:
-            sentences.append(
-                f"{fraction_name} = {conditions[fraction_name]:g} with {law}: follows from the oil "
-                "on the bore, leave it at 1"
-            )
-    if parameters.opening_supply == "own":
-        sentences.append(
-            f"opening_supply = own with {law}: what cut-outs give follows from the oil on the bore"
-        )
-    if not CAVITATION[parameters.cavitation_model].conserving:
-        sentences.append(f"cavitation_model = {parameters.cavitation_model} with {law}: needs jfo")
-    return sentences
-
-
-def bearing_faults(parameters: Parameters) -> list[str]:
-    """What does not go with the kind of surface.
-
-    Oil on the bore, and flow between rough surfaces, are known for a skirt that slides along its
-    bore alone. A sector has its supply at both ends, and no openings between.
     """
     p = parameters
-    part = p.sector_angle < FULL_TURN
-    if p.surface == "skirt":
-        shown = f"sector_angle = {p.sector_angle:g} rad: a skirt is a ring"
-        return [shown + ", only a bearing can be a sector"] if part else []
-    sentences = [
-        f"{name} = {chosen} on a bearing: known for a skirt alone, choose {only}"
-        for name, chosen, only in (
-            ("oil_supply", p.oil_supply, "edges"),
-            ("flow_factors", p.flow_factors, "none"),
-        )
-        if chosen != only
-    ]
-    if part and p.open_cells is not None and p.open_cells.any():
-        sentences.append(
-            f"sector_angle = {p.sector_angle:g} rad with cut-outs: those of a bearing need the "
-            f"full turn, {FULL_TURN:g} rad"
-        )
-    return sentences
+    numbers = {name: conditions[name] for name in Supply._fields if name in CONDITION_NAMES}
+    return Supply(
+        cavitation_pressure=p.cavitation_pressure,
+        own=p.opening_supply == "own",
+        from_bore=p.oil_supply != "edges",
+        conserving=CAVITATION[p.cavitation_model].conserving,
+        **numbers,
+    )
+
+
+def supply_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
+    """What is wrong with the oil supply at the edges and in openings, one sentence a fault; of
+    `conditions`, as for `supply_of`.
+    """
+    noted = none_yet()
+    check_supply(supply_of(parameters, conditions), noted)
+    return sentences_of(noted)
 
 
 def faults(parameters: Parameters) -> list[str]:
@@ -332,16 +242,18 @@ def faults(parameters: Parameters) -> list[str]:
         One sentence a fault.
     """
     p = parameters
+    noted = none_yet()
+    kind = Kind(
+        p.surface == "bearing",
+        p.open_cells is not None and bool(p.open_cells.any()),
+        p.oil_supply != "edges",
+        p.flow_factors != "none",
+        p.oil.viscosity_law == "two_point",
+        p.sector_angle,
+        p.roughness_rms,
+        p.oil.viscosity_40,
+        p.oil.viscosity_100,
+    )
+    check_kind(kind, noted)
     conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
-    sentences = edge_faults(p, conditions) + bearing_faults(p)
-    oil = p.oil
-    if oil.viscosity_law == "two_point" and oil.viscosity_40 <= oil.viscosity_100:
-        sentences.append(
-            f"viscosity_40 = {oil.viscosity_40:g} Pa.s: must be above viscosity_100 = "
-            f"{oil.viscosity_100:g} Pa.s"
-        )
-    if p.oil_supply != "edges":
-        sentences += bore_faults(p, conditions)
-    if p.flow_factors != "none" and p.roughness_rms <= 0.0:
-        sentences.append(f"flow_factors = {p.flow_factors}: needs roughness_rms > 0 m")
-    return sentences
+    return supply_faults(p, conditions) + sentences_of(noted)

@@ -10,11 +10,12 @@ from ..master.fmi.compiled import compiled
 from . import friction, storage, transport
 from .asperity import ContactConstants
 from .contact import Contact, contact, contact_changes
+from .contradictions import Outside
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .film_step import Domain, FilmSolution
 from .films import COUETTE, FilmSlopes
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
-from .grid import Array, Edges, Flags
+from .grid import Array, Edges, Flags, sum_of_products
 from .piezoviscosity import TruePressure, raised
 from .storage import EulerStep, Past
 from .summary import Halves, Summary, summarise
@@ -31,6 +32,7 @@ class Before(NamedTuple):
     content: Array
     growth: Array
     growth_before: Array
+    deflection: Array
     film: Array
     film_before: Array
     passed: Array
@@ -372,27 +374,6 @@ class Account(NamedTuple):
     energy_gain: float
 
 
-class Outside(NamedTuple):
-    """Pressures around a film: cavitation pressure p_c, and above it that at lower edge, upper
-    edge and openings [Pa].
-    """
-
-    cavitation: float
-    lower: float
-    upper: float
-    opening: float
-
-
-@compiled
-def oil_in(content: Array, area: Array):
-    """Oil in the film [m3]."""
-    total = 0.0
-    for i in range(content.shape[0]):
-        for j in range(content.shape[1]):
-            total += content[i, j] * area[i, j]
-    return total
-
-
 @compiled
 def account(
     before: Totals,
@@ -440,7 +421,7 @@ def account(
     work += outside.lower * inflow - outside.upper * outflow
     gain = acted.stored - before.stored + step * powers.rubbing - work
     totals = Totals(friction_work, boundary_work, acted.stored, acted.volume)
-    return Account(totals, share, oil_in(found.content, acted.shear.area), gain)
+    return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
 
 
 # ---- derivatives of the forces

@@ -1,45 +1,34 @@
 """What holds around and in the oil during a step: edges, temperature, viscosity."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .cavitation import NotConverged
-from .grid import Array, Edges, in_plenty
-from .parameters import CONDITION_NAMES, Parameters, bore_faults, edge_faults
-from .piezoviscosity import PressureLaw, reduced_at_edges
+from .contradictions import Outside, edges_of, outside_of
+from .grid import Array, Edges
+from .parameters import CONDITION_NAMES, Parameters, supply_faults, supply_of
+from .piezoviscosity import PressureLaw
 
 
-@dataclass(frozen=True)
-class Surroundings:
+class Surroundings(NamedTuple):
     """What holds around and in the oil during a step.
 
-    Parameters
-    ----------
-    edges : grid.Edges
-        With reduced pressures, Eq. (O6).
-    lower, upper : float
-        Edge pressures above cavitation pressure [Pa].
-    temperature, viscosity : ndarray, shape (n_c, n_a)
-        T [K], low-shear mu_0 [Pa s].
-    pressure_law : piezoviscosity.PressureLaw
-    ring_layer, splash : float
-        Oil that the ring leaves above the skirt [m], and that is thrown below it [m/s].
-    opening : float
-        Pressure in openings, and at both ends of a sector, above cavitation pressure [Pa].
+    edges : grid.Edges, with reduced pressures, Eq. (O6); outside : contradictions.Outside;
+    temperature, viscosity : ndarray, shape (n_c, n_a), T [K], low-shear mu_0 [Pa s];
+    pressure_law : piezoviscosity.PressureLaw;
+    ring_layer, splash : oil that the ring leaves above the skirt [m], and that is thrown below it
+    [m/s].
     """
 
     edges: Edges
-    lower: float
-    upper: float
+    outside: Outside
     temperature: Array
     viscosity: Array
     pressure_law: PressureLaw
     ring_layer: float
     splash: float
-    opening: float
 
 
 def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
@@ -60,17 +49,12 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     Raises
     ------
     cavitation.NotConverged
-        If the oil supply at an edge is impossible, `parameters.edge_faults`.
+        If the oil supply at an edge is impossible, `contradictions`.
     """
     p = parameters
     given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
-    sentences = edge_faults(p, given)
-    if p.oil_supply != "edges":
-        sentences += bore_faults(p, given)
-    if sentences:
+    if sentences := supply_faults(p, given):
         raise NotConverged("; ".join(sentences))
-    lower = given["pressure_lower_edge"] - p.cavitation_pressure
-    upper = given["pressure_upper_edge"] - p.cavitation_pressure
     _, n_axial = p.shape
     along = (np.arange(n_axial) + 0.5) / n_axial
     profile = (
@@ -82,23 +66,14 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     )
     viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
     law = p.oil.pressure_law(viscosity)
-    below = given["film_fraction_lower_edge"]
-    opening, entering = lower, below
-    if p.opening_supply == "own":
-        opening = given["pressure_openings"] - p.cavitation_pressure
-        entering = given["film_fraction_openings"]
-    # both ends of a sector are openings
-    pressure = np.array([lower, upper, opening, opening, opening])
-    fraction = np.array([below, given["film_fraction_upper_edge"], entering, entering, entering])
-    edges = Edges(reduced_at_edges(law, pressure), fraction, in_plenty(p.shape))
+    supply = supply_of(p, given)
+    outside = outside_of(supply)
     return Surroundings(
-        edges,
-        lower,
-        upper,
-        temperature,
+        edges_of(supply, outside, law, p.shape),
+        outside,
+        np.ascontiguousarray(temperature),
         viscosity,
         law,
         given["oil_ring_layer"],
         given["oil_splash"],
-        opening,
     )

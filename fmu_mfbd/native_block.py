@@ -6,11 +6,10 @@ Tables of single precision and whole numbers lie in it by their bits.
 
 from collections import namedtuple
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compiled, packed
 from .dynamics.assembly import mechanism
 from .dynamics.drive import Scalars
 from .dynamics.floating_frame import FlexibleBody
@@ -272,19 +271,6 @@ def place(memory, k):
 def count(memory, k):
     """One of `COUNTED`."""
     return int(part(memory, COUNTS)[k])
-
-
-def packed(kind: Any, *others: str):
-    """Kernels that keep the numbers of a named tuple in an array, (array, tuple), and that make it
-    of them again, (array, *others); `others` are its fields that are no numbers.
-    """
-    names = [name for name in kind._fields if name not in others]
-    given = "".join(f", {name}" for name in others)
-    stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
-    values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
-    scope = {"kind": kind}
-    exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
-    return compiled(scope["put"]), compiled(scope["made"])
 
 
 _, settings_from = packed(Settings)

@@ -45,6 +45,19 @@ def standing_for(kernel):
     return partial(StandIn, kernel=kernel)
 
 
+def packed(kind: Any, *others: str):
+    """Kernels that keep the numbers of a named tuple in an array, (array, tuple), and that make it
+    of them again, (array, *others); `others` are its fields that are no numbers.
+    """
+    names = [name for name in kind._fields if name not in others]
+    given = "".join(f", {name}" for name in others)
+    stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
+    values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
+    scope = {"kind": kind}
+    exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
+    return compiled(scope["put"]), compiled(scope["made"])
+
+
 class Kernel:
     """A function that is compiled at its first call; in the code of another kernel, and so to
     numba, it is its `dispatcher`.

@@ -217,7 +217,10 @@ def test_sector_has_the_supply_at_its_ends():
     "changes, words",
     [
         (dict(surface="skirt", sector_angle=2.0), "a skirt is a ring"),
-        (dict(surface="bearing", oil_supply="bore"), "oil_supply = bore on a bearing"),
+        (
+            dict(surface="bearing", oil_supply="bore"),
+            "oil_supply on a bearing: from the bore it is known for a skirt alone",
+        ),
         (
             dict(surface="bearing", flow_factors="patir_cheng_1978", roughness_rms=1e-6),
             "flow_factors = patir_cheng_1978 on a bearing",

@@ -19,7 +19,8 @@ from piston_cosim.fmu_ehd.slave import Ehd
 folder, changes = sys.argv[1], json.loads(sys.argv[2])
 grid = (6, 8)
 mask = np.array(json.loads(sys.argv[3]) or np.ones(grid), dtype=int)
-options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface="skirt")
+surface = sys.argv[4]
+options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface=surface)
 if not mask.all():
     options["mask"] = mask.tolist()
 open(folder + "/build.json", "w").write(json.dumps(options))
@@ -32,9 +33,12 @@ def give(time):
         velocity = velocity * (1.0 + 0.01 * np.arange(mask.size).reshape(grid))
         film[mask == 0] = 0.1
         velocity[mask == 0] = -1e3
+    around = 4.0 + 0.3 * velocity + 0.05 * np.arange(mask.size).reshape(grid)
     for one in (python, machine):
         one.views["film_thickness"][...] = film - 4e-6
         one.views["sliding_velocity"][...] = velocity
+        if surface == "bearing":
+            one.views["circumferential_velocity"][...] = around
 
 for name, value in changes.items():
     for one in (python, machine):
@@ -70,7 +74,7 @@ for k in range(1, 13):
     native.advance(*call)
     compare()
     iterations = max(iterations, int(machine.views["solver_iterations"]))
-    seeds = rng.standard_normal((2, *grid)) * [[[1e-6]], [[1.0]]]
+    seeds = rng.standard_normal((3, *grid)) * [[[1e-6]], [[1.0]], [[1.0]]]
     for name, seed in zip(python.derivative_inputs, seeds):
         machine.views["seed:" + name][...] = seed
     native.tangent(*call)
@@ -81,7 +85,8 @@ for k in range(1, 13):
 off = {name: e / largest.get(name, 1.0) for name, e in error.items() if e > 0.0}
 touched = float(python.views["contact_area_fraction"])
 emptiest = float(python.views["film_fraction"][mask == 1].min())
-print(json.dumps([off, iterations, emptiest, touched, largest["flow_openings"]]))
+from_openings = largest["flow_openings"], largest["oil_on_bore"]
+print(json.dumps([off, iterations, emptiest, touched, *from_openings]))
 """
 
 WINDOWS = [
@@ -109,6 +114,31 @@ ROUGH = dict(
     roughness_share_skirt=0.2,
 )
 COATED = dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6)
+ON_BORE = dict(
+    oil_supply="bore", initial_oil_layer=5e-6, initial_film_fraction=0.5, roughness_rms=3e-6
+)
+RING = dict(
+    oil_supply="bore_and_ring",
+    initial_oil_layer=4e-6,
+    oil_splash=1e-3,
+    chamfer_capacity=1e-8,
+    cavitation_pressure=-5e4,
+    pressure_lower_edge=-5e4,
+    pressure_upper_edge=-5e4,
+)
+
+
+def compared(changes, mask, surface, folder):
+    """What the script prints."""
+    given = [str(folder), json.dumps(changes), json.dumps(mask), surface]
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, *given],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize(
@@ -132,19 +162,38 @@ COATED = dict(coating_thickness=2e-5, coating_modulus=1e9, roughness_rms=3e-6)
         (dict(ROUGH, film_fraction_upper_edge=0.6), WINDOWS),
         (dict(COATED, film_fraction_lower_edge=0.7), None),
         (dict(COATED | ROELANDS | ROUGH, shear_thinning_law="carreau_1972"), WINDOWS),
+        (ON_BORE, None),
+        (RING, None),
+        (dict(ON_BORE, **ROUGH, coating_thickness=2e-5), WINDOWS),
     ],
 )
 def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
     """Twelve uneven steps of a film that ruptures, with tangents; also beside cut-outs."""
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path), json.dumps(changes), json.dumps(mask)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    off, iterations, emptiest, touched, from_openings, on_bore = compared(
+        changes, mask, "skirt", tmp_path
     )
-    assert done.returncode == 0, done.stderr
-    off, iterations, emptiest, touched, from_openings = json.loads(done.stdout)
     assert off == {}
+    assert bool(on_bore) == ("oil_supply" in changes)
     assert bool(from_openings) == bool(mask)
     assert iterations > 2 and emptiest < 0.9  # cells did switch, and the film ruptured
+    assert touched > 0.0 or "roughness_rms" not in changes
+
+
+@pytest.mark.parametrize(
+    "changes, mask",
+    [
+        (dict(film_fraction_lower_edge=0.6, initial_film_fraction=0.7), None),
+        (dict(FED, roughness_rms=4e-6, cavitation_pressure=-5e4), WINDOWS),
+        (dict(FED, roughness_rms=4e-6, sector_angle=2.5, cavitation_model="gumbel"), None),
+        (dict(COATED | ROELANDS, shear_thinning_law="cross_1965"), WINDOWS),
+    ],
+)
+def test_a_bearing_has_the_bits_of_the_model(changes, mask, tmp_path):
+    """Both velocities differ from cell to cell; a ring, a groove and holes, a sector."""
+    off, iterations, emptiest, touched, from_openings, _ = compared(
+        changes, mask, "bearing", tmp_path
+    )
+    assert off == {}
+    assert bool(from_openings) == ("opening_supply" in changes or bool(mask))
+    assert emptiest < 0.9 or "cavitation_model" in changes
     assert touched > 0.0 or "roughness_rms" not in changes

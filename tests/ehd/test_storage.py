@@ -137,7 +137,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     start, _ = model.start(*motored_film(SHAPE, 0.0))
     state, last, inflows, lengths, shares = start, 0.0, [], [], []
     for end in random_ends(0, 720):
-        length = begin(state.before, end - last).start.length
+        length = begin(state.memory.film, end - last).start.length
         lengths.append(length)
         shares.append((end - last - length) / state.step_before if state.step_before else 0.0)
         state, outputs = model.advance(state, *motored_film(SHAPE, end), end - last)

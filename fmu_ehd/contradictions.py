@@ -1,0 +1,178 @@
+"""What does not go together among parameters that are each in range, and what supplies a film.
+
+An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity at
+cavitation pressure: the model knows no gas at another pressure inside the film, and a higher one
+would press oil in as if the edge were flooded. With oil from the bore an edge is at cavitation
+pressure, and its film fraction follows from the layer. Oil on the bore, and flow between rough
+surfaces, are known for a skirt that slides along its bore alone. A sector has its supply at both
+ends, and no openings between.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compilable
+from .faults import (
+    CUT_OUTS_IN_A_SECTOR,
+    FACTORS_ON_A_BEARING,
+    FACTORS_WITHOUT_ROUGHNESS,
+    FROM_BORE_NOT_CONSERVING,
+    LOWER_BELOW_CAVITATION,
+    LOWER_FRACTION_FOLLOWS,
+    LOWER_NOT_AT_CAVITATION,
+    LOWER_PARTLY_FILLED,
+    OIL_ON_A_BEARING,
+    OPENINGS_BELOW_CAVITATION,
+    OPENINGS_FOLLOW,
+    OPENINGS_PARTLY_FILLED,
+    OPENINGS_WITHOUT_EFFECT,
+    SECTOR_OF_A_SKIRT,
+    UPPER_BELOW_CAVITATION,
+    UPPER_FRACTION_FOLLOWS,
+    UPPER_NOT_AT_CAVITATION,
+    UPPER_PARTLY_FILLED,
+    VISCOSITIES_REVERSED,
+    refuse,
+)
+from .grid import LOWER, UPPER, Array, Edges, in_plenty
+from .piezoviscosity import PressureLaw, reduced_at_edges
+
+FULL_TURN = 2.0 * np.pi
+
+
+class Supply(NamedTuple):
+    """Oil at the edges and in openings, by parameters and conditions: gauge pressures [Pa], film
+    fractions [-]; own : whether openings have a supply of their own; from_bore : whether oil comes
+    from the bore; conserving : whether the cavitation model conserves oil.
+    """
+
+    cavitation_pressure: float
+    pressure_lower_edge: float
+    pressure_upper_edge: float
+    pressure_openings: float
+    film_fraction_lower_edge: float
+    film_fraction_upper_edge: float
+    film_fraction_openings: float
+    own: bool
+    from_bore: bool
+    conserving: bool
+
+
+class Kind(NamedTuple):
+    """Of a film, whatever supplies it: whether it is a bearing's, has cut-outs, oil from the bore,
+    flow factors and an oil by two viscosities; numbers as in `parameters`.
+    """
+
+    bearing: bool
+    cut_outs: bool
+    from_bore: bool
+    factors: bool
+    two_point: bool
+    sector_angle: float
+    roughness_rms: float
+    viscosity_40: float
+    viscosity_100: float
+
+
+class Outside(NamedTuple):
+    """Pressures around a film: cavitation pressure p_c, and above it that at lower edge, upper
+    edge and openings [Pa].
+    """
+
+    cavitation: float
+    lower: float
+    upper: float
+    opening: float
+
+
+@compilable
+def outside_of(supply: Supply) -> Outside:
+    """Pressures around a film."""
+    least = supply.cavitation_pressure
+    lower = supply.pressure_lower_edge - least
+    opening = supply.pressure_openings - least if supply.own else lower
+    return Outside(least, lower, supply.pressure_upper_edge - least, opening)
+
+
+@compilable
+def edges_of(supply: Supply, outside: Outside, law: PressureLaw, shape: tuple[int, int]) -> Edges:
+    """Edges of a grid where oil is in plenty; both ends of a sector are openings."""
+    below = supply.film_fraction_lower_edge
+    pressure = np.full(5, outside.opening)
+    fraction = np.full(5, supply.film_fraction_openings if supply.own else below)
+    pressure[LOWER] = outside.lower
+    fraction[LOWER] = below
+    pressure[UPPER] = outside.upper
+    fraction[UPPER] = supply.film_fraction_upper_edge
+    return Edges(reduced_at_edges(law, pressure), fraction, in_plenty(shape))
+
+
+@compilable
+def _check_edge(
+    least: float, pressure: float, fraction: float, below: float, partly: float, faults: Array
+) -> None:
+    """Note what is wrong with an edge, as fault `below` or `partly`."""
+    if pressure < least:
+        refuse(faults, below, 0, 0, pressure, least, fraction)
+    elif fraction < 1.0 and pressure > least:
+        refuse(faults, partly, 0, 0, pressure, least, fraction)
+
+
+@compilable
+def _check_edge_on_bore(
+    least: float, pressure: float, fraction: float, apart: float, follows: float, faults: Array
+) -> None:
+    """The same where oil comes from the bore."""
+    if pressure != least:
+        refuse(faults, apart, 0, 0, pressure, least, 0.0)
+    if fraction != 1.0:
+        refuse(faults, follows, 0, 0, fraction, 0.0, 0.0)
+
+
+@compilable
+def check_supply(supply: Supply, faults: Array) -> None:
+    """Note what is wrong with the oil supply at the edges and in openings."""
+    least = supply.cavitation_pressure
+    lower = supply.pressure_lower_edge
+    filled_below = supply.film_fraction_lower_edge
+    upper = supply.pressure_upper_edge
+    filled_above = supply.film_fraction_upper_edge
+    _check_edge(least, lower, filled_below, LOWER_BELOW_CAVITATION, LOWER_PARTLY_FILLED, faults)
+    _check_edge(least, upper, filled_above, UPPER_BELOW_CAVITATION, UPPER_PARTLY_FILLED, faults)
+    pressure = supply.pressure_openings
+    fraction = supply.film_fraction_openings
+    if supply.own:
+        below = OPENINGS_BELOW_CAVITATION
+        _check_edge(least, pressure, fraction, below, OPENINGS_PARTLY_FILLED, faults)
+    elif fraction != 1.0 or pressure != 0.0:
+        refuse(faults, OPENINGS_WITHOUT_EFFECT, 0, 0, fraction, pressure, 0.0)
+    if not supply.from_bore:
+        return
+    apart = LOWER_NOT_AT_CAVITATION
+    _check_edge_on_bore(least, lower, filled_below, apart, LOWER_FRACTION_FOLLOWS, faults)
+    apart = UPPER_NOT_AT_CAVITATION
+    _check_edge_on_bore(least, upper, filled_above, apart, UPPER_FRACTION_FOLLOWS, faults)
+    if supply.own:
+        refuse(faults, OPENINGS_FOLLOW, 0, 0, 0.0, 0.0, 0.0)
+    if not supply.conserving:
+        refuse(faults, FROM_BORE_NOT_CONSERVING, 0, 0, 0.0, 0.0, 0.0)
+
+
+@compilable
+def check_kind(kind: Kind, faults: Array) -> None:
+    """Note what does not go together otherwise."""
+    sector = kind.sector_angle
+    part = sector < FULL_TURN
+    if part and not kind.bearing:
+        refuse(faults, SECTOR_OF_A_SKIRT, 0, 0, sector, 0.0, 0.0)
+    if kind.bearing and kind.from_bore:
+        refuse(faults, OIL_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
+    if kind.bearing and kind.factors:
+        refuse(faults, FACTORS_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
+    if kind.bearing and part and kind.cut_outs:
+        refuse(faults, CUT_OUTS_IN_A_SECTOR, 0, 0, sector, FULL_TURN, 0.0)
+    if kind.two_point and kind.viscosity_40 <= kind.viscosity_100:
+        refuse(faults, VISCOSITIES_REVERSED, 0, 0, kind.viscosity_40, kind.viscosity_100, 0.0)
+    if kind.factors and kind.roughness_rms <= 0.0:
+        refuse(faults, FACTORS_WITHOUT_ROUGHNESS, 0, 0, 0.0, 0.0, 0.0)

@@ -1,0 +1,713 @@
+"""A step of a film, once: Python runs it as written (`model`), a native FMU compiles it
+(`native_step`).
+
+A step is `begin`, `solve` and `end`, with what faults each has noted looked at in between; its
+derivatives are `linearise`, once, and `changes`, for any directions. What differs between a skirt
+and a bearing, and with oil on the bore, is said here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compilable, standing_for
+from . import (
+    cavitation,
+    circumferential,
+    coated_film,
+    coating,
+    film_step,
+    friction,
+    oil_layer,
+    reynolds,
+)
+from . import step_parts as parts
+from .circumferential import Changes, Turning, TurningSlopes
+from .coated_film import CoatedFilm, Layer, Pressed
+from .coating import Softness
+from .contact import contact_changes
+from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
+from .films import COUETTE, STORED, FilmSlopes
+from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
+from .friction import ForceSlopes, ShearInputs
+from .grid import LOWER, UPPER, Array, Edges, Entrainment, Flags, sum_of_products
+from .oil_layer import Bore, OilLayer, Passed
+from .piezoviscosity import TruePressure, raised, true_pressure
+from .reynolds import Filling
+from .sparse import LinearSolver
+from .surroundings import Surroundings
+from .transport import Lift
+
+# entrainment velocity in the frame of the grid, which rides on the skirt or rests on the shell of a
+# bearing, to the sliding velocity
+SHARE_OF_A_SKIRT = -0.5
+SHARE_OF_A_BEARING = 0.5
+
+NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
+
+
+class Fixed(NamedTuple):
+    """What stays of a film from step to step.
+
+    domain : film_step.Domain; surfaces : step_parts.Surfaces; laws : flow_film.FilmLaws;
+    bearing : whether it is a bearing's; share : of the sliding velocity that is entrainment [-];
+    radius : of the bore [m]; bore : oil_layer.Bore.
+    """
+
+    domain: Domain
+    surfaces: parts.Surfaces
+    laws: FilmLaws
+    bearing: bool
+    share: float
+    radius: float
+    bore: Bore
+
+
+class Memory(NamedTuple):
+    """All that a step needs from the past."""
+
+    film: parts.Before
+    totals: parts.Totals
+    layer: OilLayer
+
+
+class Inputs(NamedTuple):
+    """What a film is given at the end of a step.
+
+    hard_film : ndarray, shape (n_c, n_a), film thickness without the deflection of a coating [m];
+    velocity, turning : ndarray, shape (n_c, n_a), V and W, 0 on a skirt [m/s];
+    around : surroundings.Surroundings; length : of the step, H [s].
+    """
+
+    hard_film: Array
+    velocity: Array
+    turning: Array
+    around: Surroundings
+    length: float
+
+
+class Begun(NamedTuple):
+    """What a step starts from.
+
+    begin : step_parts.Begin; covered : oil_layer.OilLayer, the skirt moved on; edges : grid.Edges;
+    lift : transport.Lift; entrainment : grid.Entrainment, at the end of the step [m/s].
+    """
+
+    begin: parts.Begin
+    covered: OilLayer
+    edges: Edges
+    lift: Lift
+    entrainment: Entrainment
+
+
+class Solved(NamedTuple):
+    """Film of a step: deflection of the coating [m], flow_film.FlowFilm, film_step.FilmSolution."""
+
+    deflection: Array
+    flow: FlowFilm
+    solution: FilmSolution
+
+
+class Seen(NamedTuple):
+    """A film as its forces see it: deflection [m], flow_film.FlowFilm, piezoviscosity.TruePressure,
+    film fraction [-].
+    """
+
+    deflection: Array
+    flow: FlowFilm
+    under: TruePressure
+    fraction: Array
+
+
+class Acting(NamedTuple):
+    """Forces of a film: along the axis, circumferential ones of shape (n_c, n_a), 0 on a skirt [N],
+    and powers.
+    """
+
+    along: parts.Forces
+    around: Array
+    powers: parts.Powers
+
+
+class Fields(NamedTuple):
+    """Outputs of shape (n_c, n_a), `variables`; the last one of a bearing alone."""
+
+    nodal_pressure_force: Array
+    nodal_friction_force: Array
+    pressure: Array
+    asperity_pressure: Array
+    film_fraction: Array
+    nodal_circumferential_force: Array
+
+
+class Scalars(NamedTuple):
+    """Outputs that sum a film up, `variables`; those of both sides are a skirt's, the torque a
+    bearing's.
+    """
+
+    minimum_film_thickness: float
+    maximum_pressure: float
+    friction_force_hydrodynamic: float
+    friction_force_asperity: float
+    friction_power: float
+    boundary_friction_share: float
+    minimum_film_thickness_thrust_side: float
+    radial_force_thrust_side: float
+    friction_force_thrust_side: float
+    minimum_film_thickness_anti_thrust_side: float
+    radial_force_anti_thrust_side: float
+    friction_force_anti_thrust_side: float
+    flow_lower_edge: float
+    flow_upper_edge: float
+    stored_energy: float
+    energy_gain: float
+    flow_openings: float
+    oil_in_film: float
+    oil_on_bore: float
+    oil_supplied: float
+    mass_imbalance: float
+    contact_area_fraction: float
+    friction_torque: float
+
+
+class Ledger(NamedTuple):
+    """Of `Scalars` those that are none of the forces'; flows are (lower, upper, openings)."""
+
+    boundary_share: float
+    energy_gain: float
+    flows: tuple[float, float, float]
+    imbalance: float
+    oil_in_film: float
+
+
+class Last(NamedTuple):
+    """What the tangent needs of the last step.
+
+    film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
+    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : reynolds.Filling, that the
+    balance was solved with; edges : grid.Edges; length : H_e [s];
+    unknown, full, stencil : as in `film_step.FilmSolution`; shear : friction.ShearInputs;
+    pressure_slope, stress_slope : of `contact.Contact`; touching : whether any cell is in contact;
+    turning : circumferential.Turning.
+    """
+
+    film: Array
+    slopes: FilmSlopes
+    slopes_around: FilmSlopes
+    under: TruePressure
+    filling: Filling
+    edges: Edges
+    length: float
+    unknown: Array
+    full: Flags
+    stencil: Array
+    shear: ShearInputs
+    pressure_slope: Array
+    stress_slope: Array
+    touching: bool
+    turning: Turning
+
+
+class Ended(NamedTuple):
+    """What a step hands on; iterations : number of factorisations."""
+
+    memory: Memory
+    fields: Fields
+    scalars: Scalars
+    last: Last
+    iterations: int
+
+
+class Linear(NamedTuple):
+    """What every direction of a tangent shares.
+
+    stencil, stencil_around : ndarray, shape (2, 5, n_c, n_a), of the balance, `film_slopes`, the
+    velocity the axial and the circumferential one; that of a skirt of shape (0, 0, 0, 0);
+    film : friction.ForceSlopes; around : circumferential.TurningSlopes;
+    weight : ndarray, shape (n_c, n_a), c k of Eq. (L3) [m/Pa];
+    contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
+    the contact's forces to the film thickness of a cell and its neighbours, as of
+    `contact.Contact` [N/m].
+    What there is not is of shape (0, ..).
+    """
+
+    stencil: Array
+    stencil_around: Array
+    film: ForceSlopes
+    around: TurningSlopes
+    weight: Array
+    contact_pressure: Array
+    contact_shear: Array
+    contact_around: Array
+
+
+class Directions(NamedTuple):
+    """Changes of hard film [m], V and W [m/s], each ndarray of shape (m, n_c, n_a)."""
+
+    film: Array
+    velocity: Array
+    turning: Array
+
+
+# ---- solvers: dense blocks in kernels, any solver in Python
+
+
+@standing_for(film_step.solve)
+def solve_bare(given: Given, domain: Domain, solver: LinearSolver, faults: Array) -> FilmSolution:
+    """Film of hard surfaces."""
+    return film_step.run(film_step.solve, given, domain, solver, faults)
+
+
+@standing_for(coated_film.solve)
+def solve_coated(
+    pressed: Pressed,
+    layer: Layer,
+    given: Given,
+    domain: Domain,
+    solver: LinearSolver,
+    faults: Array,
+) -> CoatedFilm:
+    """Film under a coating that yields to the pressure."""
+    return film_step.run(coated_film.solve, pressed, layer, given, domain, solver, faults)
+
+
+# ---- forces
+
+
+@compilable
+def sheared_of(inputs: Inputs) -> Sheared:
+    """Oil that is sheared."""
+    around = inputs.around
+    return Sheared(inputs.velocity, inputs.turning, around.viscosity, around.temperature)
+
+
+@compilable
+def turning_of(fixed: Fixed, inputs: Inputs) -> Turning:
+    """What shear around the circumference knows."""
+    cells = fixed.domain.cells
+    return Turning(inputs.turning, inputs.around.outside.opening, cells.dx, cells.ring)
+
+
+@compilable
+def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting:
+    """Forces of a solved film; a fault is noted where they are not finite."""
+    outside = inputs.around.outside
+    film = parts.Film(
+        inputs.hard_film,
+        seen.deflection,
+        inputs.velocity,
+        inputs.turning,
+        raised(seen.flow.quantities, seen.under.ratio),
+        seen.under.pressure,
+        seen.fraction,
+        outside.lower,
+        outside.upper,
+    )
+    acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
+    if not fixed.bearing:
+        heat = acted.rubbing_power + acted.boundary_power
+        powers = parts.Powers(acted.summary.power, acted.boundary_power, heat)
+        return Acting(acted, inputs.turning, powers)
+    turning = turning_of(fixed, inputs)
+    around = circumferential.shear_forces(acted.shear, turning)
+    thickness = inputs.hard_film + seen.deflection  # Eq. (L2)
+    above = np.maximum(thickness, fixed.laws.minimum_flow_film)
+    powers = circumferential.powers(acted, around, turning, above)
+    return Acting(acted, around.viscous + around.boundary, powers)
+
+
+@compilable
+def fields_of(acting: Acting, fraction: Array) -> Fields:
+    """Outputs of each cell."""
+    acted = acting.along
+    return Fields(
+        acted.pressure,
+        acted.friction,
+        acted.absolute,
+        acted.contact.pressure,
+        fraction,
+        acting.around,
+    )
+
+
+@compilable
+def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) -> Scalars:
+    """Outputs that sum the film up."""
+    whole = acting.along.summary
+    lower, upper, openings = ledger.flows
+    on_bore = oil_layer.volume(fixed.bore, layer) if fixed.bore.supply.followed else 0.0
+    torque = 0.0
+    if fixed.bearing:
+        torque = fixed.radius * sum_of_products(acting.around, np.ones(acting.around.shape))
+    return Scalars(
+        min(whole.thinnest.thrust, whole.thinnest.anti_thrust),
+        whole.highest,
+        whole.hydrodynamic,
+        whole.asperity,
+        acting.powers.friction,
+        ledger.boundary_share,
+        whole.thinnest.thrust,
+        whole.radial.thrust,
+        whole.friction.thrust,
+        whole.thinnest.anti_thrust,
+        whole.radial.anti_thrust,
+        whole.friction.anti_thrust,
+        lower,
+        upper,
+        acting.along.stored,
+        ledger.energy_gain,
+        openings,
+        # the three terms of Eq. (T27)
+        ledger.oil_in_film,
+        on_bore,
+        layer.supplied,
+        ledger.imbalance,
+        whole.contact_area,
+        torque,
+    )
+
+
+# ---- start
+
+
+@compilable
+def start(
+    fixed: Fixed, inputs: Inputs, filled: float, layer: OilLayer, faults: Array
+) -> tuple[Memory, Fields, Scalars]:
+    """A full film, reduced pressure linear between the edges; or one filled in part, without
+    pressure.
+
+    Parameters
+    ----------
+    fixed : Fixed
+    inputs : Inputs
+        Its length unused.
+    filled : float
+        Film fraction [-].
+    layer : oil_layer.OilLayer
+        For a film without oil outside it.
+    faults : ndarray
+        `faults.refuse`: forces that are not finite.
+    """
+    shape = inputs.hard_film.shape
+    n_c, n_a = shape
+    lower = inputs.around.edges.pressure[LOWER]
+    upper = inputs.around.edges.pressure[UPPER]
+    unknown = np.full(shape, filled - 1.0)
+    pressure = np.zeros(shape)
+    if filled >= 1.0:
+        for i in range(n_c):
+            for j in range(n_a):
+                pressure[i, j] = lower + (upper - lower) * ((j + 0.5) / n_a)
+        unknown = pressure
+    fraction = np.full(shape, filled)
+    still = np.zeros(shape)
+    flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
+    under = true_pressure(inputs.around.pressure_law, pressure)
+    acting = acting_of(fixed, inputs, Seen(still, flow, under, fraction), faults)
+    film = flow.quantities
+    content = fraction * film[STORED]
+    no_flow = np.zeros((n_c, n_a + 1))
+    before = parts.Before(
+        unknown, unknown, content, still, still, still, film, film, no_flow, no_flow, 0.0
+    )
+    if fixed.bore.supply.followed:
+        layer = oil_layer.start(fixed.bore, inputs.velocity)
+    oil = sum_of_products(content, fixed.surfaces.area)
+    ledger = Ledger(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
+    totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
+    scalars = scalars_of(fixed, acting, ledger, layer)
+    return Memory(before, totals, layer), fields_of(acting, fraction), scalars
+
+
+# ---- a step
+
+
+@compilable
+def begin(fixed: Fixed, memory: Memory, inputs: Inputs, faults: Array) -> Begun:
+    """What a step starts from; a fault is noted where there is no film, or the skirt has gone too
+    far.
+    """
+    parts.check_film(inputs.hard_film, faults)
+    before = memory.film
+    layer = memory.layer
+    around = inputs.around
+    domain = fixed.domain
+    begun = parts.begin(before, inputs.length)
+    edges = around.edges
+    if fixed.bore.supply.followed:
+        bore = fixed.bore
+        layer = oil_layer.covered(
+            bore, layer, inputs.length, before.step, around.ring_layer, around.splash, faults
+        )
+        carried = oil_layer.inflow(bore, begun.pace.share * before.passed)
+        limit = oil_layer.limit(bore, layer, carried, begun.start.length)
+        edges = Edges(edges.pressure, edges.film_fraction, limit)
+    axial = fixed.share * inputs.velocity
+    if fixed.bearing:  # around it oil is carried on without a lift
+        lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
+        return Begun(begun, layer, edges, lift, Entrainment(fixed.share * inputs.turning, axial))
+    lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
+    return Begun(begun, layer, edges, lift, Entrainment(inputs.turning, axial))
+
+
+@compilable
+def solve(
+    fixed: Fixed,
+    memory: Memory,
+    inputs: Inputs,
+    begun: Begun,
+    solver: LinearSolver,
+    faults: Array,
+) -> Solved:
+    """Film of a step; a fault is noted where there is none."""
+    before = memory.film
+    nothing = np.zeros((0, 0))
+    unknown_yet = np.zeros((0, 0, 0))
+    sheared = sheared_of(inputs)
+    given = Given(
+        unknown_yet,
+        begun.entrainment,
+        begun.edges,
+        begun.begin.start,
+        begun.begin.guess,
+        Softness(unknown_yet, nothing, nothing),
+        begun.lift,
+    )
+    surfaces = fixed.surfaces
+    if surfaces.compliance > 0.0:
+        law = inputs.around.pressure_law
+        layer = Layer(surfaces.compliance, surfaces.contact, fixed.laws, law, fixed.share)
+        pressed = Pressed(inputs.hard_film, before.deflection, before.unknown, sheared)
+        found = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
+        return Solved(found.deflection, found.flow, found.solution)
+    flow = flow_film(inputs.hard_film, sheared, fixed.laws)
+    whole = Given(
+        flow.quantities,
+        given.entrainment,
+        given.edges,
+        given.start,
+        given.full,
+        given.softness,
+        given.lift,
+    )
+    return Solved(before.deflection, flow, solve_bare(whole, fixed.domain, solver, faults))
+
+
+@compilable
+def end(
+    fixed: Fixed, memory: Memory, inputs: Inputs, begun: Begun, solved: Solved, faults: Array
+) -> Ended:
+    """Forces of a step, and what it hands on; a fault is noted where they are not finite."""
+    before = memory.film
+    found = solved.solution
+    flow = solved.flow
+    domain = fixed.domain
+    length = inputs.length
+    under = true_pressure(inputs.around.pressure_law, found.pressure)
+    seen = Seen(solved.deflection, flow, under, found.film_fraction)
+    acting = acting_of(fixed, inputs, seen, faults)
+    acted = acting.along
+    axial = begun.entrainment.axial
+    went = parts.passage(before, begun.begin, found, axial, length, domain)
+    outside = inputs.around.outside
+    account = parts.account(
+        memory.totals, acted, acting.powers, found, went.passed, outside, length
+    )
+    layer = begun.covered
+    if fixed.bore.supply.followed:
+        bore = fixed.bore
+        spilled = begun.begin.pace.share * layer.spilled
+        if domain.has_openings:
+            spilled = spilled + begun.begin.start.length * found.spilled  # Eq. (T28)
+        passed = Passed(oil_layer.inflow(bore, went.passed), spilled)
+        gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
+        mean = oil_layer.mean_of(inputs.velocity)
+        layer = oil_layer.left(bore, layer, memory.layer, passed, gaps, mean, length)
+    flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
+    ledger = Ledger(
+        account.boundary_share, account.energy_gain, flows, found.mass_imbalance, account.oil
+    )
+    after = parts.Before(
+        found.unknown,
+        before.unknown,
+        found.content,
+        went.growth,
+        before.growth,
+        solved.deflection,
+        flow.quantities,
+        before.film,
+        went.passed,
+        went.travel,
+        length,
+    )
+    last = Last(
+        flow.quantities,
+        flow.slopes,
+        flow.slopes_around,
+        under,
+        solved_filling(found, domain.model),
+        begun.edges,
+        begun.begin.start.length,
+        found.unknown,
+        found.full,
+        found.stencil,
+        acted.shear,
+        acted.contact.pressure_slope,
+        acted.contact.shear_stress_slope,
+        acted.touching,
+        turning_of(fixed, inputs),
+    )
+    return Ended(
+        Memory(after, account.totals, layer),
+        fields_of(acting, found.film_fraction),
+        scalars_of(fixed, acting, ledger, layer),
+        last,
+        found.iterations,
+    )
+
+
+# ---- derivatives
+
+
+@compilable
+def balance_slopes(
+    fixed: Fixed, last: Last, slopes: FilmSlopes, around: float, along: float
+) -> Array:
+    """`film_step.film_slopes` of a step; around, along : derivatives of the entrainment velocities
+    to the velocity of `slopes`.
+    """
+    velocity = last.shear.velocity
+    axial = fixed.share * velocity
+    entrainment = Entrainment(last.turning.velocity, axial)
+    if fixed.bearing:
+        entrainment = Entrainment(fixed.share * last.turning.velocity, axial)
+    return film_slopes(
+        last.film,
+        slopes,
+        entrainment,
+        Entrainment(np.full(velocity.shape, around), np.full(velocity.shape, along)),
+        last.filling,
+        last.edges,
+        last.length,
+        fixed.domain,
+    )
+
+
+@compilable
+def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
+    """Derivatives of `raised` quantities."""
+    return FilmSlopes(raised(slopes.by_film, ratio), raised(slopes.by_velocity, ratio))
+
+
+@compilable
+def linearise(fixed: Fixed, last: Last) -> Linear:
+    """Derivatives of the last step that every direction shares."""
+    shear = last.shear
+    under = last.under
+    by_oil = fixed.surfaces.by_oil
+    shares = cavitation.shares(fixed.domain.model, last.unknown, last.full)
+    stencil = balance_slopes(fixed, last, last.slopes, 0.0, fixed.share)
+    none = np.zeros((0, 0))
+    no_stencil = np.zeros((0, 0, 0))
+    weight = none
+    if fixed.surfaces.compliance > 0.0:
+        compliance = fixed.surfaces.compliance
+        weight = compliance * coating.yielding(compliance, last.pressure_slope)
+    normal = no_stencil
+    along = no_stencil
+    across = no_stencil
+    if last.touching:
+        normal, along = parts.contact_slopes(shear, last.pressure_slope, last.stress_slope)
+    if not fixed.bearing:
+        film = parts.force_slopes(shear, last.film, last.slopes, shares, under, by_oil)
+        around = TurningSlopes(none, none, none, none, none, none, none, none)
+        return Linear(stencil, np.zeros((0, 0, 0, 0)), film, around, weight, normal, along, across)
+    turning = last.turning
+    by_pressure = np.zeros(last.unknown.shape)
+    if under.ratio.size > 0:
+        sheared = -shear.area * shear.shearing * turning.velocity * last.film[COUETTE]
+        by_pressure = sheared * under.slope
+    around = circumferential.force_slopes(
+        shear,
+        turning,
+        _raised_slopes(last.slopes, under.ratio),
+        _raised_slopes(last.slopes_around, under.ratio),
+        by_pressure,
+    )
+    if last.touching:
+        axial, tangential = circumferential.boundary_shares(shear, turning)
+        along = axial * last.stress_slope
+        across = tangential * last.stress_slope
+    viscous = ShearInputs(
+        shear.pressure,
+        shear.shearing,
+        shear.velocity,
+        shear.film,
+        np.zeros(last.unknown.shape),  # stands in `around`
+        shear.area,
+        shear.constants,
+    )
+    film = parts.force_slopes(viscous, last.film, last.slopes, shares, under, by_oil)
+    to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
+    return Linear(stencil, to_turning, film, around, weight, normal, along, across)
+
+
+@compilable
+def changes(
+    fixed: Fixed,
+    last: Last,
+    linear: Linear,
+    directions: Directions,
+    solver: LinearSolver,
+    right: Array,
+    forces: Array,
+) -> None:
+    """Changes of the forces at the end of the last step, its state at the beginning held.
+
+    Parameters
+    ----------
+    fixed : Fixed
+    last : Last
+    linear : Linear
+    directions : Directions
+    solver : sparse.LinearSolver or blocks.Factors
+        With the factorisation of the step.
+    right : ndarray, shape (m, n_c, n_a)
+        Room for the changes of the signed unknown.
+    forces : ndarray, shape (2, m, n_c, n_a), of a bearing (3, m, n_c, n_a)
+        Overwritten: changes of pressure, friction and circumferential force [N].
+    """
+    hard, velocity, turning = directions
+    still = np.zeros(hard.shape)
+    deflection = still
+    by_contact = still
+    moved = hard
+    coated = linear.weight.size > 0
+    if coated:
+        by_contact = contact_changes(last.pressure_slope, hard, still)
+        moved = coating.pushed(linear.weight, by_contact, hard)
+    reynolds.apply_stencils(linear.stencil, moved, velocity, right)
+    if fixed.bearing:
+        added = np.empty(hard.shape)
+        reynolds.apply_stencils(linear.stencil_around, still, turning, added)
+        right += added
+    unknown = solutions(solver, last.stencil, right)  # Eq. (E6)
+    film = hard
+    if coated:
+        share = linear.film.pressure_share
+        deflection = coating.deflection_changes(linear.weight, by_contact, share, unknown)
+        film = hard + deflection
+    friction.force_changes(linear.film, film, velocity, unknown, forces[NORMAL], forces[ALONG])
+    add = parts.add_contact_changes
+    if last.touching:
+        add(linear.contact_pressure, hard, deflection, forces[NORMAL])
+        add(linear.contact_shear, hard, deflection, forces[ALONG])
+    if not fixed.bearing:
+        return
+    of_all = Changes(film, velocity, turning, unknown)
+    circumferential.force_changes(
+        linear.around, linear.film, last.turning, of_all, forces[ALONG], forces[AROUND]
+    )
+    if last.touching:
+        add(linear.contact_around, hard, deflection, forces[AROUND])
