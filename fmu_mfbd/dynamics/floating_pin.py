@@ -8,6 +8,7 @@ a constraint to drift from. Plain numpy but for the piston's frame: seven equati
 two a shape, whatever the films' grids.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -41,13 +42,24 @@ BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
 x and y in space; its angle about +z [rad]."""
 
 COORDINATES = 7
-"""Without modes and shapes of the pin, which follow."""
+"""Without modes, shapes of the pin and others, which follow in blocks (`Bodies.blocks`)."""
 
 NO_MODES = np.zeros(0)
 """Modal coordinates or forces of a rigid piston."""
 
 PLAY = np.array([BOSS_X, BOSS_Y, EYE_X, EYE_Y])
 """Coordinates that films hold within a clearance."""
+
+
+@cache
+def _blocks(sizes: tuple[tuple[str, int], ...]) -> dict[str, slice]:
+    """Where each block of coordinates stands, from names and sizes in their order."""
+    blocks = {}
+    first = 0
+    for name, size in sizes:
+        blocks[name] = slice(first, first + size)
+        first += size
+    return blocks
 
 
 class Bodies(NamedTuple):
@@ -60,18 +72,35 @@ class Bodies(NamedTuple):
     spin_inertia: float
     shapes: AxisShapes = STRAIGHT
 
+    def blocks(self) -> dict[str, slice]:
+        """Where each block of coordinates stands; the one list of them."""
+        sizes = (
+            ("rigid", COORDINATES),
+            ("modes", len(self.piston.stiffness)),
+            ("shapes", 2 * len(self.shapes.mass)),
+        )
+        return _blocks(sizes)
+
+    def stacked(self, **parts: np.ndarray) -> np.ndarray:
+        """Rows of every block by its name, in the order of `blocks`."""
+        return np.concatenate([parts[name] for name in self.blocks()])
+
     def modal(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the piston's modes, (k,)."""
-        return coordinates[COORDINATES : COORDINATES + len(self.piston.stiffness)]
+        return coordinates[self.blocks()["modes"]]
 
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the pin's shapes, (n, 2)."""
-        first = COORDINATES + len(self.piston.stiffness)
-        return coordinates[first:].reshape(2, -1).T
+        return coordinates[self.blocks()["shapes"]].reshape(2, -1).T
 
     def size(self) -> int:
         """Number of coordinates."""
-        return COORDINATES + len(self.piston.stiffness) + 2 * len(self.shapes.mass)
+        return max(block.stop for block in self.blocks().values())
+
+    def held(self) -> np.ndarray:
+        """Those held so stiffly that a step sees none of their inertia: play and what yields."""
+        rigid = self.blocks()["rigid"]
+        return np.append(PLAY, np.arange(rigid.stop, self.size()))
 
 
 class PinFilms(NamedTuple):
@@ -232,7 +261,11 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
         above_eye - eye_y,
         bodies.spin_inertia * now.acceleration[SPIN] - on_pin,
     ]
-    residual = np.concatenate([rigid, force.modal - load.modal, _bending(bodies, now, films)])
+    residual = bodies.stacked(
+        rigid=np.array(rigid),
+        modes=force.modal - load.modal,
+        shapes=_bending(bodies, now, films),
+    )
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
     torque = above_eye * lever + link.rod_moment - films.eye.on_shell * at.rod.lever
@@ -295,7 +328,7 @@ def tangent(
     by_pin = np.array([unit[LATERAL] + unit[BOSS_X], high + unit[EYE_Y]])
     # A's acceleration in the body's axes, which turn, then the angle and the modes
     by_frame = at.axes.T @ by_piston - np.outer(across(at.axes.T @ at.piston), angle * c2)
-    rows = _frame_tangent(bodies.piston, at.frame, c1, c2) @ np.vstack([by_frame, angle, modes])
+    rows = _frame_tangent(bodies, at.frame, c1, c2) @ np.vstack([by_frame, angle, modes])
     on_piston = at.axes @ rows[:TURN]
     on_piston = on_piston + np.outer(across(at.axes @ [force.x, force.y]), angle * c2)
     slope_push = films.slope_push @ modes * c2 if len(films.slope_push) else 0.0
@@ -330,7 +363,7 @@ def tangent(
         lifting - in_eye[1],
         bodies.spin_inertia * unit[SPIN] + levers - slope_push,
     ]
-    return np.vstack([rigid, rows[FRAME:], bending])
+    return bodies.stacked(rigid=np.array(rigid), modes=rows[FRAME:], shapes=bending)
 
 
 def _bending_tangent(
@@ -351,7 +384,7 @@ def _bending_tangent(
     if not count:
         return lever, rows
     to_velocity, to_position = reach
-    own = np.arange(size - 2 * count, size)
+    own = np.arange(size)[bodies.blocks()["shapes"]]
     along_x, along_y = own.reshape(2, count)
     twice = (np.tile(one, 2) for one in (shapes.mass, shapes.damping, shapes.stiffness))
     mass, damping, stiffness = twice
@@ -369,16 +402,17 @@ def _bending_tangent(
 
 
 def _frame_tangent(
-    piston: FlexibleBody, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
+    bodies: Bodies, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
 ) -> np.ndarray:
     """Derivative of the frame's rows (Eqs. (D1) to (D3)) by A's acceleration in the body's axes,
     the angle and the modes, (3 + k, 3 + k); the integrator moves angle and modes each in its own
     way.
     """
+    piston = bodies.piston
     arrow = frame_arrow(piston, frame, c1[ROCKING], c2[ROCKING])
     if not len(frame.q):
         return arrow.top
-    of_modes = c1[COORDINATES], c2[COORDINATES]
+    of_modes = bodies.modal(c1)[0], bodies.modal(c2)[0]
     modal = frame_arrow(piston, frame, *of_modes)
     coupling = mode_coupling(piston, frame.alpha, frame.w, *of_modes)
     top = np.hstack([arrow.top[:, :FRAME], modal.top[:, FRAME:]])
@@ -386,6 +420,7 @@ def _frame_tangent(
 
 
 def pushed(
+    bodies: Bodies,
     at: Place,
     films: PinFilms,
     skirt: tuple[float, float, float],
@@ -395,6 +430,7 @@ def pushed(
 
     Parameters
     ----------
+    bodies : Bodies
     at : Place
     films : PinFilms
         Changes.
@@ -416,7 +452,7 @@ def pushed(
         -axial - eye_y,
         -films.bosses.on_pin - films.eye.on_pin,
     ]
-    return np.concatenate([rigid, -modal, -on_shapes(films).ravel()])
+    return bodies.stacked(rigid=np.array(rigid), modes=-modal, shapes=-on_shapes(films).ravel())
 
 
 def inertia(bodies: Bodies) -> np.ndarray:
@@ -438,7 +474,7 @@ def inertia(bodies: Bodies) -> np.ndarray:
     M = piston.mass * a.T @ a + coupled + coupled.T + bodies.mechanism.pin_mass * pin.T @ pin
     M[ROCKING, ROCKING] += piston.I0
     M[SPIN, SPIN] += bodies.spin_inertia
-    own = np.arange(len(M) - 2 * len(bodies.shapes.mass), len(M))
+    own = np.arange(len(M))[bodies.blocks()["shapes"]]
     M[own, own] += np.tile(bodies.shapes.mass, 2)
     return M + modes.T @ modes
 

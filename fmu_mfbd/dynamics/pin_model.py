@@ -30,11 +30,9 @@ from .energy import Ledger
 from .floating_pin import (
     BOSS_X,
     BOSS_Y,
-    COORDINATES,
     EYE_X,
     EYE_Y,
     NO_MODES,
-    PLAY,
     SPIN,
     Bodies,
     Lack,
@@ -188,8 +186,7 @@ class PistonOnFloatingPin(PistonInBore):
         self.grids = grids
         self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes)
         self.coordinates = self.bodies.size()
-        # what is held so stiffly that a step sees none of its inertia
-        self.held = np.append(PLAY, np.arange(COORDINATES, self.coordinates))
+        self.held = self.bodies.held()
         self.inertia = inertia(self.bodies)
         self.with_rod = inertia_with_rod(self.bodies)
 
@@ -436,7 +433,9 @@ class PistonOnFloatingPin(PistonInBore):
         on_pin = films.bosses.on_pin + films.eye.on_pin
         rocking = skirt.moment + films.bosses.on_shell
         rigid = [skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin]
-        return np.concatenate([rigid, modal, on_shapes(films).ravel()])
+        return self.bodies.stacked(
+            rigid=np.array(rigid), modes=modal, shapes=on_shapes(films).ravel()
+        )
 
     def _elastic(self, position: np.ndarray) -> float:
         """Energy of the piston's modes and of the pin's shapes [J]."""
@@ -574,7 +573,9 @@ class PistonOnFloatingPin(PistonInBore):
                 tangent(self.bodies, last.load, end, last.crank, last.films, *last.reach)
             )
             self.jacobian_evaluations += 1
-        acceleration = -self._linear @ pushed(at, films, changes, self._modal(skirt, pins))
+        acceleration = -self._linear @ pushed(
+            self.bodies, at, films, changes, self._modal(skirt, pins)
+        )
         # Eq. (D23)
         moved = Motion(
             last.reach.position * acceleration, last.reach.velocity * acceleration, acceleration
