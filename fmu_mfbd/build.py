@@ -18,6 +18,7 @@ from .dynamics.build_options import (
     BlockOptions,
     BoreGrid,
     BuildOptions,
+    CrankBearing,
     DampingBand,
     FilmGrid,
     FloatingPin,
@@ -94,6 +95,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         BlockOptions("", 0, bore_from_outside=bore_from_outside(build)),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        crank_bearings=crank_bearings(build),
         mounted=build.mounted,
         in_space=in_space_ahead(build),
     )
@@ -162,6 +164,7 @@ def prepare(
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
         floating_pin=pin,
+        crank_bearings=crank_bearings(build),
         mounted=build.mounted,
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
@@ -222,6 +225,12 @@ def floating_pin(build: Build) -> FloatingPin | None:
     if pin is None:
         return None
     return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length, pin_shapes=pin.pin_shapes)
+
+
+def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
+    """Films of the crank that a build table names."""
+    films = build.crank_films().items()
+    return tuple(CrankBearing(name, one.grid, one.length) for name, one in films)
 
 
 def boss_films(build: Build | Bodies) -> BossFilms | None:

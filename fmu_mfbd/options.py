@@ -10,7 +10,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
-from .geometry.pin import PIN_SURFACES
+from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
 
 Count = Annotated[int, Field(ge=4, le=400)]
@@ -377,6 +377,18 @@ class FloatingPin(BaseModel):
     """
 
 
+class CrankBearing(BaseModel):
+    """A film between crank and rod or block, beside those of a floating pin; a surface with a
+    bearing's fields.
+    """
+
+    model_config = STRICT
+    grid: tuple[Count, Count] = (72, 8)
+    """Cells around and along the shell."""
+    length: Annotated[Length, Field(gt=0)]
+    """Of the bearing along the crank."""
+
+
 class MotionInSpace(BaseModel):
     """A rigid piston that moves along its pin, rolls (about x) and yaws (about y) besides; what its
     data sheet has to say for it, about the centre of mass. A mesh says it itself.
@@ -427,6 +439,12 @@ class Common(BaseModel):
     """Films between pin, bosses and rod in place of a pin that is tied to the piston; the block is
     rigid beside it, and so is the piston without boss_modes.
     """
+    big_end: CrankBearing | None = None
+    """The rod turns on the crank pin in a film of its own, surface big_end; with floating_pin."""
+    main_bearing: CrankBearing | None = None
+    """The crank turns in the block in a film, surface main_bearing, and moves in it with a mass of
+    its own: one bearing that carries this cylinder; with floating_pin.
+    """
     motion_in_space: MotionInSpace | None = None
     """The piston moves along its tied pin, rolls and yaws besides; both bodies are rigid then.
     """
@@ -455,12 +473,22 @@ class Common(BaseModel):
             raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
         if self.floating_pin and self.mounted:
             raise ValueError("mounted: not with floating_pin, whose block stands still")
+        alone = [] if self.floating_pin else [*self.crank_films()]
+        if alone:
+            raise ValueError(
+                f"{', '.join(alone)}: needs floating_pin, a tied pin has no films but the skirt's"
+            )
         return self
+
+    def crank_films(self) -> dict[str, CrankBearing]:
+        """Those of the crank, by surface."""
+        given = {name: getattr(self, name) for name in CRANK_SURFACES}
+        return {name: one for name, one in given.items() if one}
 
     @model_validator(mode="after")
     def _apart(self):
         _, along = self.grid
-        taken = {*PIN_SURFACES} if self.floating_pin else set()
+        taken = {*PIN_SURFACES, *self.crank_films()} if self.floating_pin else set()
         below = 0
         for k, surface in enumerate(self.film_surfaces):
             first, last = surface.rows

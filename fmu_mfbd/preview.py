@@ -14,6 +14,7 @@ from ..master.fmi.preview import Figure, Preview
 from .build import (
     Tables,
     boss_films,
+    crank_bearings,
     film_surfaces,
     floating_pin,
     in_space_ahead,
@@ -21,7 +22,7 @@ from .build import (
 )
 from .dynamics.assembly import bore_shape, faults, pin_beam, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
-from .dynamics.parameters import AxisParameters, Parameters
+from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
@@ -114,6 +115,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),
         *_of_pin(prepared, piston, chosen),
+        *_of_crank(prepared, given),
         *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
@@ -255,6 +257,7 @@ def _prepared(build: Build, tables: Tables) -> BuildOptions:
         speed=tables.speed,
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        crank_bearings=crank_bearings(build),
         in_space=in_space_ahead(build),
     )
 
@@ -298,6 +301,19 @@ def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[F
         Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
     ]
     return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
+
+
+def _of_crank(prepared: BuildOptions, given: dict[str, Any]) -> list[Figure]:
+    """Lengths and radii of the crank's film surfaces."""
+    figures = []
+    for one in prepared.crank_bearings:
+        radius = f"{one.name}_radius"
+        chosen = given.get(radius, getattr(CRANK_PARAMETERS[one.name](), radius))
+        figures += [
+            Figure(one.name, f"{one.name}.skirt_length", one.length, "m"),
+            Figure(one.name, f"{one.name}.bore_radius", chosen, "m"),
+        ]
+    return figures
 
 
 def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisParameters | None:

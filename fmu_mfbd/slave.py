@@ -25,7 +25,13 @@ from .dynamics.model import (
     PistonInBore,
     State,
 )
-from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
+from .dynamics.parameters import (
+    CRANK_PARAMETERS,
+    AxisParameters,
+    Parameters,
+    PinParameters,
+    SpaceParameters,
+)
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
 from .reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, load
@@ -98,6 +104,11 @@ class Mfbd(FieldSlave):
         pin = options.floating_pin
         bosses = load(ReducedBosses, self.resources / pin.bosses) if pin and pin.bosses else None
         axis = None
+        crank = {
+            name: kind(**{one.name: values[one.name] for one in fields(kind)})
+            for name, kind in CRANK_PARAMETERS.items()
+            if name in options.crank_surfaces()
+        }
         if pin and pin.pin_shapes:
             axis = AxisParameters(**{one.name: values[one.name] for one in fields(AxisParameters)})
         wrong = faults(piston, block, options, parameters, bosses, axis)
@@ -105,7 +116,9 @@ class Mfbd(FieldSlave):
             raise BadInput(wrong)
         if pin:
             own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
-            self.model = assemble_floating(piston, block, options, parameters, own, bosses, axis)
+            self.model = assemble_floating(
+                piston, block, options, parameters, own, bosses, axis, crank
+            )
         elif options.in_space:
             own = SpaceParameters(**{one.name: values[one.name] for one in fields(SpaceParameters)})
             self.model = assemble_in_space(piston, block, options, parameters, own)

@@ -1,6 +1,6 @@
 """From reduced bodies and parameters to the model that runs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import pin_surface, relieved, shell_modes
+from ..geometry.pin import PinSurface, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
@@ -29,13 +29,28 @@ from ..reduction.reduced_body import (
     mode_classes,
 )
 from .bore_from_outside import outside_bore
-from .build_options import BlockOptions, BuildOptions, DampingBand, FloatingPin, PistonOptions
+from .build_options import (
+    BlockOptions,
+    BuildOptions,
+    CrankBearing,
+    DampingBand,
+    FloatingPin,
+    PistonOptions,
+)
 from .floating_frame import FlexibleBody
+from .floating_pin import RIGID_CRANK, Crankshaft
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
-from .parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
+from .parameters import (
+    AxisParameters,
+    BigEndParameters,
+    MainBearingParameters,
+    Parameters,
+    PinParameters,
+    SpaceParameters,
+)
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
@@ -53,6 +68,10 @@ short of the skirt's two radii.
 
 TURN = 721
 """Crank angles of a turn at which the skirt has to be in the bore."""
+
+
+CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
+"""Film surface of the crank -> its own parameters."""
 
 
 class PistonParts(NamedTuple):
@@ -136,9 +155,11 @@ def assemble_floating(
     pin: PinParameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
+    crank: CrankParameters | None = None,
 ) -> PistonOnFloatingPin:
     """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
-    flexible piston, `axis` the parameters of a pin with shapes, others as of `assemble`.
+    flexible piston, `axis` the parameters of a pin with shapes, `crank` those of each film of the
+    crank, others as of `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
@@ -147,12 +168,16 @@ def assemble_floating(
     shells = []
     if bosses:
         shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
-    films = list(zip_longest(clearances, grids, shells))
+    films = list(zip_longest(clearances, grids[: len(clearances)], shells))
     tied = assemble(piston, block, options, parameters)
+    crank = crank or {}
+    shaft = crankshaft(options, parameters, crank)
+    journals = tuple(journal_surface(one, crank) for one in options.crank_bearings)
     if axis is None:
         surfaces = tuple(pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
         solid = parameters.pin_mass * radius**2 / 2
-        return PistonOnFloatingPin(tied, surfaces, grids, pin.pin_inertia or solid)
+        spin = pin.pin_inertia or solid
+        return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, crank=shaft)
     beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
     rows = pin_rows(options.floating_pin, bosses)
     reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
@@ -168,7 +193,23 @@ def assemble_floating(
         parameters.rayleigh_stiffness_factor,
     )
     spin = pin.pin_inertia or beam.pin.spin_inertia()
-    return PistonOnFloatingPin(tied, surfaces, grids, spin, beam.shapes(own_damping))
+    shapes = beam.shapes(own_damping)
+    return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, shapes, shaft)
+
+
+def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
+    """The crank with the films that the build table gives it."""
+    main = crank.get("main_bearing")
+    if not isinstance(main, MainBearingParameters):
+        return RIGID_CRANK._replace(surfaces=options.crank_surfaces())
+    return Crankshaft(options.crank_surfaces(), main.crank_mass, parameters.crank_unbalance)
+
+
+def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface:
+    """Film surface of the crank."""
+    own = crank[bearing.name]
+    radius, clearance = (getattr(own, f"{bearing.name}_{size}") for size in ("radius", "clearance"))
+    return pin_surface(radius, clearance, bearing.grid)
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
@@ -344,6 +385,8 @@ def faults(
         out += floating_faults(piston, block, parameters, bosses)
         if axis:
             out += axis_faults(piston, options.floating_pin, parameters, bosses, axis)
+    if options.crank_bearings:
+        out += crank_faults(options, parameters)
     if options.in_space:
         out += space_faults(piston, block, parameters)
     height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
@@ -410,6 +453,16 @@ def floating_faults(
         given = getattr(parameters, name)
         if given not in (0.0, getattr(usual, name)):
             out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
+    return out
+
+
+def crank_faults(options: BuildOptions, parameters: Parameters) -> list[str]:
+    """Sentences about what does not go with films of the crank."""
+    films = " and ".join(options.crank_surfaces())
+    out = []
+    for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2")):
+        if not getattr(parameters, name):
+            out.append(f"{name} = 0 {unit}: must exceed 0 with a film in {films}")
     return out
 
 

@@ -126,6 +126,25 @@ class FloatingPin:
 
 
 @dataclass(frozen=True)
+class CrankBearing:
+    """A film of the crank.
+
+    Parameters
+    ----------
+    name : str
+        One of `CRANK_SURFACES`.
+    grid : (int, int)
+        Cells around and along the shell.
+    length : float
+        Along the crank's axis [m].
+    """
+
+    name: str
+    grid: tuple[int, int]
+    length: float
+
+
+@dataclass(frozen=True)
 class InSpace:
     """Inertia of a rigid piston that moves in space, beside that in its plane.
 
@@ -178,6 +197,8 @@ class BuildOptions:
         Whether the block moves as another participant says, and says what presses on it.
     in_space : InSpace, optional
         None: the piston moves in its plane.
+    crank_bearings : tuple of CrankBearing
+        Beside a floating pin, in the order of `CRANK_SURFACES`.
     """
 
     grid: tuple[int, int]
@@ -192,6 +213,7 @@ class BuildOptions:
     floating_pin: FloatingPin | None = None
     mounted: bool = False
     in_space: InSpace | None = None
+    crank_bearings: tuple[CrankBearing, ...] = ()
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """All film surfaces of the skirt, at least one."""
@@ -200,11 +222,20 @@ class BuildOptions:
         return self.surfaces or (SurfaceOptions(name, 0, along),)
 
     def pin_grids(self) -> tuple[FilmGrid, ...]:
-        """Names and shapes of the fields of a floating pin's surfaces; none where it is tied."""
+        """Names and shapes of the fields of a floating pin's surfaces and of the crank's; none
+        where it is tied.
+        """
         if self.floating_pin is None:
             return ()
         shape = self.floating_pin.grid
-        return tuple(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES)
+        return (
+            *(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES),
+            *(FilmGrid(f"{one.name}.", one.grid) for one in self.crank_bearings),
+        )
+
+    def crank_surfaces(self) -> tuple[str, ...]:
+        """Names of the crank's film surfaces."""
+        return tuple(one.name for one in self.crank_bearings)
 
     def film_grids(self) -> tuple[FilmGrid, ...]:
         """Names and shapes of the fields of the skirt's surfaces."""
@@ -230,6 +261,8 @@ class BuildOptions:
             del content["block"]["bore_from_outside"]
         if self.in_space is None:  # likewise of a piston in its plane
             del content["in_space"]
+        if not self.crank_bearings:  # likewise of a rod that hangs on the crank without play
+            del content["crank_bearings"]
         parts = {}
         if self.skirt is not None:
             parts = {
@@ -268,6 +301,10 @@ class BuildOptions:
             floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
             mounted=content.get("mounted", False),
             in_space=InSpace(**_arrays(space)) if space else None,
+            crank_bearings=tuple(
+                CrankBearing(one["name"], tuple(one["grid"]), one["length"])
+                for one in content.get("crank_bearings", ())
+            ),
         )
 
 

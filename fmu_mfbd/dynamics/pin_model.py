@@ -1,6 +1,6 @@
 """A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses, which may yield, and in the rod's eye. The pin is rigid or tilts and bends; rod and block
-are rigid.
+bosses, which may yield, and in the rod's eye, and those of the crank in rod and block where it has
+any. The pin is rigid or tilts and bends; rod, crank and block are rigid.
 """
 
 from typing import Any, NamedTuple
@@ -9,6 +9,9 @@ import numpy as np
 
 from ..geometry.film import FilmForces, NodalForces, film_now, opening, sliding
 from ..geometry.pin import (
+    CRANK_SURFACES,
+    PARALLEL,
+    PIN_SURFACES,
     Bent,
     PinForces,
     PinResultants,
@@ -33,8 +36,10 @@ from .floating_pin import (
     EYE_X,
     EYE_Y,
     NO_MODES,
+    RIGID_CRANK,
     SPIN,
     Bodies,
+    Crankshaft,
     Lack,
     PinFilms,
     eye_motion,
@@ -66,12 +71,15 @@ from .slider_crank import CrankMotion, height, motion, rod_turn
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
 
-BOSSES = 2
-"""Of the pin's films the first ones; the last one is that in the rod's eye."""
+*BOSSES, EYE = PIN_SURFACES
+BIG_END, MAIN_BEARING = CRANK_SURFACES
+
+STRAIGHT_JOURNAL = Bent(PARALLEL, PARALLEL)
+"""Those of the crank stay parallel to their shells."""
 
 
 class Shell(NamedTuple):
-    """Where the pin stands in a shell, and how both turn.
+    """Where the pin, or a journal of the crank, stands in a shell, and how both turn.
 
     Parameters
     ----------
@@ -131,9 +139,9 @@ class Solved(NamedTuple):
     guided : float
         Height at which the bore is read [m].
     shells : tuple of Shell
-        Bosses, eye.
+        Of every film of pin and crank.
     each : list of PinResultants
-        Of every film of the pin.
+        Likewise.
     films : PinFilms
         Together.
     lack : Lack
@@ -164,13 +172,16 @@ class PistonOnFloatingPin(PistonInBore):
     tied : PistonInBore
         The same without a pin of its own, no mode of it static, the block rigid.
     pins : tuple of PinSurface
-        In both bosses and in the rod's eye; the bosses with the piston's modes, if it has any.
+        In both bosses and in the rod's eye, then those of the crank; the bosses with the piston's
+        modes, if it has any.
     grids : tuple of FilmGrid
         Names and shapes of their fields.
     spin_inertia : float
         Of the pin about its axis [kg m2].
     shapes : AxisShapes
         In which it tilts and bends; `pins` have their values.
+    crank : Crankshaft
+        What of it has films.
     """
 
     def __init__(
@@ -180,11 +191,13 @@ class PistonOnFloatingPin(PistonInBore):
         grids: tuple[FilmGrid, ...],
         spin_inertia: float,
         shapes: AxisShapes = STRAIGHT,
+        crank: Crankshaft = RIGID_CRANK,
     ):
         vars(self).update(vars(tied))
         self.pins = pins
         self.grids = grids
-        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes)
+        self.surfaces = (*PIN_SURFACES, *crank.surfaces)
+        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes, crank)
         self.coordinates = self.bodies.size()
         self.held = self.bodies.held()
         self.inertia = inertia(self.bodies)
@@ -261,7 +274,7 @@ class PistonOnFloatingPin(PistonInBore):
             on_slopes += film.axial_force
             first = last
         driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
-        driven += solved.films.eye.on_shell * solved.shells[-1].own_turning
+        driven += self._along_crank(solved.films, crank, solved.shells[len(BOSSES)].own_turning)
         forces = self._forces(skirt, solved.films, self._modal(skirt, inputs.pins))
         ledger = self._ledger(before, kept, end, forces, c.step * driven)
         pin_x, pin_y = solved.lack.on_piston
@@ -287,7 +300,8 @@ class PistonOnFloatingPin(PistonInBore):
             pin_moment=solved.films.bosses.on_shell,
             torque=solved.lack.torque - on_slopes * guided.lever,
             pin_friction_power=-sum(
-                shell.turning * one.on_pin for shell, one in zip(solved.shells, solved.each)
+                shell.turning * one.on_pin
+                for shell, one, _ in zip(solved.shells, solved.each, PIN_SURFACES)
             ),
             work_error=np.array(errors),
             evaluations=solved.evaluations,
@@ -318,7 +332,7 @@ class PistonOnFloatingPin(PistonInBore):
             )
             shells = self._shells(end, crank)
             each = self._resultants(shells, forces, self.bodies.modal(end.position))
-            films = _together(each, slopes)
+            films = self._together(each, slopes)
             lack = imbalance(self.bodies, load, end, crank, films)
             slope = tangent(self.bodies, load, end, crank, films, *reach)
             step = np.linalg.solve(slope, lack.residual)
@@ -334,10 +348,10 @@ class PistonOnFloatingPin(PistonInBore):
         return Solved(reach, load, end, crank, 0.0, shells, each, films, lack, 0, change)
 
     def _shells(self, end: Motion, crank: CrankMotion) -> tuple[Shell, ...]:
-        """Of each film of the pin."""
+        """Of each film of pin and crank."""
         position = end.position
         velocity = end.velocity
-        eye = eye_motion(end)
+        eye = eye_motion(self.bodies, end)
         mechanism = self.bodies.mechanism
         rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
         aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
@@ -351,20 +365,44 @@ class PistonOnFloatingPin(PistonInBore):
             velocity[SPIN] - velocity[ROCKING],
             bent,
         )
+        in_rod = turned(rod_angle)
         small_end = Shell(
-            turned(rod_angle),
+            in_rod,
             position[EYE_X : EYE_Y + 1],
             velocity[EYE_X : EYE_Y + 1],
             rod.velocity,
             velocity[SPIN] - rod.velocity,
             bent,
         )
-        return (*[boss] * BOSSES, small_end)
+        turns = {
+            BIG_END: (in_rod, rod.velocity, crank.speed - rod.velocity),
+            MAIN_BEARING: (np.eye(2), 0.0, crank.speed),
+        }
+        of_crank = []
+        for name in self.bodies.crank.surfaces:
+            axes, own_turning, turning = turns[name]
+            place, moved = (self.bodies.play(name, one) for one in (position, velocity))
+            of_crank.append(Shell(axes, place, moved, own_turning, turning, STRAIGHT_JOURNAL))
+        return (*(boss for _ in BOSSES), small_end, *of_crank)
+
+    def _together(self, each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
+        """Films of both bosses as one, and the others by their names."""
+        found = dict(zip(self.surfaces, each))
+        parts = zip(*(found[name] for name in BOSSES))
+        force, on_pin, on_shell, on_axis = (sum(one) for one in parts)
+        both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
+        of_crank = {name: found[name] for name in self.bodies.crank.surfaces}
+        return PinFilms(both, found[EYE], slopes, **of_crank)
+
+    def _along_crank(self, films: PinFilms, crank: CrankMotion, rod_turning: float) -> float:
+        """Power of the films on what the crank drives [W]."""
+        on_crank = films.big_end.on_pin + films.main_bearing.on_pin
+        return films.on_rod() * rod_turning + on_crank * crank.speed
 
     def _resultants(
         self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], modal: np.ndarray
     ) -> list[PinResultants]:
-        """Of each film of the pin, the bosses yielding by their modal coordinates."""
+        """Of each film of pin and crank, the bosses yielding by their modal coordinates."""
         out = []
         for surface, one, shell in zip(self.pins, forces, shells):
             found = resultants_on(surface, one, shell.place, shell.axes, shell.bent.position)
@@ -398,7 +436,7 @@ class PistonOnFloatingPin(PistonInBore):
     ) -> tuple[Motion, np.ndarray, Reach]:
         """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
 
-        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, modes and shapes by Eq. (N8)
+        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, b, m, modes and shapes by Eq. (N8)
 
         Films hold the pin within its play, springs the modes that bend away from it: what inertia
         does there is over within microseconds, and a method that remembers it rings.
@@ -420,11 +458,16 @@ class PistonOnFloatingPin(PistonInBore):
 
     def _height(self, end: Motion, crank: CrankMotion) -> tuple[float, float]:
         """Height of A [m] and its velocity [m/s] (Eq. (K16))."""
-        eye = eye_motion(end)
+        eye = eye_motion(self.bodies, end)
         now = height(self.bodies.mechanism, eye.position, crank.angle)
         driven = now.slope * eye.velocity + now.lever * crank.speed
-        place, speed = (one[EYE_Y] - one[BOSS_Y] for one in (end.position, end.velocity))
+        place, speed = (self._lifted(one) for one in (end.position, end.velocity))
         return float(now.height + place), float(driven + speed)
+
+    def _lifted(self, coordinates: np.ndarray) -> float:
+        """By which play lifts A (Eqs. (K16), (K25)) [m], or its change."""
+        _, lifted = self.bodies.shift(coordinates)
+        return float(coordinates[EYE_Y] - coordinates[BOSS_Y] + lifted)
 
     def _forces(self, skirt: FilmForces, films: PinFilms, modal: np.ndarray) -> np.ndarray:
         """Generalised forces of all films, but for what they do along the driven motion,
@@ -434,7 +477,11 @@ class PistonOnFloatingPin(PistonInBore):
         rocking = skirt.moment + films.bosses.on_shell
         rigid = [skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin]
         return self.bodies.stacked(
-            rigid=np.array(rigid), modes=modal, shapes=on_shapes(films).ravel()
+            rigid=np.array(rigid),
+            modes=modal,
+            shapes=on_shapes(films).ravel(),
+            big_end=films.big_end.force,
+            main_bearing=films.main_bearing.force,
         )
 
     def _elastic(self, position: np.ndarray) -> float:
@@ -489,6 +536,7 @@ class PistonOnFloatingPin(PistonInBore):
         return (
             outputs
             | self._axis(position)
+            | self._of_crank(position)
             | {
                 "pin_displacement_x": position[BOSS_X],
                 "pin_displacement_y": position[BOSS_Y],
@@ -501,6 +549,22 @@ class PistonOnFloatingPin(PistonInBore):
                 "small_end_friction_moment": pin.films.eye.on_shell,
             }
         )
+
+    def _of_crank(self, position: np.ndarray) -> dict[str, Any]:
+        """Where the crank stands in its films, and what it does to rod and block."""
+        out = {}
+        for name in self.bodies.crank.surfaces:
+            film = getattr(self._pin.films, name)
+            x, y = self.bodies.play(name, position)
+            force_x, force_y = film.force
+            out |= {
+                f"{name}_displacement_x": x,
+                f"{name}_displacement_y": y,
+                f"{name}_force_x": -force_x,
+                f"{name}_force_y": -force_y,
+                f"{name}_friction_moment": film.on_shell,
+            }
+        return out
 
     def _axis(self, position: np.ndarray) -> dict[str, Any]:
         """How a pin with shapes tilts and bends."""
@@ -566,7 +630,7 @@ class PistonOnFloatingPin(PistonInBore):
             skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         )
         now = self.bodies.modal(end.position)
-        films = _together(self._resultants(last.shells, pins, now), NO_MODES)
+        films = self._together(self._resultants(last.shells, pins, now), NO_MODES)
         at = place_of(self.bodies, end, last.crank)
         if self._linear is None:
             self._linear = np.linalg.inv(
@@ -581,10 +645,10 @@ class PistonOnFloatingPin(PistonInBore):
             last.reach.position * acceleration, last.reach.velocity * acceleration, acceleration
         )
         place, speed, _ = moved
-        eye = eye_motion(moved)
-        link = motion(self.bodies.mechanism, eye_motion(end), last.crank)
+        eye = eye_motion(self.bodies, moved)
+        link = motion(self.bodies.mechanism, eye_motion(self.bodies, end), last.crank)
         rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
-        rising += speed[EYE_Y] - speed[BOSS_Y]
+        rising += self._lifted(speed)
         none = np.zeros(0)
         gaps = []
         velocities = []
@@ -601,32 +665,29 @@ class PistonOnFloatingPin(PistonInBore):
             "rocking_velocity": speed[ROCKING],
             "piston_velocity": rising,
         }
-        turn = place[ROCKING], at.rod.slope * eye.position
-        turning = (
-            speed[ROCKING],
+        rod = (
+            at.rod.slope * eye.position,
             at.rod.slope * eye.velocity + at.rod.velocity_slope * eye.position,
         )
-        ways = place[BOSS_X : BOSS_Y + 1], place[EYE_X : EYE_Y + 1]
+        boss = place[BOSS_X : BOSS_Y + 1], place[ROCKING], speed[SPIN] - speed[ROCKING]
+        in_rod, turning = rod
+        ways = dict.fromkeys(BOSSES, boss) | {
+            EYE: (place[EYE_X : EYE_Y + 1], in_rod, speed[SPIN] - turning),
+            BIG_END: (self.bodies.play(BIG_END, place), in_rod, -turning),
+            MAIN_BEARING: (self.bodies.play(MAIN_BEARING, place), 0.0, 0.0),
+        }
         for k, grid in enumerate(self.grids):
             surface = self.pins[k]
             shell = last.shells[k]
-            which = int(k >= BOSSES)
-            way = shell.axes.T @ (ways[which] - turn[which] * across(shell.place))
-            faster = surface.radius * (speed[SPIN] - turning[which])
+            moved_by, turn, spun = ways[self.surfaces[k]]
+            way = shell.axes.T @ (moved_by - turn * across(shell.place))
+            faster = surface.radius * spun
             gap = opening_of(surface, way) + yielded(surface, self.bodies.modal(place))
             if surface.axis is not None:
                 aside = self.bodies.bent(place)
-                gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn[which]))
+                gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn))
             out |= {
                 f"{grid.prefix}film_thickness": gap,
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
             }
         return out
-
-
-def _together(each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
-    """Films of both bosses as one, and that in the eye."""
-    *bosses, eye = each
-    force, on_pin, on_shell, on_axis = (sum(parts) for parts in zip(*bosses))
-    both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
-    return PinFilms(both, eye, slopes)
