@@ -28,7 +28,7 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
     `say` is told so.
 
     A film of the skirt is upright and as high as the piston; one of a boss moves with the piston;
-    that of the eye goes with the pin and turns with the rod, that of the big end goes with the crank
+    that of the eye goes with the pin and turns with the rod, that of the big end with the crank
     pin. A film of no piston rests.
     """
     found = []
