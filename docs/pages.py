@@ -32,6 +32,7 @@ TEXTS = {
     "models/data_sheet/README.md": "cases/data_sheet.md",
     "models/journal_bearing/README.md": "cases/journal_bearing.md",
     "models/floating_pin/README.md": "cases/floating_pin.md",
+    "models/crank_bearings/README.md": "cases/crank_bearings.md",
     "models/yielding_bosses/README.md": "cases/yielding_bosses.md",
     "models/twin/README.md": "cases/twin.md",
     "models/flexible_twin/README.md": "cases/flexible_twin.md",
