@@ -188,6 +188,19 @@ def test_journals_go_the_way_of_the_mobility_method_under_their_loads(tmp_path):
         assert thinnest[0] == pytest.approx(thinnest[1], rel=5e-2)
 
 
+@pytest.mark.slow
+def test_the_shipped_case_beside_the_mobility_method(tmp_path):
+    """The whole cycle. The run's films keep their oil and are fed by slots: within a tenth of the
+    clearance, thinnest films within 15 %.
+    """
+    tree = read_tree(PATH) | {"record": {"every": 100}, "pictures": []}
+    results = computed(tree, tmp_path / "shipped.h5")
+    for shown, orbit in orbits(results).values():
+        assert np.sqrt(np.mean((shown - orbit) ** 2) * 2) < 0.1
+        thinnest = [1 - np.linalg.norm(one, axis=1).max() for one in (shown, orbit)]
+        assert thinnest[0] == pytest.approx(thinnest[1], rel=0.15)
+
+
 @pytest.fixture(scope="module")
 def six(tmp_path_factory):
     """400 deg hold the firing."""
@@ -225,14 +238,15 @@ def test_gas_and_inertia_pass_through_all_bearings(six):
     np.testing.assert_allclose((big + main)[given], unbalanced[given] * -1, atol=2e-2 * scale)
 
 
-def test_a_film_that_keeps_its_oil_leaves_the_mobility_method_by_what_cavities_hold(six):
-    """The films as they are, with cavities that oil must fill again before it carries: a tenth of
-    the clearance from where pressure is but cut off, thinner by a quarter at the most.
+def test_films_that_keep_their_oil_stay_near_the_mobility_method(six):
+    """The films as they are, with cavities that oil must fill again before it carries, on 48 x 4
+    cells: an eighth of the clearance at the most from where pressure is but cut off, thinnest
+    within a tenth.
     """
     for shown, orbit in orbits(six).values():
-        assert np.sqrt(np.mean((shown - orbit) ** 2) * 2) < 0.12
+        assert np.sqrt(np.mean((shown - orbit) ** 2) * 2) < 0.125
         thinnest = [1 - np.linalg.norm(one, axis=1).max() for one in (shown, orbit)]
-        assert 0.7 < thinnest[0] / thinnest[1] < 1.05
+        assert thinnest[0] == pytest.approx(thinnest[1], rel=0.1)
 
 
 def test_what_the_films_take_the_bodies_give(six):
