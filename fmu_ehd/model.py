@@ -709,7 +709,8 @@ class LubricationModel:
             thickness = np.maximum(inputs.film_thickness, p.minimum_flow_film)
             carried = circumferential.carried_power(shear, turning, thickness)
             boundary_power -= float(np.vdot(around_forces.boundary, turning.velocity))
-            rubbing_power += circumferential.rubbing_power(shear, turning) + carried
+            # of what pressure carries half shears the journal back: what turns it is heat, Eq. (F8)
+            rubbing_power += circumferential.rubbing_power(shear, turning) + carried / 2
             power = power - float(np.vdot(turned, turning.velocity)) + carried  # Eq. (F8)
             outputs |= dict(
                 nodal_circumferential_force=turned,
