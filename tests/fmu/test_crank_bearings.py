@@ -179,7 +179,7 @@ def test_journals_go_the_way_of_the_mobility_method_under_their_loads(tmp_path):
     for name in CRANK:
         own = f"participants.{name}.parameters"
         changes += [(f"{own}.cavitation_model", "gumbel"), (f"{own}.roughness_rms", "0 um")]
-    results = computed(small(*changes, crank=(96, 6), stop="450 deg"), tmp_path / "cut.h5")
+    results = computed(small(*changes, crank=(96, 6), stop="410 deg"), tmp_path / "cut.h5")
     for shown, orbit in orbits(results).values():
         eccentricity = [np.linalg.norm(one, axis=1) for one in (shown, orbit)]
         assert eccentricity[0].max() > 0.9
