@@ -357,6 +357,32 @@ class FilmSurface(BaseModel):
         return rows
 
 
+class SmallEnd(BaseModel):
+    """A rod's eye that yields to its film: mesh origin on the eye's axis amid its length, the shank
+    towards -y; surfaces eye (the bore) and cut, where the rigid rod holds the shank.
+    """
+
+    model_config = STRICT
+    mesh: str
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
+    """What a length of 1 in the mesh file means."""
+    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
+    """The file's directions that are thrust (x), towards the head (y) and pin (z)."""
+    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    """Where this project's origin lies in the file."""
+    surfaces: dict[Literal["eye", "cut"], Surface] = {}
+    """Surfaces found by geometry that the file does not name: bore, plane."""
+    density: Annotated[Density, Field(ge=500, le=25000)]
+    """Of the material, for the inertia of the modes; mass and inertia of the rod are parameters."""
+    young: Annotated[Pressure, Field(ge=1e8, le=1e12)]
+    """Young's modulus."""
+    poisson: Annotated[Number, Field(ge=0, lt=0.5)]
+    """Poisson's ratio."""
+    modes: Annotated[int, Field(ge=0, le=200)] = 60
+    """How many; 0: rigid."""
+
+
 class FloatingPin(BaseModel):
     """A pin that turns and moves on films in both bosses and in the rod's eye, surfaces boss_left,
     boss_right and small_end, each with a bearing's fields; the skirt is the surface skirt then.
@@ -375,6 +401,8 @@ class FloatingPin(BaseModel):
     """In how many shapes the pin moves in its shells beside its shift: 0 none, it stays parallel to
     them; 1 it tilts; each further one is a way to bend.
     """
+    small_end: SmallEnd | None = None
+    """Mesh of the rod's eye, which yields to its film then; without it the eye is rigid."""
 
 
 class CrankBearing(BaseModel):
@@ -473,6 +501,13 @@ class Common(BaseModel):
             raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
         if self.floating_pin and self.mounted:
             raise ValueError("mounted: not with floating_pin, whose block stands still")
+        if self.floating_pin and (eye := self.floating_pin.small_end):
+            around, along = self.floating_pin.grid
+            if eye.modes > around * along - 2:
+                raise ValueError(
+                    f"floating_pin.small_end.modes = {eye.modes}: {around} x {along} cells give at "
+                    f"most {around * along - 2}"
+                )
         alone = [] if self.floating_pin else [*self.crank_films()]
         if alone:
             raise ValueError(
@@ -655,6 +690,8 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         faults += _faults_of_body("block", build.block, *ends, folder)
     if build.start:
         faults += _resolve(build, "start", f"start = {build.start!r}", folder)
+    if build.floating_pin and (eye := build.floating_pin.small_end):
+        faults += _resolve(eye, "mesh", f"floating_pin.small_end.mesh = {eye.mesh!r}", folder)
     for name, table in (("gas", build.gas), ("speed", build.speed)):
         if table and table.file:
             faults += _resolve(table, "file", f"{name}: {table.file!r}", folder)

@@ -28,6 +28,8 @@ def signals(options: BuildOptions) -> list[Variable]:
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
     if bending:
         answers = answers + axis_outputs()
+    if pins and options.floating_pin and options.floating_pin.small_end_modes:
+        answers = answers + eye_outputs(options.floating_pin.small_end_modes)
     answers = answers + [
         one for name in options.crank_surfaces() for one in crank_outputs(name, *OF_CRANK[name])
     ]
@@ -406,6 +408,29 @@ def axis_outputs() -> list[Variable]:
         output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
         output_variable("pin_bending_x", "m", f"{middle} x", 1e-5),
         output_variable("pin_bending_y", "m", f"{middle} y", 1e-5),
+    ]
+
+
+def eye_outputs(modes: int) -> list[Variable]:
+    """How a rod's eye yields."""
+    wider = "Change of the diameter of the rod's eye amid its length, "
+    return [
+        output_variable("small_end_widening_across", "m", f"{wider}across the rod", 1e-5),
+        output_variable("small_end_widening_along", "m", f"{wider}along the rod", 1e-5),
+        output_variable(
+            "small_end_modal_coordinate",
+            "1",
+            "Mass-normalised modal coordinates of the rod's eye [kg^(1/2) m]",
+            1e-6,
+            (modes,),
+        ),
+        output_variable(
+            "small_end_modal_velocity",
+            "1/s",
+            "Their derivatives in time [kg^(1/2) m/s]",
+            1e-2,
+            (modes,),
+        ),
     ]
 
 

@@ -10,7 +10,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import PinSurface, pin_surface, relieved, shell_modes
+from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
@@ -26,6 +26,7 @@ from ..reduction.reduced_body import (
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
+    ReducedSmallEnd,
     mode_classes,
 )
 from .bore_from_outside import outside_bore
@@ -38,7 +39,7 @@ from .build_options import (
     PistonOptions,
 )
 from .floating_frame import FlexibleBody
-from .floating_pin import RIGID_CRANK, Crankshaft
+from .floating_pin import RIGID_CRANK, RIGID_EYE, Crankshaft, EyeModes
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
@@ -156,18 +157,24 @@ def assemble_floating(
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
     crank: CrankParameters | None = None,
+    *,
+    small_end: ReducedSmallEnd | None = None,
 ) -> PistonOnFloatingPin:
     """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
     flexible piston, `axis` the parameters of a pin with shapes, `crank` those of each film of the
-    crank, others as of `assemble`.
+    crank, `small_end` an eye that yields, others as of `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
     clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
     grids = options.pin_grids()
-    shells = []
+    shells: list[ShellModes | None] = [None, None]
     if bosses:
         shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
+    eye = RIGID_EYE
+    if small_end:
+        shells.append(shell_modes(small_end.eye_outward, small_end.eye_onward))
+        eye = yielding_eye(small_end, options, parameters)
     films = list(zip_longest(clearances, grids[: len(clearances)], shells))
     tied = assemble(piston, block, options, parameters)
     crank = crank or {}
@@ -177,7 +184,7 @@ def assemble_floating(
         surfaces = tuple(pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
         solid = parameters.pin_mass * radius**2 / 2
         spin = pin.pin_inertia or solid
-        return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, crank=shaft)
+        return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, eye=eye, crank=shaft)
     beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
     rows = pin_rows(options.floating_pin, bosses)
     reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
@@ -194,7 +201,21 @@ def assemble_floating(
     )
     spin = pin.pin_inertia or beam.pin.spin_inertia()
     shapes = beam.shapes(own_damping)
-    return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, shapes, shaft)
+    return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, shapes, eye, crank=shaft)
+
+
+def yielding_eye(
+    small_end: ReducedSmallEnd, options: BuildOptions, parameters: Parameters
+) -> EyeModes:
+    """Modes of an eye that yields, damped as those of other bodies."""
+    omega = small_end.eye_omega
+    own = damping(
+        omega,
+        damping_bands(options, parameters),
+        parameters.rayleigh_mass_factor,
+        parameters.rayleigh_stiffness_factor,
+    )
+    return EyeModes(stiffness=omega**2, damping=own)
 
 
 def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
@@ -351,9 +372,10 @@ def faults(
     parameters: Parameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
+    small_end: ReducedSmallEnd | None = None,
 ) -> list[str]:
     """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
-    bore, a pin that is not its bosses'.
+    bore, a pin that is not its shells'.
     """
     crank_radius = parameters.crank_radius
     rod_length = parameters.rod_length
@@ -385,6 +407,8 @@ def faults(
         out += floating_faults(piston, block, parameters, bosses)
         if axis:
             out += axis_faults(piston, options.floating_pin, parameters, bosses, axis)
+        if small_end:
+            out += eye_faults(piston, parameters, small_end.eye_radius)
     if options.crank_bearings:
         out += crank_faults(options, parameters)
     if options.in_space:
@@ -408,7 +432,9 @@ def faults(
 
 
 PIN_TO_BOSS = 0.02
-"""How far the radius of a pin may lie beside that of the mesh's bosses, by it: our own choice."""
+"""How far the radius of a pin may lie beside that of bosses and eye in their meshes, by it: our own
+choice.
+"""
 
 
 @compilable
@@ -454,6 +480,17 @@ def floating_faults(
         if given not in (0.0, getattr(usual, name)):
             out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
     return out
+
+
+def eye_faults(piston: ReducedPiston, parameters: Parameters, eye_radius: float) -> list[str]:
+    """A sentence about a pin that is not its eye's, of radius `eye_radius` [m]."""
+    radius = pin_radius(piston.radius, parameters)
+    if abs(radius - eye_radius) <= PIN_TO_BOSS * eye_radius:
+        return []
+    return [
+        f"pin_radius: {1e3 * radius:.4g} mm lies more than {PIN_TO_BOSS:.0%} beside the radius of "
+        f"the eye in its mesh, {1e3 * eye_radius:.4g} mm"
+    ]
 
 
 def crank_faults(options: BuildOptions, parameters: Parameters) -> list[str]:

@@ -112,6 +112,9 @@ class FloatingPin:
         File of the piston's modes in its bosses, among the FMU's resources; "" of a rigid piston.
     pin_shapes : int
         In which the pin tilts and bends; 0: it stays parallel to its shells.
+    small_end : str
+        File of the modes of the rod's eye, among the FMU's resources; "" of a rigid eye.
+    small_end_modes : int
     """
 
     grid: tuple[int, int]
@@ -119,6 +122,8 @@ class FloatingPin:
     small_end_length: float
     bosses: str = ""
     pin_shapes: int = 0
+    small_end: str = ""
+    small_end_modes: int = 0
 
     def lengths(self) -> dict[str, float]:
         """Of each surface of `PIN_SURFACES` [m]."""
@@ -251,8 +256,8 @@ class BuildOptions:
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
         if self.floating_pin is None:
             del content["floating_pin"]
-        else:  # an FMU with rigid bosses or a pin without shapes stays the same file
-            for name in ("bosses", "pin_shapes"):
+        else:  # an FMU with rigid shells or a pin without shapes stays the same file
+            for name in ("bosses", "pin_shapes", "small_end", "small_end_modes"):
                 if not content["floating_pin"][name]:
                     del content["floating_pin"][name]
         if not self.mounted:  # an FMU with a block at rest stays the same file

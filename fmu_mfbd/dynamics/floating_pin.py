@@ -1,13 +1,19 @@
 """Equations of motion of a piston, its floating pin and its rod, in coordinates [x_A, rocking
 angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y), angle of the pin, modal
-coordinates of the piston, shapes of the pin's axis along x, along y, crank pin from the rod's big
-end (x, y), crank's journal from the main bearing (x, y)], the last two where they have films.
+coordinates of the piston, shapes of the pin's axis along x, along y, modal coordinates of the rod's
+eye, crank pin from the rod's big end (x, y), crank's journal from the main bearing (x, y)], the
+last two where they have films.
 
 Bosses and eye hold the pin by their films alone. Where the films are thin the pin moves by
 micrometres in them: relative coordinates keep these digits, and the rod stays on the crank without
 a constraint to drift from; with a film in its big end it has two coordinates more, and so has a
 crank on a film. Plain numpy but for the piston's frame: seven equations, one a mode, two a shape
 and two a film of the crank, whatever the films' grids.
+
+The eye's modes stand in the rod's axes and have the inertia of their own motion alone (Eq. (D40)):
+what they push the rod by and what its acceleration bends them by is left out. The eye's mass is
+the rod's already; what it weighs at 6700 m/s2 bends that of `yielding_bosses` by 0.9 um, a film
+under 25 kN by 20 to 60 (`tests/bench/small_end.py`).
 """
 
 from functools import cache
@@ -64,6 +70,25 @@ def _blocks(sizes: tuple[tuple[str, int], ...]) -> dict[str, slice]:
     return blocks
 
 
+class EyeModes(NamedTuple):
+    """By which the rod's eye yields: squares of their frequencies [rad2/s2], damping [rad/s], (m,).
+
+    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), all in the rod's axes
+    """
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+
+    def needed(self, now: Motion) -> np.ndarray:
+        """Forces that their motion needs of the film, (m,) [kg^-1/2 N]."""
+        # Eq. (D40)
+        return now.acceleration + self.damping * now.velocity + self.stiffness * now.position
+
+
+RIGID_EYE = EyeModes(np.zeros(0), np.zeros(0))
+"""Of a rigid eye."""
+
+
 class Crankshaft(NamedTuple):
     """The crank, where rod or block hold it by films.
 
@@ -88,13 +113,14 @@ RIGID_CRANK = Crankshaft()
 
 class Bodies(NamedTuple):
     """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2],
-    shapes of its axis, the crank.
+    shapes of its axis, modes of the rod's eye, the crank.
     """
 
     piston: FlexibleBody
     mechanism: Mechanism
     spin_inertia: float
     shapes: AxisShapes = STRAIGHT
+    eye: EyeModes = RIGID_EYE
     crank: Crankshaft = RIGID_CRANK
 
     def blocks(self) -> dict[str, slice]:
@@ -103,6 +129,7 @@ class Bodies(NamedTuple):
             ("rigid", COORDINATES),
             ("modes", len(self.piston.stiffness)),
             ("shapes", 2 * len(self.shapes.mass)),
+            ("eye", len(self.eye.stiffness)),
             *((name, 2) for name in self.crank.surfaces),
         )
         return _blocks(sizes)
@@ -132,6 +159,10 @@ class Bodies(NamedTuple):
         """Those of the pin's shapes, (n, 2)."""
         return coordinates[self.blocks()["shapes"]].reshape(2, -1).T
 
+    def in_eye(self, coordinates: np.ndarray) -> np.ndarray:
+        """Those of the eye's modes, (m,)."""
+        return coordinates[self.blocks()["eye"]]
+
     def size(self) -> int:
         """Number of coordinates."""
         return max(block.stop for block in self.blocks().values())
@@ -155,11 +186,17 @@ class PinFilms(NamedTuple):
     slope_push : ndarray, shape (k,)
         Moment of pressure on the pin, its opposite on the shell, by the slopes that each mode gives
         the bosses (Eq. (G5)) [kg^-1/2 N].
+    eye_slope_push : ndarray, shape (m,)
+        Likewise of the eye's modes.
+    on_eye : ndarray, shape (m,)
+        Forces on the eye's modes (Eq. (G6)) [kg^-1/2 N].
     """
 
     bosses: PinResultants
     eye: PinResultants
     slope_push: np.ndarray = NO_MODES
+    eye_slope_push: np.ndarray = NO_MODES
+    on_eye: np.ndarray = NO_MODES
     big_end: PinResultants = NO_FILM
     main_bearing: PinResultants = NO_FILM
 
@@ -307,6 +344,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
                 m:      -N + m_r G_x'' + m_c m_x'' + U u_x'' - O_x = 0
                         T + m_r G_y'' + m_c m_y'' + U u_y'' - O_y = 0
                 shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
+                eye:    Eq. (D40)
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y
@@ -361,6 +399,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
         rigid=np.array(rigid),
         modes=force.modal - load.modal,
         shapes=_bending(bodies, now, films),
+        eye=bodies.eye.needed(Motion(*(bodies.in_eye(one) for one in now))) - films.on_eye,
         big_end=at_big_end - films.big_end.force,
         main_bearing=thrown - at_big_end - films.main_bearing.force,
     )
@@ -440,6 +479,7 @@ def tangent(
     on_piston = on_piston + np.outer(across(at.axes @ [force.x, force.y]), angle * c2)
     slope_push = films.slope_push @ modes * c2 if len(films.slope_push) else 0.0
     rocking = rows[TURN] - c2[LATERAL] * load.guided * unit[LATERAL] + slope_push
+    in_eye_slope = films.eye_slope_push @ bodies.in_eye(unit) * c2 if len(films.on_eye) else 0.0
     on_pin = bodies.mechanism.pin_mass * by_pin
     lifting = on_piston[1] + on_pin[1]
     carried = bodies.mechanism.rod_centre * bodies.mechanism.rod_mass
@@ -448,6 +488,7 @@ def tangent(
     bent += link.rod_force_by_position + carried * link.curvature * shifting
     sideways = link.slope * lifting + link.rod_force_by_acceleration * eye
     sideways = sideways + link.rod_force_by_velocity * eye_velocity + bent * eye_position
+    sideways = sideways + rod.slope * in_eye_slope
     sideways = sideways + carried * (shift_x + link.slope * shift_y)
     at_big_end = np.array([sideways, -lifting]) - bodies.mechanism.rod_mass * by_rod
 
@@ -474,12 +515,14 @@ def tangent(
         -on_piston[1] - boss[1],
         -sideways - in_eye[0],
         lifting - in_eye[1],
-        bodies.spin_inertia * unit[SPIN] + levers - slope_push,
+        bodies.spin_inertia * unit[SPIN] + levers - slope_push - in_eye_slope,
     ]
+    of_eye = Motion(*(bodies.in_eye(one) for one in (c2, c1, np.ones_like(c1))))
     return bodies.stacked(
         rigid=np.array(rigid),
         modes=rows[FRAME:],
         shapes=bending,
+        eye=bodies.eye.needed(of_eye)[:, None] * bodies.in_eye(unit),
         big_end=at_big_end - in_big_end,
         main_bearing=thrown - at_big_end,
     )
@@ -576,6 +619,7 @@ def pushed(
         rigid=np.array(rigid),
         modes=-modal,
         shapes=-on_shapes(films).ravel(),
+        eye=-films.on_eye,
         big_end=at_big_end - films.big_end.force,
         main_bearing=-at_big_end - films.main_bearing.force,
     )
@@ -586,7 +630,7 @@ def inertia(bodies: Bodies) -> np.ndarray:
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
                                      bore as its big end, at rest without play in it; each shape
-                                     by its own mass
+                                     and the eye's modes by their own mass
 
     Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
     """
@@ -604,6 +648,8 @@ def inertia(bodies: Bodies) -> np.ndarray:
     M[SPIN, SPIN] += bodies.spin_inertia
     own = np.arange(len(M))[bodies.blocks()["shapes"]]
     M[own, own] += np.tile(bodies.shapes.mass, 2)
+    own = np.arange(len(M))[bodies.blocks()["eye"]]
+    M[own, own] += 1.0
     return M + modes.T @ modes
 
 

@@ -1,6 +1,6 @@
 """A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses, which may yield, and in the rod's eye, and those of the crank in rod and block where it has
-any. The pin is rigid or tilts and bends; rod, crank and block are rigid.
+bosses and in the rod's eye, which may yield, and those of the crank in rod and block where it has
+any. The pin is rigid or tilts and bends; crank, block and what else there is of the rod are rigid.
 """
 
 from typing import Any, NamedTuple
@@ -37,9 +37,11 @@ from .floating_pin import (
     EYE_Y,
     NO_MODES,
     RIGID_CRANK,
+    RIGID_EYE,
     SPIN,
     Bodies,
     Crankshaft,
+    EyeModes,
     Lack,
     PinFilms,
     eye_motion,
@@ -117,6 +119,16 @@ class Shell(NamedTuple):
         return (change - turn * np.column_stack([-position[:, 1], position[:, 0]])) @ self.axes
 
 
+class OnModes(NamedTuple):
+    """Moments on the pin by the slopes of all bosses and of the eye (Eq. (G5)), by modal
+    coordinate, and forces on the eye's modes (Eq. (G6)).
+    """
+
+    slope_push: np.ndarray
+    eye_slope_push: np.ndarray
+    on_eye: np.ndarray
+
+
 class Reach(NamedTuple):
     """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
     end of a step, shape (7 + k + 2 n,).
@@ -173,13 +185,15 @@ class PistonOnFloatingPin(PistonInBore):
         The same without a pin of its own, no mode of it static, the block rigid.
     pins : tuple of PinSurface
         In both bosses and in the rod's eye, then those of the crank; the bosses with the piston's
-        modes, if it has any.
+        modes, if it has any, the eye with its own.
     grids : tuple of FilmGrid
         Names and shapes of their fields.
     spin_inertia : float
         Of the pin about its axis [kg m2].
     shapes : AxisShapes
         In which it tilts and bends; `pins` have their values.
+    eye : EyeModes
+        Those of the rod's eye.
     crank : Crankshaft
         What of it has films.
     """
@@ -191,13 +205,15 @@ class PistonOnFloatingPin(PistonInBore):
         grids: tuple[FilmGrid, ...],
         spin_inertia: float,
         shapes: AxisShapes = STRAIGHT,
+        eye: EyeModes = RIGID_EYE,
         crank: Crankshaft = RIGID_CRANK,
     ):
         vars(self).update(vars(tied))
         self.pins = pins
         self.grids = grids
         self.surfaces = (*PIN_SURFACES, *crank.surfaces)
-        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes, crank)
+        mechanism = self.system.mechanism
+        self.bodies = Bodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
         self.coordinates = self.bodies.size()
         self.held = self.bodies.held()
         self.inertia = inertia(self.bodies)
@@ -323,7 +339,7 @@ class PistonOnFloatingPin(PistonInBore):
         predicted, begun = guess
         acceleration = begun.copy()
         change = np.inf
-        slopes = self._slope_push(forces)
+        fixed = self._on_modes(forces)
         for evaluation in range(1, PASSES + 1):
             end = Motion(
                 predicted.position + reach.position * acceleration,
@@ -331,8 +347,8 @@ class PistonOnFloatingPin(PistonInBore):
                 acceleration,
             )
             shells = self._shells(end, crank)
-            each = self._resultants(shells, forces, self.bodies.modal(end.position))
-            films = self._together(each, slopes)
+            each = self._resultants(shells, forces, end.position)
+            films = self._together(each, fixed)
             lack = imbalance(self.bodies, load, end, crank, films)
             slope = tangent(self.bodies, load, end, crank, films, *reach)
             step = np.linalg.solve(slope, lack.residual)
@@ -385,14 +401,14 @@ class PistonOnFloatingPin(PistonInBore):
             of_crank.append(Shell(axes, place, moved, own_turning, turning, STRAIGHT_JOURNAL))
         return (*(boss for _ in BOSSES), small_end, *of_crank)
 
-    def _together(self, each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
+    def _together(self, each: list[PinResultants], on_modes: OnModes) -> PinFilms:
         """Films of both bosses as one, and the others by their names."""
         found = dict(zip(self.surfaces, each))
         parts = zip(*(found[name] for name in BOSSES))
         force, on_pin, on_shell, on_axis = (sum(one) for one in parts)
         both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
         of_crank = {name: found[name] for name in self.bodies.crank.surfaces}
-        return PinFilms(both, found[EYE], slopes, **of_crank)
+        return PinFilms(both, found[EYE], *on_modes, **of_crank)
 
     def _along_crank(self, films: PinFilms, crank: CrankMotion, rod_turning: float) -> float:
         """Power of the films on what the crank drives [W]."""
@@ -400,33 +416,46 @@ class PistonOnFloatingPin(PistonInBore):
         return films.on_rod() * rod_turning + on_crank * crank.speed
 
     def _resultants(
-        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], modal: np.ndarray
+        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], position: np.ndarray
     ) -> list[PinResultants]:
-        """Of each film of pin and crank, the bosses yielding by their modal coordinates."""
+        """Of each film of pin and crank, shells yielding by the coordinates at `position`."""
         out = []
-        for surface, one, shell in zip(self.pins, forces, shells):
+        for k, (surface, one, shell) in enumerate(zip(self.pins, forces, shells)):
             found = resultants_on(surface, one, shell.place, shell.axes, shell.bent.position)
             if surface.modes is not None:
+                modal = self._modes_of(k, position)
                 found = found.with_slopes(float(slope_push(surface, one.pressure) @ modal))
             out.append(found)
         return out
 
-    def _slope_push(self, forces: tuple[PinForces, ...]) -> np.ndarray:
-        """Of all yielding bosses (Eq. (G5)), (k,)."""
-        return sum(
-            (
-                slope_push(surface, one.pressure)
-                for surface, one in zip(self.pins, forces)
-                if surface.modes is not None
+    def _modes_of(self, k: int, coordinates: np.ndarray) -> np.ndarray:
+        """Modal coordinates by which the shell of film k yields."""
+        of_shell = self.bodies.modal if self.surfaces[k] in BOSSES else self.bodies.in_eye
+        return of_shell(coordinates)
+
+    def _on_modes(self, forces: tuple[PinForces, ...]) -> OnModes:
+        """What the films do by the modes of their shells."""
+        at = len(BOSSES)
+        eye, in_eye = self.pins[at], forces[at]
+        yields = eye.modes is not None
+        return OnModes(
+            slope_push=sum(
+                (
+                    slope_push(surface, one.pressure)
+                    for surface, one in zip(self.pins[: len(BOSSES)], forces)
+                    if surface.modes is not None
+                ),
+                NO_MODES if not self.modes else np.zeros(self.modes),
             ),
-            NO_MODES if not self.modes else np.zeros(self.modes),
+            eye_slope_push=slope_push(eye, in_eye.pressure) if yields else NO_MODES,
+            on_eye=modal_push(eye, in_eye) if yields else NO_MODES,
         )
 
     def _modal(self, skirt: FilmForces, forces: tuple[PinForces, ...]) -> np.ndarray:
         """Forces of all films on the piston's modes, (k,)."""
         pushed_by = [
             modal_push(surface, one)
-            for surface, one in zip(self.pins, forces)
+            for surface, one in zip(self.pins[: len(BOSSES)], forces)
             if surface.modes is not None
         ]
         return sum(pushed_by, skirt.piston)
@@ -480,13 +509,15 @@ class PistonOnFloatingPin(PistonInBore):
             rigid=np.array(rigid),
             modes=modal,
             shapes=on_shapes(films).ravel(),
+            eye=films.on_eye,
             big_end=films.big_end.force,
             main_bearing=films.main_bearing.force,
         )
 
     def _elastic(self, position: np.ndarray) -> float:
-        """Energy of the piston's modes and of the pin's shapes [J]."""
+        """Energy of the modes of piston and eye and of the pin's shapes [J]."""
         stored = float(self.system.piston.stiffness @ self.bodies.modal(position) ** 2) / 2
+        stored += float(self.bodies.eye.stiffness @ self.bodies.in_eye(position) ** 2) / 2
         bent = self.bodies.bent(position)
         return stored + float((self.bodies.shapes.stiffness @ bent**2).sum()) / 2
 
@@ -517,7 +548,7 @@ class PistonOnFloatingPin(PistonInBore):
             surface = self.pins[k]
             shell = pin.shells[k]
             gap = surface.clearance + opening_of(surface, shell.own_place())
-            gap = gap + yielded(surface, self.bodies.modal(position))
+            gap = gap + yielded(surface, self._modes_of(k, position))
             if surface.axis is not None:
                 gap = gap + leaning(surface, shell.own_bent().position)
             outputs |= {
@@ -536,6 +567,7 @@ class PistonOnFloatingPin(PistonInBore):
         return (
             outputs
             | self._axis(position)
+            | self._eye(position, now.kept_velocity)
             | self._of_crank(position)
             | {
                 "pin_displacement_x": position[BOSS_X],
@@ -549,6 +581,20 @@ class PistonOnFloatingPin(PistonInBore):
                 "small_end_friction_moment": pin.films.eye.on_shell,
             }
         )
+
+    def _eye(self, position: np.ndarray, velocity: np.ndarray) -> dict[str, Any]:
+        """How an eye with modes yields."""
+        surface = self.pins[len(BOSSES)]
+        if surface.modes is None:
+            return {}
+        modal = self.bodies.in_eye(position)
+        wider = _diameters(yielded(surface, modal))
+        return {
+            "small_end_widening_across": wider[0],
+            "small_end_widening_along": wider[1],
+            "small_end_modal_coordinate": modal.copy(),
+            "small_end_modal_velocity": self.bodies.in_eye(velocity).copy(),
+        }
 
     def _of_crank(self, position: np.ndarray) -> dict[str, Any]:
         """Where the crank stands in its films, and what it does to rod and block."""
@@ -586,7 +632,7 @@ class PistonOnFloatingPin(PistonInBore):
         forces = self._pin_forces[k]
         surface = self.pins[k]
         end = self._pin.end
-        yielding = Yielding(*(self.bodies.modal(one) for one in (end.position, end.velocity)))
+        yielding = Yielding(*(self._modes_of(k, one) for one in (end.position, end.velocity)))
         place, velocity = shell.own_place(), shell.own_velocity()
         bent = shell.own_bent()
         power, size = grid_power(surface, forces, place, velocity, shell.turning, yielding, bent)
@@ -629,8 +675,8 @@ class PistonOnFloatingPin(PistonInBore):
             skirt.axial + rings.axial,
             skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         )
-        now = self.bodies.modal(end.position)
-        films = self._together(self._resultants(last.shells, pins, now), NO_MODES)
+        fixed = self._on_modes(pins)
+        films = self._together(self._resultants(last.shells, pins, end.position), fixed)
         at = place_of(self.bodies, end, last.crank)
         if self._linear is None:
             self._linear = np.linalg.inv(
@@ -682,7 +728,7 @@ class PistonOnFloatingPin(PistonInBore):
             moved_by, turn, spun = ways[self.surfaces[k]]
             way = shell.axes.T @ (moved_by - turn * across(shell.place))
             faster = surface.radius * spun
-            gap = opening_of(surface, way) + yielded(surface, self.bodies.modal(place))
+            gap = opening_of(surface, way) + yielded(surface, self._modes_of(k, place))
             if surface.axis is not None:
                 aside = self.bodies.bent(place)
                 gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn))
@@ -691,3 +737,17 @@ class PistonOnFloatingPin(PistonInBore):
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
             }
         return out
+
+
+def _diameters(opened: np.ndarray) -> tuple[float, float]:
+    """By how much a shell is wider along its own x and y, amid its length, from what it yields by,
+    (c, a).
+
+    Eq. (H13):  D(a) = u(a) + u(a + pi),   u linear between the grid's lines and rows
+    """
+    around, along = opened.shape
+    amid = (opened[:, (along - 1) // 2] + opened[:, along // 2]) / 2
+    lines = np.arange(around + 1) / around
+    at = np.interp([0.0, 0.25, 0.5, 0.75], lines, np.append(amid, amid[0]))
+    east, north, west, south = at.tolist()
+    return east + west, north + south  # Eq. (H13)

@@ -37,6 +37,7 @@ from .test_floating_pin import (
     options,
     yielding_bodies,
 )
+from .test_small_end import small_end
 
 BIG_END = BigEndParameters(big_end_radius=24e-3, big_end_clearance=25e-6)
 MAIN = MainBearingParameters(
@@ -59,12 +60,14 @@ def crank_options(names):
 def crank_model(names=("big_end", "main_bearing"), yielding=False, **changes):
     parameters = dataclasses.replace(PARAMETERS, crank_unbalance=UNBALANCE, **changes)
     piston, block = bodies()
-    bosses = None
+    bosses = eye = None
     if yielding:
         piston, block, bosses = yielding_bodies()
+        eye = small_end()
     own = {name: OWN[name] for name in names}
+    pin = PinParameters()
     return assemble_floating(
-        piston, block, crank_options(names), parameters, PinParameters(), bosses, crank=own
+        piston, block, crank_options(names), parameters, pin, bosses, crank=own, small_end=eye
     )
 
 
