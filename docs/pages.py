@@ -32,6 +32,7 @@ TEXTS = {
     "models/data_sheet/README.md": "cases/data_sheet.md",
     "models/journal_bearing/README.md": "cases/journal_bearing.md",
     "models/floating_pin/README.md": "cases/floating_pin.md",
+    "models/crank_bearings/README.md": "cases/crank_bearings.md",
     "models/yielding_bosses/README.md": "cases/yielding_bosses.md",
     "models/twin/README.md": "cases/twin.md",
     "models/flexible_twin/README.md": "cases/flexible_twin.md",
@@ -225,6 +226,7 @@ def parameters():
     from piston_cosim.fmu_ehd.variables import variables as of_film
     from piston_cosim.fmu_mfbd import variables as of_bodies
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
+    from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
 
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
@@ -233,8 +235,17 @@ def parameters():
     known = {variable.name for variable in skirt}
     bearing = [v for v in of_film(grid, surface="bearing") if v.name not in known]
     told = {variable.name for variable in bodies}
-    own = [*of_bodies.space_outputs(), *of_bodies.parameters(in_space=True)]
+    own = [*of_bodies.space_outputs(), *of_bodies.parameters(SpaceParameters)]
     space = [variable for variable in own if variable.name not in told]
+    of_crank = [
+        *(
+            one
+            for name, what in of_bodies.OF_CRANK.items()
+            for one in of_bodies.crank_outputs(name, *what)
+        ),
+        *of_bodies.parameters(*CRANK_PARAMETERS.values()),
+    ]
+    crank = [variable for variable in of_crank if variable.name not in told]
     heads = ("name", "causality", "unit", "start", "allowed", "meaning")
     lines = ["# Variables of the FMUs", "", "On 40 x 40 cells, 120 modes; values in SI.", ""]
     for title, rows in (
@@ -242,6 +253,7 @@ def parameters():
         ('Besides, of a bearing (`surface = "bearing"`)', bearing),
         ("Bodies, `fmu_mfbd`", bodies),
         ("Besides, of a piston in space (`motion_in_space`)", space),
+        ("Besides, of a crank on films (`big_end`, `main_bearing`)", crank),
     ):
         lines += [f"## {title}", "", *table(heads, map(row_of, rows))]
     return "\n".join(lines)

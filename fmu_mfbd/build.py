@@ -18,6 +18,7 @@ from .dynamics.build_options import (
     BlockOptions,
     BoreGrid,
     BuildOptions,
+    CrankBearing,
     DampingBand,
     FilmGrid,
     FloatingPin,
@@ -38,7 +39,7 @@ from .dynamics.tables import (
 from .finite_elements.mesh import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
-from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, Speed, read_options
+from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, SmallEnd, Speed, read_options
 from .reduction.bosses import BossFilms
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.mode_tables import mass_properties
@@ -49,10 +50,18 @@ from .reduction.reduced_body import (
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
+    ReducedSmallEnd,
     load,
     save,
 )
 from .reduction.rigid import rigid_block, rigid_piston
+from .reduction.small_end import (
+    EyeFilm,
+    cached_small_end,
+    read_small_end,
+    reduce_small_end,
+    small_end_body,
+)
 from .variables import inputs, parameters, signals
 
 Say = Callable[[str], None]
@@ -94,6 +103,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         BlockOptions("", 0, bore_from_outside=bore_from_outside(build)),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        crank_bearings=crank_bearings(build),
         mounted=build.mounted,
         in_space=in_space_ahead(build),
     )
@@ -119,7 +129,7 @@ def prepare(
     options : dict
         Becomes build.json; `BuildOptions.from_json` reads it.
     files : list of Path
-        Piston and block, to be copied into the FMU's resources.
+        Piston, block and what else yields, to be copied into the FMU's resources.
 
     Raises
     ------
@@ -138,6 +148,9 @@ def prepare(
     if pin and len(piston.omega):
         files.append(_carried("bosses", load(ReducedBosses, bodies["piston"])))
         pin = replace(pin, bosses=files[-1].name)
+    if pin and "small_end" in bodies:
+        files.append(bodies["small_end"])
+        pin = replace(pin, small_end=files[-1].name)
     if tables.start:
         try:
             check_modes(tables.start, len(piston.omega) + len(block.omega))
@@ -162,6 +175,7 @@ def prepare(
         skirt=_skirt(bodies["piston"]),
         surfaces=film_surfaces(build),
         floating_pin=pin,
+        crank_bearings=crank_bearings(build),
         mounted=build.mounted,
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
@@ -221,7 +235,28 @@ def floating_pin(build: Build) -> FloatingPin | None:
     pin = build.floating_pin
     if pin is None:
         return None
-    return FloatingPin(pin.grid, pin.boss_length, pin.small_end_length, pin_shapes=pin.pin_shapes)
+    film = eye_film(build)
+    return FloatingPin(
+        pin.grid,
+        pin.boss_length,
+        pin.small_end_length,
+        pin_shapes=pin.pin_shapes,
+        small_end_modes=film.modes if film else 0,
+    )
+
+
+def eye_film(build: Build | Bodies) -> EyeFilm | None:
+    """Film in a rod's eye that yields, if it does."""
+    pin = build.floating_pin
+    if pin is None or pin.small_end is None or not pin.small_end.modes:
+        return None
+    return EyeFilm(pin.grid, pin.small_end_length, pin.small_end.modes)
+
+
+def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
+    """Films of the crank that a build table names."""
+    films = build.crank_films().items()
+    return tuple(CrankBearing(name, one.grid, one.length) for name, one in films)
 
 
 def boss_films(build: Build | Bodies) -> BossFilms | None:
@@ -243,17 +278,21 @@ def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict
     Returns
     -------
     dict of str to Path
-        An .npz for each of piston and block: body and anatomy (`reduction.reduced_body`).
+        An .npz for each of piston and block: body and anatomy (`reduction.reduced_body`); a rod's
+        eye is none of them.
 
     Raises
     ------
     BadInput
     """
-    return _bodies(read_options(options, folder, Bodies), progress)
+    files = _bodies(read_options(options, folder, Bodies), progress)
+    return {name: path for name, path in files.items() if name != "small_end"}
 
 
 def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
-    """Paths of the bodies' .npz, by name; every fault of all of them in one message."""
+    """Paths of the bodies' .npz, by name, an eye that yields among them; every fault of all of them
+    in one message.
+    """
     faults = []
     files = {}
     for name, body in (("piston", build.piston), ("block", build.block)):
@@ -266,9 +305,40 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
             faults += error.faults
         except (ValueError, MemoryError) as error:
             faults.append(f"{name}: {error}")
+    film = eye_film(build)
+    if film and build.floating_pin and build.floating_pin.small_end:
+        try:
+            files["small_end"] = _small_end(build.floating_pin.small_end, film, progress)
+        except MeshFault as error:
+            faults += error.faults
+        except (ValueError, MemoryError) as error:
+            faults.append(f"small_end: {error}")
     if faults:
         raise BadInput(faults)
     return files
+
+
+def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
+    """Path of the reduced small end, made or found in the cache."""
+
+    def say(text):
+        progress(f"small_end: {text}")
+
+    def made() -> ReducedSmallEnd:
+        mesh = read_small_end(
+            options.mesh,
+            {name: surface.region() for name, surface in options.surfaces.items()},
+            options.mesh_unit,
+            options.axes,
+            options.origin,
+            say,
+        )
+        material = options.young, options.poisson, options.density
+        return reduce_small_end(small_end_body(mesh, material), film, say)
+
+    decided = options.model_dump(mode="json") | {"film": list(film)}
+    decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
+    return cached_small_end(decided, made, cache_folder("bodies"))
 
 
 def _training(

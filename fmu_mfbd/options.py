@@ -10,7 +10,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
 from .finite_elements.mesh import Bore, Cylinder, Plane, Region
-from .geometry.pin import PIN_SURFACES
+from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
 
 Count = Annotated[int, Field(ge=4, le=400)]
@@ -357,6 +357,32 @@ class FilmSurface(BaseModel):
         return rows
 
 
+class SmallEnd(BaseModel):
+    """A rod's eye that yields to its film: mesh origin on the eye's axis amid its length, the shank
+    towards -y; surfaces eye (the bore) and cut, where the rigid rod holds the shank.
+    """
+
+    model_config = STRICT
+    mesh: str
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
+    """What a length of 1 in the mesh file means."""
+    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
+    """The file's directions that are thrust (x), towards the head (y) and pin (z)."""
+    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    """Where this project's origin lies in the file."""
+    surfaces: dict[Literal["eye", "cut"], Surface] = {}
+    """Surfaces found by geometry that the file does not name: bore, plane."""
+    density: Annotated[Density, Field(ge=500, le=25000)]
+    """Of the material, for the inertia of the modes; mass and inertia of the rod are parameters."""
+    young: Annotated[Pressure, Field(ge=1e8, le=1e12)]
+    """Young's modulus."""
+    poisson: Annotated[Number, Field(ge=0, lt=0.5)]
+    """Poisson's ratio."""
+    modes: Annotated[int, Field(ge=0, le=200)] = 60
+    """How many; 0: rigid."""
+
+
 class FloatingPin(BaseModel):
     """A pin that turns and moves on films in both bosses and in the rod's eye, surfaces boss_left,
     boss_right and small_end, each with a bearing's fields; the skirt is the surface skirt then.
@@ -375,6 +401,20 @@ class FloatingPin(BaseModel):
     """In how many shapes the pin moves in its shells beside its shift: 0 none, it stays parallel to
     them; 1 it tilts; each further one is a way to bend.
     """
+    small_end: SmallEnd | None = None
+    """Mesh of the rod's eye, which yields to its film then; without it the eye is rigid."""
+
+
+class CrankBearing(BaseModel):
+    """A film between crank and rod or block, beside those of a floating pin; a surface with a
+    bearing's fields.
+    """
+
+    model_config = STRICT
+    grid: tuple[Count, Count] = (72, 8)
+    """Cells around and along the shell."""
+    length: Annotated[Length, Field(gt=0)]
+    """Of the bearing along the crank."""
 
 
 class MotionInSpace(BaseModel):
@@ -427,6 +467,12 @@ class Common(BaseModel):
     """Films between pin, bosses and rod in place of a pin that is tied to the piston; the block is
     rigid beside it, and so is the piston without boss_modes.
     """
+    big_end: CrankBearing | None = None
+    """The rod turns on the crank pin in a film of its own, surface big_end; with floating_pin."""
+    main_bearing: CrankBearing | None = None
+    """The crank turns in the block in a film, surface main_bearing, and moves in it with a mass of
+    its own: one bearing that carries this cylinder; with floating_pin.
+    """
     motion_in_space: MotionInSpace | None = None
     """The piston moves along its tied pin, rolls and yaws besides; both bodies are rigid then.
     """
@@ -455,12 +501,29 @@ class Common(BaseModel):
             raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
         if self.floating_pin and self.mounted:
             raise ValueError("mounted: not with floating_pin, whose block stands still")
+        if self.floating_pin and (eye := self.floating_pin.small_end):
+            around, along = self.floating_pin.grid
+            if eye.modes > around * along - 2:
+                raise ValueError(
+                    f"floating_pin.small_end.modes = {eye.modes}: {around} x {along} cells give at "
+                    f"most {around * along - 2}"
+                )
+        alone = [] if self.floating_pin else [*self.crank_films()]
+        if alone:
+            raise ValueError(
+                f"{', '.join(alone)}: needs floating_pin, a tied pin has no films but the skirt's"
+            )
         return self
+
+    def crank_films(self) -> dict[str, CrankBearing]:
+        """Those of the crank, by surface."""
+        given = {name: getattr(self, name) for name in CRANK_SURFACES}
+        return {name: one for name, one in given.items() if one}
 
     @model_validator(mode="after")
     def _apart(self):
         _, along = self.grid
-        taken = {*PIN_SURFACES} if self.floating_pin else set()
+        taken = {*PIN_SURFACES, *self.crank_films()} if self.floating_pin else set()
         below = 0
         for k, surface in enumerate(self.film_surfaces):
             first, last = surface.rows
@@ -627,6 +690,8 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         faults += _faults_of_body("block", build.block, *ends, folder)
     if build.start:
         faults += _resolve(build, "start", f"start = {build.start!r}", folder)
+    if build.floating_pin and (eye := build.floating_pin.small_end):
+        faults += _resolve(eye, "mesh", f"floating_pin.small_end.mesh = {eye.mesh!r}", folder)
     for name, table in (("gas", build.gas), ("speed", build.speed)):
         if table and table.file:
             faults += _resolve(table, "file", f"{name}: {table.file!r}", folder)

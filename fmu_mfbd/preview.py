@@ -14,14 +14,16 @@ from ..master.fmi.preview import Figure, Preview
 from .build import (
     Tables,
     boss_films,
+    crank_bearings,
+    eye_film,
     film_surfaces,
     floating_pin,
     in_space_ahead,
     read_tables,
 )
-from .dynamics.assembly import bore_shape, faults, pin_beam, pin_radius, skirt_gap
+from .dynamics.assembly import bore_shape, eye_faults, faults, pin_beam, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
-from .dynamics.parameters import AxisParameters, Parameters
+from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
@@ -35,6 +37,7 @@ from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
 from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
 from .reduction.rigid import rigid_block, rigid_piston
+from .reduction.small_end import eye_shell, read_small_end
 
 MISFIT = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
@@ -63,6 +66,13 @@ class Sized(NamedTuple):
     body: Any
     skirt: np.ndarray | None
     nodes: int
+
+
+class Eye(NamedTuple):
+    """A rod's eye that yields: radius of its bore [m], and what is to be said of it."""
+
+    radius: float
+    figures: list[Figure]
 
 
 class MassProperties(NamedTuple):
@@ -108,13 +118,17 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         return Preview(faults=wrong)
     prepared = _prepared(build, tables)
     axis = _axis(prepared, given, build)
+    eye = _eye(build, wrong, remarks)
     if None not in parameters.values():
         wrong += faults(piston.body, block.body, prepared, chosen, axis=axis)
+        wrong += eye_faults(piston.body, chosen, eye.radius) if eye else []
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),
         *_of_pin(prepared, piston, chosen),
+        *_of_crank(prepared, given),
         *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
+        *(eye.figures if eye else ()),
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
@@ -137,6 +151,32 @@ def _tried(
     except (ValueError, MemoryError) as error:
         wrong.append(str(error))
     return None
+
+
+def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
+    """The mesh of a rod's eye, if it yields and can be read."""
+    film = eye_film(build)
+    if not film:
+        return None
+    assert build.floating_pin and build.floating_pin.small_end
+    options = build.floating_pin.small_end
+    regions = {name: surface.region() for name, surface in options.surfaces.items()}
+    placed = options.mesh_unit, options.axes, options.origin
+    try:
+        mesh = read_small_end(options.mesh, regions, *placed, remarks.append)
+        radius = eye_shell(mesh, film).radius
+    except MeshFault as error:
+        wrong += error.faults
+        return None
+    mass = mass_properties(mesh, options.density).mass
+    source = f"of {len(mesh.points)} nodes, from the shank's cut on"
+    return Eye(
+        radius,
+        [
+            Figure("small_end", "mass", mass, "kg", source),
+            Figure("modes", "small_end_modes", options.modes, "1", "pressure_modes"),
+        ],
+    )
 
 
 def _piston(build: Build, remarks: list[str]) -> Sized:
@@ -255,6 +295,7 @@ def _prepared(build: Build, tables: Tables) -> BuildOptions:
         speed=tables.speed,
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
+        crank_bearings=crank_bearings(build),
         in_space=in_space_ahead(build),
     )
 
@@ -298,6 +339,19 @@ def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[F
         Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
     ]
     return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
+
+
+def _of_crank(prepared: BuildOptions, given: dict[str, Any]) -> list[Figure]:
+    """Lengths and radii of the crank's film surfaces."""
+    figures = []
+    for one in prepared.crank_bearings:
+        radius = f"{one.name}_radius"
+        chosen = given.get(radius, getattr(CRANK_PARAMETERS[one.name](), radius))
+        figures += [
+            Figure(one.name, f"{one.name}.skirt_length", one.length, "m"),
+            Figure(one.name, f"{one.name}.bore_radius", chosen, "m"),
+        ]
+    return figures
 
 
 def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisParameters | None:

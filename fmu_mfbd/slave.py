@@ -25,10 +25,22 @@ from .dynamics.model import (
     PistonInBore,
     State,
 )
-from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
+from .dynamics.parameters import (
+    CRANK_PARAMETERS,
+    AxisParameters,
+    Parameters,
+    PinParameters,
+    SpaceParameters,
+)
 from .dynamics.pin_model import PistonOnFloatingPin
 from .geometry.pin import PinForces
-from .reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, load
+from .reduction.reduced_body import (
+    ReducedBlock,
+    ReducedBosses,
+    ReducedPiston,
+    ReducedSmallEnd,
+    load,
+)
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
@@ -97,15 +109,25 @@ class Mfbd(FieldSlave):
         block = load(ReducedBlock, self.resources / options.block.file)
         pin = options.floating_pin
         bosses = load(ReducedBosses, self.resources / pin.bosses) if pin and pin.bosses else None
+        eye = (
+            load(ReducedSmallEnd, self.resources / pin.small_end) if pin and pin.small_end else None
+        )
         axis = None
+        crank = {
+            name: kind(**{one.name: values[one.name] for one in fields(kind)})
+            for name, kind in CRANK_PARAMETERS.items()
+            if name in options.crank_surfaces()
+        }
         if pin and pin.pin_shapes:
             axis = AxisParameters(**{one.name: values[one.name] for one in fields(AxisParameters)})
-        wrong = faults(piston, block, options, parameters, bosses, axis)
+        wrong = faults(piston, block, options, parameters, bosses, axis, eye)
         if wrong:
             raise BadInput(wrong)
         if pin:
             own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
-            self.model = assemble_floating(piston, block, options, parameters, own, bosses, axis)
+            self.model = assemble_floating(
+                piston, block, options, parameters, own, bosses, axis, crank, small_end=eye
+            )
         elif options.in_space:
             own = SpaceParameters(**{one.name: values[one.name] for one in fields(SpaceParameters)})
             self.model = assemble_in_space(piston, block, options, parameters, own)

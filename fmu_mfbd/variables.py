@@ -5,7 +5,13 @@ from math import pi
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
-from .dynamics.parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
+from .dynamics.parameters import (
+    CRANK_PARAMETERS,
+    AxisParameters,
+    Parameters,
+    PinParameters,
+    SpaceParameters,
+)
 
 
 def variables(options: BuildOptions) -> list[Variable]:
@@ -22,13 +28,21 @@ def signals(options: BuildOptions) -> list[Variable]:
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
     if bending:
         answers = answers + axis_outputs()
+    if pins and options.floating_pin and options.floating_pin.small_end_modes:
+        answers = answers + eye_outputs(options.floating_pin.small_end_modes)
+    answers = answers + [
+        one for name in options.crank_surfaces() for one in crank_outputs(name, *OF_CRANK[name])
+    ]
     if options.mounted:
         acting, answers = acting + block_inputs(), answers + block_outputs()
     if outside := options.block.bore_from_outside:
         acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:
         answers = answers + space_outputs()
-    return acting + answers + parameters(bool(pins), options.in_space is not None, bending)
+    kinds: list[type] = [PinParameters] * bool(pins) + [AxisParameters] * bending
+    kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
+    kinds += [SpaceParameters] * (options.in_space is not None)
+    return acting + answers + parameters(*kinds)
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
@@ -361,6 +375,31 @@ def block_outputs() -> list[Variable]:
     ]
 
 
+OF_CRANK = {
+    "big_end": ("crank pin", "rod's big end", "rod"),
+    "main_bearing": ("crank's journal", "main bearing", "block"),
+}
+"""What turns, in what, and whose that is."""
+
+
+def crank_outputs(name: str, journal: str, shell: str, body: str) -> list[Variable]:
+    """Where the crank stands in one of its films, and what it does there."""
+    of = f"Of the {journal} from the middle of the {shell}, along"
+    force = f"Force of the {journal} on the {body} along"
+    return [
+        output_variable(f"{name}_displacement_x", "m", f"{of} x", 1e-5),
+        output_variable(f"{name}_displacement_y", "m", f"{of} y", 1e-5),
+        output_variable(f"{name}_force_x", "N", f"{force} x", 1e3),
+        output_variable(f"{name}_force_y", "N", f"{force} y", 1e3),
+        output_variable(
+            f"{name}_friction_moment",
+            "N.m",
+            f"Friction of the {journal} on the {body} about +z",
+            0.1,
+        ),
+    ]
+
+
 def axis_outputs() -> list[Variable]:
     """How a floating pin tilts and bends."""
     middle = "Middle of the floating pin's axis from the mean of both ends, along"
@@ -369,6 +408,29 @@ def axis_outputs() -> list[Variable]:
         output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
         output_variable("pin_bending_x", "m", f"{middle} x", 1e-5),
         output_variable("pin_bending_y", "m", f"{middle} y", 1e-5),
+    ]
+
+
+def eye_outputs(modes: int) -> list[Variable]:
+    """How a rod's eye yields."""
+    wider = "Change of the diameter of the rod's eye amid its length, "
+    return [
+        output_variable("small_end_widening_across", "m", f"{wider}across the rod", 1e-5),
+        output_variable("small_end_widening_along", "m", f"{wider}along the rod", 1e-5),
+        output_variable(
+            "small_end_modal_coordinate",
+            "1",
+            "Mass-normalised modal coordinates of the rod's eye [kg^(1/2) m]",
+            1e-6,
+            (modes,),
+        ),
+        output_variable(
+            "small_end_modal_velocity",
+            "1/s",
+            "Their derivatives in time [kg^(1/2) m/s]",
+            1e-2,
+            (modes,),
+        ),
     ]
 
 
@@ -418,16 +480,11 @@ def space_outputs() -> list[Variable]:
     ]
 
 
-def parameters(
-    floating: bool = False, in_space: bool = False, bending: bool = False
-) -> list[Variable]:
-    """What a user may set, as `Parameters` declares it, `PinParameters` of a floating pin,
-    `AxisParameters` of one that tilts or bends and `SpaceParameters` of a piston that moves in
-    space.
+def parameters(*own: type) -> list[Variable]:
+    """What a user may set, as `Parameters` declares it, and `own` classes: `PinParameters` of a
+    floating pin and others.
     """
-    kinds = [Parameters]
-    kinds += [PinParameters] * floating + [AxisParameters] * bending
-    kinds += [SpaceParameters] * in_space
+    kinds = [Parameters, *own]
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     return [
         Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)

@@ -1,10 +1,11 @@
-"""Parametric meshes of a piston, of a finned cylinder block and of a block of two cylinders in line
-by gmsh (running a case does not need it).
+"""Parametric meshes of a piston, of a finned cylinder block, of a block of two cylinders in line
+and of a rod's small end by gmsh (running a case does not need it).
 
 One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that
 the mesh is symmetric to the last bit about the thrust plane z = 0 and about x = 0. Lengths are
 millimetres here, metres in the files. Axes: x thrust, y towards the head, z along the pin; the
-piston's origin is pin point A, the block's lies on the crank axis.
+piston's origin is pin point A, the block's lies on the crank axis, the small end's on the axis of
+its eye.
 """
 
 import lzma
@@ -291,8 +292,50 @@ class TwinBlock:
         }
 
 
+@dataclass(frozen=True)
+class SmallEnd:
+    """A rod's eye on a piece of its shank, which has flat sides; the crank lies towards -y. In mm.
+
+    Parameters
+    ----------
+    bore, outside : float
+        Inner and outer radius of the eye.
+    length : float
+        Of the eye along the pin.
+    shank : (float, float)
+        Of the shank's section: along x, along z.
+    cut : float
+        Distance of the shank's cut from the eye's axis.
+    """
+
+    bore: float
+    outside: float
+    length: float
+    shank: tuple[float, float]
+    cut: float
+
+    def quarter(self) -> Entities:
+        """The solid of one quarter, in gmsh."""
+        occ = gmsh.model.occ
+        wide, thick = self.shank
+        half = self.length / 2
+        eye = occ.addCylinder(0, 0, -half, 0, 0, self.length, self.outside)
+        shank = occ.addBox(-wide / 2, -self.cut, -thick / 2, wide, self.cut, thick)
+        body, _ = occ.fuse([(3, eye)], [(3, shank)])
+        body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -half, 0, 0, self.length, self.bore))])
+        return quarter_of(body)
+
+    def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Named node masks."""
+        x, y, _ = points.T
+        return {
+            "eye": np.abs(np.hypot(x, y) - self.bore) < NEAR,
+            "cut": np.abs(y + self.cut) < NEAR,
+        }
+
+
 class Shape(Protocol):
-    """A body that can be meshed: Piston, Block or TwinBlock."""
+    """A body that can be meshed: Piston, Block, TwinBlock or SmallEnd."""
 
     def quarter(self) -> Entities:
         """The solid of one quarter, in gmsh."""
@@ -415,7 +458,7 @@ def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
     ----------
     path : Path
         Ending in .msh.xz.
-    shape : Piston, Block or TwinBlock
+    shape : Piston, Block, TwinBlock or SmallEnd
     size : float
         Largest edge of an element [mm].
     curvature : int

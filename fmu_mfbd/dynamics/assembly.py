@@ -1,6 +1,6 @@
 """From reduced bodies and parameters to the model that runs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
-from ..geometry.pin import pin_surface, relieved, shell_modes
+from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
@@ -26,16 +26,32 @@ from ..reduction.reduced_body import (
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
+    ReducedSmallEnd,
     mode_classes,
 )
 from .bore_from_outside import outside_bore
-from .build_options import BlockOptions, BuildOptions, DampingBand, FloatingPin, PistonOptions
+from .build_options import (
+    BlockOptions,
+    BuildOptions,
+    CrankBearing,
+    DampingBand,
+    FloatingPin,
+    PistonOptions,
+)
 from .floating_frame import FlexibleBody
+from .floating_pin import RIGID_CRANK, RIGID_EYE, Crankshaft, EyeModes
 from .gas_on_bore import bore_wall
 from .instant import Block, System
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
-from .parameters import AxisParameters, Parameters, PinParameters, SpaceParameters
+from .parameters import (
+    AxisParameters,
+    BigEndParameters,
+    MainBearingParameters,
+    Parameters,
+    PinParameters,
+    SpaceParameters,
+)
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
@@ -53,6 +69,10 @@ short of the skirt's two radii.
 
 TURN = 721
 """Crank angles of a turn at which the skirt has to be in the bore."""
+
+
+CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
+"""Film surface of the crank -> its own parameters."""
 
 
 class PistonParts(NamedTuple):
@@ -136,23 +156,35 @@ def assemble_floating(
     pin: PinParameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
+    crank: CrankParameters | None = None,
+    *,
+    small_end: ReducedSmallEnd | None = None,
 ) -> PistonOnFloatingPin:
     """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
-    flexible piston, `axis` the parameters of a pin with shapes, others as of `assemble`.
+    flexible piston, `axis` the parameters of a pin with shapes, `crank` those of each film of the
+    crank, `small_end` an eye that yields, others as of `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
     clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
     grids = options.pin_grids()
-    shells = []
+    shells: list[ShellModes | None] = [None, None]
     if bosses:
         shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
-    films = list(zip_longest(clearances, grids, shells))
+    eye = RIGID_EYE
+    if small_end:
+        shells.append(shell_modes(small_end.eye_outward, small_end.eye_onward))
+        eye = yielding_eye(small_end, options, parameters)
+    films = list(zip_longest(clearances, grids[: len(clearances)], shells))
     tied = assemble(piston, block, options, parameters)
+    crank = crank or {}
+    shaft = crankshaft(options, parameters, crank)
+    journals = tuple(journal_surface(one, crank) for one in options.crank_bearings)
     if axis is None:
         surfaces = tuple(pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
         solid = parameters.pin_mass * radius**2 / 2
-        return PistonOnFloatingPin(tied, surfaces, grids, pin.pin_inertia or solid)
+        spin = pin.pin_inertia or solid
+        return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, eye=eye, crank=shaft)
     beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
     rows = pin_rows(options.floating_pin, bosses)
     reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
@@ -168,7 +200,37 @@ def assemble_floating(
         parameters.rayleigh_stiffness_factor,
     )
     spin = pin.pin_inertia or beam.pin.spin_inertia()
-    return PistonOnFloatingPin(tied, surfaces, grids, spin, beam.shapes(own_damping))
+    shapes = beam.shapes(own_damping)
+    return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, shapes, eye, crank=shaft)
+
+
+def yielding_eye(
+    small_end: ReducedSmallEnd, options: BuildOptions, parameters: Parameters
+) -> EyeModes:
+    """Modes of an eye that yields, damped as those of other bodies."""
+    omega = small_end.eye_omega
+    own = damping(
+        omega,
+        damping_bands(options, parameters),
+        parameters.rayleigh_mass_factor,
+        parameters.rayleigh_stiffness_factor,
+    )
+    return EyeModes(stiffness=omega**2, damping=own)
+
+
+def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
+    """The crank with the films that the build table gives it."""
+    main = crank.get("main_bearing")
+    if not isinstance(main, MainBearingParameters):
+        return RIGID_CRANK._replace(surfaces=options.crank_surfaces())
+    return Crankshaft(options.crank_surfaces(), main.crank_mass, parameters.crank_unbalance)
+
+
+def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface:
+    """Film surface of the crank."""
+    own = crank[bearing.name]
+    radius, clearance = (getattr(own, f"{bearing.name}_{size}") for size in ("radius", "clearance"))
+    return pin_surface(radius, clearance, bearing.grid)
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
@@ -310,9 +372,10 @@ def faults(
     parameters: Parameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
+    small_end: ReducedSmallEnd | None = None,
 ) -> list[str]:
     """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
-    bore, a pin that is not its bosses'.
+    bore, a pin that is not its shells'.
     """
     crank_radius = parameters.crank_radius
     rod_length = parameters.rod_length
@@ -344,6 +407,10 @@ def faults(
         out += floating_faults(piston, block, parameters, bosses)
         if axis:
             out += axis_faults(piston, options.floating_pin, parameters, bosses, axis)
+        if small_end:
+            out += eye_faults(piston, parameters, small_end.eye_radius)
+    if options.crank_bearings:
+        out += crank_faults(options, parameters)
     if options.in_space:
         out += space_faults(piston, block, parameters)
     height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
@@ -365,7 +432,9 @@ def faults(
 
 
 PIN_TO_BOSS = 0.02
-"""How far the radius of a pin may lie beside that of the mesh's bosses, by it: our own choice."""
+"""How far the radius of a pin may lie beside that of bosses and eye in their meshes, by it: our own
+choice.
+"""
 
 
 @compilable
@@ -410,6 +479,27 @@ def floating_faults(
         given = getattr(parameters, name)
         if given not in (0.0, getattr(usual, name)):
             out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
+    return out
+
+
+def eye_faults(piston: ReducedPiston, parameters: Parameters, eye_radius: float) -> list[str]:
+    """A sentence about a pin that is not its eye's, of radius `eye_radius` [m]."""
+    radius = pin_radius(piston.radius, parameters)
+    if abs(radius - eye_radius) <= PIN_TO_BOSS * eye_radius:
+        return []
+    return [
+        f"pin_radius: {1e3 * radius:.4g} mm lies more than {PIN_TO_BOSS:.0%} beside the radius of "
+        f"the eye in its mesh, {1e3 * eye_radius:.4g} mm"
+    ]
+
+
+def crank_faults(options: BuildOptions, parameters: Parameters) -> list[str]:
+    """Sentences about what does not go with films of the crank."""
+    films = " and ".join(options.crank_surfaces())
+    out = []
+    for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2")):
+        if not getattr(parameters, name):
+            out.append(f"{name} = 0 {unit}: must exceed 0 with a film in {films}")
     return out
 
 

@@ -112,6 +112,9 @@ class FloatingPin:
         File of the piston's modes in its bosses, among the FMU's resources; "" of a rigid piston.
     pin_shapes : int
         In which the pin tilts and bends; 0: it stays parallel to its shells.
+    small_end : str
+        File of the modes of the rod's eye, among the FMU's resources; "" of a rigid eye.
+    small_end_modes : int
     """
 
     grid: tuple[int, int]
@@ -119,10 +122,31 @@ class FloatingPin:
     small_end_length: float
     bosses: str = ""
     pin_shapes: int = 0
+    small_end: str = ""
+    small_end_modes: int = 0
 
     def lengths(self) -> dict[str, float]:
         """Of each surface of `PIN_SURFACES` [m]."""
         return dict(zip(PIN_SURFACES, (self.boss_length, self.boss_length, self.small_end_length)))
+
+
+@dataclass(frozen=True)
+class CrankBearing:
+    """A film of the crank.
+
+    Parameters
+    ----------
+    name : str
+        One of `CRANK_SURFACES`.
+    grid : (int, int)
+        Cells around and along the shell.
+    length : float
+        Along the crank's axis [m].
+    """
+
+    name: str
+    grid: tuple[int, int]
+    length: float
 
 
 @dataclass(frozen=True)
@@ -178,6 +202,8 @@ class BuildOptions:
         Whether the block moves as another participant says, and says what presses on it.
     in_space : InSpace, optional
         None: the piston moves in its plane.
+    crank_bearings : tuple of CrankBearing
+        Beside a floating pin, in the order of `CRANK_SURFACES`.
     """
 
     grid: tuple[int, int]
@@ -192,6 +218,7 @@ class BuildOptions:
     floating_pin: FloatingPin | None = None
     mounted: bool = False
     in_space: InSpace | None = None
+    crank_bearings: tuple[CrankBearing, ...] = ()
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """All film surfaces of the skirt, at least one."""
@@ -200,11 +227,20 @@ class BuildOptions:
         return self.surfaces or (SurfaceOptions(name, 0, along),)
 
     def pin_grids(self) -> tuple[FilmGrid, ...]:
-        """Names and shapes of the fields of a floating pin's surfaces; none where it is tied."""
+        """Names and shapes of the fields of a floating pin's surfaces and of the crank's; none
+        where it is tied.
+        """
         if self.floating_pin is None:
             return ()
         shape = self.floating_pin.grid
-        return tuple(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES)
+        return (
+            *(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES),
+            *(FilmGrid(f"{one.name}.", one.grid) for one in self.crank_bearings),
+        )
+
+    def crank_surfaces(self) -> tuple[str, ...]:
+        """Names of the crank's film surfaces."""
+        return tuple(one.name for one in self.crank_bearings)
 
     def film_grids(self) -> tuple[FilmGrid, ...]:
         """Names and shapes of the fields of the skirt's surfaces."""
@@ -220,8 +256,8 @@ class BuildOptions:
         content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
         if self.floating_pin is None:
             del content["floating_pin"]
-        else:  # an FMU with rigid bosses or a pin without shapes stays the same file
-            for name in ("bosses", "pin_shapes"):
+        else:  # an FMU with rigid shells or a pin without shapes stays the same file
+            for name in ("bosses", "pin_shapes", "small_end", "small_end_modes"):
                 if not content["floating_pin"][name]:
                     del content["floating_pin"][name]
         if not self.mounted:  # an FMU with a block at rest stays the same file
@@ -230,6 +266,8 @@ class BuildOptions:
             del content["block"]["bore_from_outside"]
         if self.in_space is None:  # likewise of a piston in its plane
             del content["in_space"]
+        if not self.crank_bearings:  # likewise of a rod that hangs on the crank without play
+            del content["crank_bearings"]
         parts = {}
         if self.skirt is not None:
             parts = {
@@ -268,6 +306,10 @@ class BuildOptions:
             floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
             mounted=content.get("mounted", False),
             in_space=InSpace(**_arrays(space)) if space else None,
+            crank_bearings=tuple(
+                CrankBearing(one["name"], tuple(one["grid"]), one["length"])
+                for one in content.get("crank_bearings", ())
+            ),
         )
 
 

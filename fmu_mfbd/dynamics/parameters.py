@@ -103,8 +103,8 @@ class Parameters:
     )
     crank_unbalance: float = _declared(
         "kg.m",
-        "Mass times distance of the crank towards its pin, less than 0 with counterweights: turns "
-        "force_on_block of a mounted block, nothing else",
+        "Mass times distance of the crank towards its pin, less than 0 with counterweights: enters "
+        "force_on_block of a mounted block and on the film of a main_bearing, on nothing else",
         0.0,
         -100.0,
         100.0,
@@ -192,6 +192,37 @@ class AxisParameters:
     small_end_relief: float = _declared(
         "m", "By which the rod's eye is wider at its ends than amid, a parabola", 0.0, 0.0, 1e-3
     )
+
+
+@dataclass(frozen=True)
+class BigEndParameters:
+    """Those of a body FMU whose rod turns on the crank in a film, beside `PinParameters`, in SI."""
+
+    big_end_radius: float = _declared("m", "Of the crank pin in the rod", 24e-3, 1e-3, 1.0)
+    big_end_clearance: float = _declared(
+        "m", "Radius of the rod's big end minus that of the crank pin", 25e-6, 1e-7, 1e-3
+    )
+
+
+@dataclass(frozen=True)
+class MainBearingParameters:
+    """Those of a body FMU whose crank turns in the block in a film, beside `PinParameters`, in SI:
+    one bearing that carries one cylinder; `crank_unbalance` acts on it.
+    """
+
+    main_bearing_radius: float = _declared(
+        "m", "Of the crank's journal in the block", 27e-3, 1e-3, 1.0
+    )
+    main_bearing_clearance: float = _declared(
+        "m", "Radius of the shell in the block minus that of the journal", 30e-6, 1e-7, 1e-3
+    )
+    crank_mass: float = _declared(
+        "kg", "Of the crank, as much as moves with this bearing", 5.0, 1e-3, 1e4
+    )
+
+
+CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingParameters}
+"""Surface of the crank -> its parameters."""
 
 
 @dataclass(frozen=True)

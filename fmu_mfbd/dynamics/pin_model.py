@@ -1,6 +1,6 @@
 """A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses, which may yield, and in the rod's eye. The pin is rigid or tilts and bends; rod and block
-are rigid.
+bosses and in the rod's eye, which may yield, and those of the crank in rod and block where it has
+any. The pin is rigid or tilts and bends; crank, block and what else there is of the rod are rigid.
 """
 
 from typing import Any, NamedTuple
@@ -9,6 +9,9 @@ import numpy as np
 
 from ..geometry.film import FilmForces, NodalForces, film_now, opening, sliding
 from ..geometry.pin import (
+    CRANK_SURFACES,
+    PARALLEL,
+    PIN_SURFACES,
     Bent,
     PinForces,
     PinResultants,
@@ -30,13 +33,15 @@ from .energy import Ledger
 from .floating_pin import (
     BOSS_X,
     BOSS_Y,
-    COORDINATES,
     EYE_X,
     EYE_Y,
     NO_MODES,
-    PLAY,
+    RIGID_CRANK,
+    RIGID_EYE,
     SPIN,
     Bodies,
+    Crankshaft,
+    EyeModes,
     Lack,
     PinFilms,
     eye_motion,
@@ -68,12 +73,15 @@ from .slider_crank import CrankMotion, height, motion, rod_turn
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
 
-BOSSES = 2
-"""Of the pin's films the first ones; the last one is that in the rod's eye."""
+*BOSSES, EYE = PIN_SURFACES
+BIG_END, MAIN_BEARING = CRANK_SURFACES
+
+STRAIGHT_JOURNAL = Bent(PARALLEL, PARALLEL)
+"""Those of the crank stay parallel to their shells."""
 
 
 class Shell(NamedTuple):
-    """Where the pin stands in a shell, and how both turn.
+    """Where the pin, or a journal of the crank, stands in a shell, and how both turn.
 
     Parameters
     ----------
@@ -111,6 +119,16 @@ class Shell(NamedTuple):
         return (change - turn * np.column_stack([-position[:, 1], position[:, 0]])) @ self.axes
 
 
+class OnModes(NamedTuple):
+    """Moments on the pin by the slopes of all bosses and of the eye (Eq. (G5)), by modal
+    coordinate, and forces on the eye's modes (Eq. (G6)).
+    """
+
+    slope_push: np.ndarray
+    eye_slope_push: np.ndarray
+    on_eye: np.ndarray
+
+
 class Reach(NamedTuple):
     """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
     end of a step, shape (7 + k + 2 n,).
@@ -133,9 +151,9 @@ class Solved(NamedTuple):
     guided : float
         Height at which the bore is read [m].
     shells : tuple of Shell
-        Bosses, eye.
+        Of every film of pin and crank.
     each : list of PinResultants
-        Of every film of the pin.
+        Likewise.
     films : PinFilms
         Together.
     lack : Lack
@@ -166,13 +184,18 @@ class PistonOnFloatingPin(PistonInBore):
     tied : PistonInBore
         The same without a pin of its own, no mode of it static, the block rigid.
     pins : tuple of PinSurface
-        In both bosses and in the rod's eye; the bosses with the piston's modes, if it has any.
+        In both bosses and in the rod's eye, then those of the crank; the bosses with the piston's
+        modes, if it has any, the eye with its own.
     grids : tuple of FilmGrid
         Names and shapes of their fields.
     spin_inertia : float
         Of the pin about its axis [kg m2].
     shapes : AxisShapes
         In which it tilts and bends; `pins` have their values.
+    eye : EyeModes
+        Those of the rod's eye.
+    crank : Crankshaft
+        What of it has films.
     """
 
     def __init__(
@@ -182,14 +205,17 @@ class PistonOnFloatingPin(PistonInBore):
         grids: tuple[FilmGrid, ...],
         spin_inertia: float,
         shapes: AxisShapes = STRAIGHT,
+        eye: EyeModes = RIGID_EYE,
+        crank: Crankshaft = RIGID_CRANK,
     ):
         vars(self).update(vars(tied))
         self.pins = pins
         self.grids = grids
-        self.bodies = Bodies(self.system.piston, self.system.mechanism, spin_inertia, shapes)
+        self.surfaces = (*PIN_SURFACES, *crank.surfaces)
+        mechanism = self.system.mechanism
+        self.bodies = Bodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
         self.coordinates = self.bodies.size()
-        # what is held so stiffly that a step sees none of its inertia
-        self.held = np.append(PLAY, np.arange(COORDINATES, self.coordinates))
+        self.held = self.bodies.held()
         self.inertia = inertia(self.bodies)
         self.with_rod = inertia_with_rod(self.bodies)
 
@@ -264,7 +290,7 @@ class PistonOnFloatingPin(PistonInBore):
             on_slopes += film.axial_force
             first = last
         driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
-        driven += solved.films.eye.on_shell * solved.shells[-1].own_turning
+        driven += self._along_crank(solved.films, crank, solved.shells[len(BOSSES)].own_turning)
         forces = self._forces(skirt, solved.films, self._modal(skirt, inputs.pins))
         ledger = self._ledger(before, kept, end, forces, c.step * driven)
         pin_x, pin_y = solved.lack.on_piston
@@ -290,7 +316,8 @@ class PistonOnFloatingPin(PistonInBore):
             pin_moment=solved.films.bosses.on_shell,
             torque=solved.lack.torque - on_slopes * guided.lever,
             pin_friction_power=-sum(
-                shell.turning * one.on_pin for shell, one in zip(solved.shells, solved.each)
+                shell.turning * one.on_pin
+                for shell, one, _ in zip(solved.shells, solved.each, PIN_SURFACES)
             ),
             work_error=np.array(errors),
             evaluations=solved.evaluations,
@@ -312,7 +339,7 @@ class PistonOnFloatingPin(PistonInBore):
         predicted, begun = guess
         acceleration = begun.copy()
         change = np.inf
-        slopes = self._slope_push(forces)
+        fixed = self._on_modes(forces)
         for evaluation in range(1, PASSES + 1):
             end = Motion(
                 predicted.position + reach.position * acceleration,
@@ -320,8 +347,8 @@ class PistonOnFloatingPin(PistonInBore):
                 acceleration,
             )
             shells = self._shells(end, crank)
-            each = self._resultants(shells, forces, self.bodies.modal(end.position))
-            films = _together(each, slopes)
+            each = self._resultants(shells, forces, end.position)
+            films = self._together(each, fixed)
             lack = imbalance(self.bodies, load, end, crank, films)
             slope = tangent(self.bodies, load, end, crank, films, *reach)
             step = np.linalg.solve(slope, lack.residual)
@@ -337,10 +364,10 @@ class PistonOnFloatingPin(PistonInBore):
         return Solved(reach, load, end, crank, 0.0, shells, each, films, lack, 0, change)
 
     def _shells(self, end: Motion, crank: CrankMotion) -> tuple[Shell, ...]:
-        """Of each film of the pin."""
+        """Of each film of pin and crank."""
         position = end.position
         velocity = end.velocity
-        eye = eye_motion(end)
+        eye = eye_motion(self.bodies, end)
         mechanism = self.bodies.mechanism
         rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
         aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
@@ -354,44 +381,81 @@ class PistonOnFloatingPin(PistonInBore):
             velocity[SPIN] - velocity[ROCKING],
             bent,
         )
+        in_rod = turned(rod_angle)
         small_end = Shell(
-            turned(rod_angle),
+            in_rod,
             position[EYE_X : EYE_Y + 1],
             velocity[EYE_X : EYE_Y + 1],
             rod.velocity,
             velocity[SPIN] - rod.velocity,
             bent,
         )
-        return (*[boss] * BOSSES, small_end)
+        turns = {
+            BIG_END: (in_rod, rod.velocity, crank.speed - rod.velocity),
+            MAIN_BEARING: (np.eye(2), 0.0, crank.speed),
+        }
+        of_crank = []
+        for name in self.bodies.crank.surfaces:
+            axes, own_turning, turning = turns[name]
+            place, moved = (self.bodies.play(name, one) for one in (position, velocity))
+            of_crank.append(Shell(axes, place, moved, own_turning, turning, STRAIGHT_JOURNAL))
+        return (*(boss for _ in BOSSES), small_end, *of_crank)
+
+    def _together(self, each: list[PinResultants], on_modes: OnModes) -> PinFilms:
+        """Films of both bosses as one, and the others by their names."""
+        found = dict(zip(self.surfaces, each))
+        parts = zip(*(found[name] for name in BOSSES))
+        force, on_pin, on_shell, on_axis = (sum(one) for one in parts)
+        both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
+        of_crank = {name: found[name] for name in self.bodies.crank.surfaces}
+        return PinFilms(both, found[EYE], *on_modes, **of_crank)
+
+    def _along_crank(self, films: PinFilms, crank: CrankMotion, rod_turning: float) -> float:
+        """Power of the films on what the crank drives [W]."""
+        on_crank = films.big_end.on_pin + films.main_bearing.on_pin
+        return films.on_rod() * rod_turning + on_crank * crank.speed
 
     def _resultants(
-        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], modal: np.ndarray
+        self, shells: tuple[Shell, ...], forces: tuple[PinForces, ...], position: np.ndarray
     ) -> list[PinResultants]:
-        """Of each film of the pin, the bosses yielding by their modal coordinates."""
+        """Of each film of pin and crank, shells yielding by the coordinates at `position`."""
         out = []
-        for surface, one, shell in zip(self.pins, forces, shells):
+        for k, (surface, one, shell) in enumerate(zip(self.pins, forces, shells)):
             found = resultants_on(surface, one, shell.place, shell.axes, shell.bent.position)
             if surface.modes is not None:
+                modal = self._modes_of(k, position)
                 found = found.with_slopes(float(slope_push(surface, one.pressure) @ modal))
             out.append(found)
         return out
 
-    def _slope_push(self, forces: tuple[PinForces, ...]) -> np.ndarray:
-        """Of all yielding bosses (Eq. (G5)), (k,)."""
-        return sum(
-            (
-                slope_push(surface, one.pressure)
-                for surface, one in zip(self.pins, forces)
-                if surface.modes is not None
+    def _modes_of(self, k: int, coordinates: np.ndarray) -> np.ndarray:
+        """Modal coordinates by which the shell of film k yields."""
+        of_shell = self.bodies.modal if self.surfaces[k] in BOSSES else self.bodies.in_eye
+        return of_shell(coordinates)
+
+    def _on_modes(self, forces: tuple[PinForces, ...]) -> OnModes:
+        """What the films do by the modes of their shells."""
+        at = len(BOSSES)
+        eye, in_eye = self.pins[at], forces[at]
+        yields = eye.modes is not None
+        return OnModes(
+            slope_push=sum(
+                (
+                    slope_push(surface, one.pressure)
+                    for surface, one in zip(self.pins[: len(BOSSES)], forces)
+                    if surface.modes is not None
+                ),
+                NO_MODES if not self.modes else np.zeros(self.modes),
             ),
-            NO_MODES if not self.modes else np.zeros(self.modes),
+            eye_slope_push=slope_push(eye, in_eye.pressure) if yields else NO_MODES,
+            on_eye=modal_push(eye, in_eye) if yields else NO_MODES,
         )
 
     def _modal(self, skirt: FilmForces, forces: tuple[PinForces, ...]) -> np.ndarray:
         """Forces of all films on the piston's modes, (k,)."""
         pushed_by = [
             modal_push(surface, one)
-            for surface, one in zip(self.pins, forces)
+            for surface, one in zip(self.pins[: len(BOSSES)], forces)
             if surface.modes is not None
         ]
         return sum(pushed_by, skirt.piston)
@@ -401,7 +465,7 @@ class PistonOnFloatingPin(PistonInBore):
     ) -> tuple[Motion, np.ndarray, Reach]:
         """Where a step ends without accelerations, its auxiliary accelerations, and their reach.
 
-        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, modes and shapes by Eq. (N8)
+        Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, b, m, modes and shapes by Eq. (N8)
 
         Films hold the pin within its play, springs the modes that bend away from it: what inertia
         does there is over within microseconds, and a method that remembers it rings.
@@ -423,11 +487,16 @@ class PistonOnFloatingPin(PistonInBore):
 
     def _height(self, end: Motion, crank: CrankMotion) -> tuple[float, float]:
         """Height of A [m] and its velocity [m/s] (Eq. (K16))."""
-        eye = eye_motion(end)
+        eye = eye_motion(self.bodies, end)
         now = height(self.bodies.mechanism, eye.position, crank.angle)
         driven = now.slope * eye.velocity + now.lever * crank.speed
-        place, speed = (one[EYE_Y] - one[BOSS_Y] for one in (end.position, end.velocity))
+        place, speed = (self._lifted(one) for one in (end.position, end.velocity))
         return float(now.height + place), float(driven + speed)
+
+    def _lifted(self, coordinates: np.ndarray) -> float:
+        """By which play lifts A (Eqs. (K16), (K25)) [m], or its change."""
+        _, lifted = self.bodies.shift(coordinates)
+        return float(coordinates[EYE_Y] - coordinates[BOSS_Y] + lifted)
 
     def _forces(self, skirt: FilmForces, films: PinFilms, modal: np.ndarray) -> np.ndarray:
         """Generalised forces of all films, but for what they do along the driven motion,
@@ -436,11 +505,19 @@ class PistonOnFloatingPin(PistonInBore):
         on_pin = films.bosses.on_pin + films.eye.on_pin
         rocking = skirt.moment + films.bosses.on_shell
         rigid = [skirt.lateral, rocking, *films.bosses.force, *films.eye.force, on_pin]
-        return np.concatenate([rigid, modal, on_shapes(films).ravel()])
+        return self.bodies.stacked(
+            rigid=np.array(rigid),
+            modes=modal,
+            shapes=on_shapes(films).ravel(),
+            eye=films.on_eye,
+            big_end=films.big_end.force,
+            main_bearing=films.main_bearing.force,
+        )
 
     def _elastic(self, position: np.ndarray) -> float:
-        """Energy of the piston's modes and of the pin's shapes [J]."""
+        """Energy of the modes of piston and eye and of the pin's shapes [J]."""
         stored = float(self.system.piston.stiffness @ self.bodies.modal(position) ** 2) / 2
+        stored += float(self.bodies.eye.stiffness @ self.bodies.in_eye(position) ** 2) / 2
         bent = self.bodies.bent(position)
         return stored + float((self.bodies.shapes.stiffness @ bent**2).sum()) / 2
 
@@ -471,7 +548,7 @@ class PistonOnFloatingPin(PistonInBore):
             surface = self.pins[k]
             shell = pin.shells[k]
             gap = surface.clearance + opening_of(surface, shell.own_place())
-            gap = gap + yielded(surface, self.bodies.modal(position))
+            gap = gap + yielded(surface, self._modes_of(k, position))
             if surface.axis is not None:
                 gap = gap + leaning(surface, shell.own_bent().position)
             outputs |= {
@@ -490,6 +567,8 @@ class PistonOnFloatingPin(PistonInBore):
         return (
             outputs
             | self._axis(position)
+            | self._eye(position, now.kept_velocity)
+            | self._of_crank(position)
             | {
                 "pin_displacement_x": position[BOSS_X],
                 "pin_displacement_y": position[BOSS_Y],
@@ -502,6 +581,36 @@ class PistonOnFloatingPin(PistonInBore):
                 "small_end_friction_moment": pin.films.eye.on_shell,
             }
         )
+
+    def _eye(self, position: np.ndarray, velocity: np.ndarray) -> dict[str, Any]:
+        """How an eye with modes yields."""
+        surface = self.pins[len(BOSSES)]
+        if surface.modes is None:
+            return {}
+        modal = self.bodies.in_eye(position)
+        wider = _diameters(yielded(surface, modal))
+        return {
+            "small_end_widening_across": wider[0],
+            "small_end_widening_along": wider[1],
+            "small_end_modal_coordinate": modal.copy(),
+            "small_end_modal_velocity": self.bodies.in_eye(velocity).copy(),
+        }
+
+    def _of_crank(self, position: np.ndarray) -> dict[str, Any]:
+        """Where the crank stands in its films, and what it does to rod and block."""
+        out = {}
+        for name in self.bodies.crank.surfaces:
+            film = getattr(self._pin.films, name)
+            x, y = self.bodies.play(name, position)
+            force_x, force_y = film.force
+            out |= {
+                f"{name}_displacement_x": x,
+                f"{name}_displacement_y": y,
+                f"{name}_force_x": -force_x,
+                f"{name}_force_y": -force_y,
+                f"{name}_friction_moment": film.on_shell,
+            }
+        return out
 
     def _axis(self, position: np.ndarray) -> dict[str, Any]:
         """How a pin with shapes tilts and bends."""
@@ -523,7 +632,7 @@ class PistonOnFloatingPin(PistonInBore):
         forces = self._pin_forces[k]
         surface = self.pins[k]
         end = self._pin.end
-        yielding = Yielding(*(self.bodies.modal(one) for one in (end.position, end.velocity)))
+        yielding = Yielding(*(self._modes_of(k, one) for one in (end.position, end.velocity)))
         place, velocity = shell.own_place(), shell.own_velocity()
         bent = shell.own_bent()
         power, size = grid_power(surface, forces, place, velocity, shell.turning, yielding, bent)
@@ -566,24 +675,26 @@ class PistonOnFloatingPin(PistonInBore):
             skirt.axial + rings.axial,
             skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         )
-        now = self.bodies.modal(end.position)
-        films = _together(self._resultants(last.shells, pins, now), NO_MODES)
+        fixed = self._on_modes(pins)
+        films = self._together(self._resultants(last.shells, pins, end.position), fixed)
         at = place_of(self.bodies, end, last.crank)
         if self._linear is None:
             self._linear = np.linalg.inv(
                 tangent(self.bodies, last.load, end, last.crank, last.films, *last.reach)
             )
             self.jacobian_evaluations += 1
-        acceleration = -self._linear @ pushed(at, films, changes, self._modal(skirt, pins))
+        acceleration = -self._linear @ pushed(
+            self.bodies, at, films, changes, self._modal(skirt, pins)
+        )
         # Eq. (D23)
         moved = Motion(
             last.reach.position * acceleration, last.reach.velocity * acceleration, acceleration
         )
         place, speed, _ = moved
-        eye = eye_motion(moved)
-        link = motion(self.bodies.mechanism, eye_motion(end), last.crank)
+        eye = eye_motion(self.bodies, moved)
+        link = motion(self.bodies.mechanism, eye_motion(self.bodies, end), last.crank)
         rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
-        rising += speed[EYE_Y] - speed[BOSS_Y]
+        rising += self._lifted(speed)
         none = np.zeros(0)
         gaps = []
         velocities = []
@@ -600,22 +711,27 @@ class PistonOnFloatingPin(PistonInBore):
             "rocking_velocity": speed[ROCKING],
             "piston_velocity": rising,
         }
-        turn = place[ROCKING], at.rod.slope * eye.position
-        turning = (
-            speed[ROCKING],
+        rod = (
+            at.rod.slope * eye.position,
             at.rod.slope * eye.velocity + at.rod.velocity_slope * eye.position,
         )
-        ways = place[BOSS_X : BOSS_Y + 1], place[EYE_X : EYE_Y + 1]
+        boss = place[BOSS_X : BOSS_Y + 1], place[ROCKING], speed[SPIN] - speed[ROCKING]
+        in_rod, turning = rod
+        ways = dict.fromkeys(BOSSES, boss) | {
+            EYE: (place[EYE_X : EYE_Y + 1], in_rod, speed[SPIN] - turning),
+            BIG_END: (self.bodies.play(BIG_END, place), in_rod, -turning),
+            MAIN_BEARING: (self.bodies.play(MAIN_BEARING, place), 0.0, 0.0),
+        }
         for k, grid in enumerate(self.grids):
             surface = self.pins[k]
             shell = last.shells[k]
-            which = int(k >= BOSSES)
-            way = shell.axes.T @ (ways[which] - turn[which] * across(shell.place))
-            faster = surface.radius * (speed[SPIN] - turning[which])
-            gap = opening_of(surface, way) + yielded(surface, self.bodies.modal(place))
+            moved_by, turn, spun = ways[self.surfaces[k]]
+            way = shell.axes.T @ (moved_by - turn * across(shell.place))
+            faster = surface.radius * spun
+            gap = opening_of(surface, way) + yielded(surface, self._modes_of(k, place))
             if surface.axis is not None:
                 aside = self.bodies.bent(place)
-                gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn[which]))
+                gap = gap + leaning(surface, shell.moved(shell.bent.position, aside, turn))
             out |= {
                 f"{grid.prefix}film_thickness": gap,
                 f"{grid.prefix}circumferential_velocity": np.full(grid.shape, faster),
@@ -623,9 +739,15 @@ class PistonOnFloatingPin(PistonInBore):
         return out
 
 
-def _together(each: list[PinResultants], slopes: np.ndarray) -> PinFilms:
-    """Films of both bosses as one, and that in the eye."""
-    *bosses, eye = each
-    force, on_pin, on_shell, on_axis = (sum(parts) for parts in zip(*bosses))
-    both = PinResultants(np.asarray(force), float(on_pin), float(on_shell), np.asarray(on_axis))
-    return PinFilms(both, eye, slopes)
+def _diameters(opened: np.ndarray) -> tuple[float, float]:
+    """By how much a shell is wider along its own x and y, amid its length, from what it yields by,
+    (c, a).
+
+    Eq. (H13):  D(a) = u(a) + u(a + pi),   u linear between the grid's lines and rows
+    """
+    around, along = opened.shape
+    amid = (opened[:, (along - 1) // 2] + opened[:, along // 2]) / 2
+    lines = np.arange(around + 1) / around
+    at = np.interp([0.0, 0.25, 0.5, 0.75], lines, np.append(amid, amid[0]))
+    east, north, west, south = at.tolist()
+    return east + west, north + south  # Eq. (H13)

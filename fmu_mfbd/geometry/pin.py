@@ -13,6 +13,11 @@ import numpy as np
 PIN_SURFACES = ("boss_left", "boss_right", "small_end")
 """Film surfaces of a floating pin: bosses, then the rod's eye."""
 
+CRANK_SURFACES = ("big_end", "main_bearing")
+"""Film surfaces of a crank that may come with them: its pin in the rod's big end, its journal in
+the block; each a `PinSurface` likewise.
+"""
+
 
 class ShellModes(NamedTuple):
     """How a shell yields, by k modes of its body.

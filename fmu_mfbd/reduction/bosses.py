@@ -31,9 +31,9 @@ class BossFilms(NamedTuple):
     modes: int
 
 
-class BossReading(NamedTuple):
-    """Matrices (grid points, 3 n) that read how a boss moves outwards and around the pin's axis,
-    and z of the grid's rows, (a,) [m].
+class ShellReading(NamedTuple):
+    """Matrices (grid points, 3 n) that read how a shell about the pin's axis moves outwards and
+    around it, and z of the grid's rows, (a,) [m].
 
     Eq. (I11):  u_e = u_x cos a + u_y sin a,   u_t = u_y cos a - u_x sin a
     """
@@ -43,18 +43,20 @@ class BossReading(NamedTuple):
     stations: np.ndarray
 
 
-class Bosses(NamedTuple):
-    """Readings of both bosses, that at z < 0 first, and their mean radius [m]."""
+class Shells(NamedTuple):
+    """Readings of shells about the pin's axis, both bosses, that at z < 0 first, or the eye; their
+    mean radius [m].
+    """
 
-    sides: tuple[BossReading, ...]
+    sides: tuple[ShellReading, ...]
     radius: float
 
     def outward(self) -> Sparse:
-        """Outward readings of both, one below the other."""
+        """Outward readings of all, one below the other."""
         return sp.vstack([side.outward for side in self.sides], format="csr")
 
 
-def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Bosses:
+def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
     """Both bosses of a mesh, read where their films lie: from where a boss begins, seen from z = 0,
     over the films' length.
 
@@ -87,34 +89,71 @@ def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Bosses:
         sides.append(found)
     if faults:
         raise MeshFault(faults)
-    return Bosses(tuple(sides), radius)
+    return Shells(tuple(sides), radius)
 
 
 def _read(position, faces, sign, radius, films):
     """A boss's reading, and a sentence if its film does not lie on it."""
-    x, y, z = position[np.unique(faces)].T
+    z = position[np.unique(faces), 2]
     around, along = films.grid
     begin = float(np.abs(z).min())
     reach = float(np.abs(z).max())
     cell = films.length / along
     stations = sign * (begin + (np.arange(along) + 0.5) * cell)
     stations = np.sort(stations)
-    angle = shell_angles(around)
-    # about the pin's axis as the skirt lies about the cylinder's: theta from +z towards +x there
-    turned = position[:, [1, 2, 0]]
-    there = covered(turned, faces, angle, stations, radius)
-    scatter = float(np.abs(np.hypot(x, y) - radius).max())
-    fault = ""
-    if scatter > OUT_OF_ROUND * radius:
-        fault = f"nodes lie up to {1e3 * scatter:.3g} mm beside a cylinder about the pin's axis"
-    elif not there.all():
+    fault = out_of_round(position, faces, radius)
+    bare = without_shell(position, faces, radius, around, stations)
+    if bare and not fault:
         fault = (
-            f"{np.count_nonzero(~there)} of {there.size} cells of its film have no bore under "
+            f"{bare} of {around * along} cells of its film have no bore under "
             f"them; it reaches from {1e3 * begin:.4g} to {1e3 * reach:.4g} mm beside z = 0, the "
             f"film of boss_length = {1e3 * films.length:.4g} mm begins where it does"
         )
-    at = interpolation(turned, faces, angle, stations, radius)
-    a = np.repeat(angle, along)
+    return shell_reading(position, faces, radius, around, stations), fault
+
+
+def out_of_round(position: np.ndarray, faces: np.ndarray, radius: float) -> str:
+    """A sentence if a bore's nodes lie beside a cylinder about the pin's axis."""
+    x, y, _ = position[np.unique(faces)].T
+    scatter = float(np.abs(np.hypot(x, y) - radius).max())
+    if scatter <= OUT_OF_ROUND * radius:
+        return ""
+    return f"nodes lie up to {1e3 * scatter:.3g} mm beside a cylinder about the pin's axis"
+
+
+def without_shell(
+    position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
+) -> int:
+    """How many cells of a film have no bore under them; arguments as of `shell_reading`."""
+    there = covered(_about_y(position), faces, shell_angles(around), stations, radius)
+    return int(np.count_nonzero(~there))
+
+
+def _about_y(position):
+    """About the pin's axis as the skirt lies about the cylinder's: theta from +z towards +x."""
+    return position[:, [1, 2, 0]]
+
+
+def shell_reading(
+    position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
+) -> ShellReading:
+    """A bore about z, read at the cells of a film (Eq. (I11)).
+
+    Parameters
+    ----------
+    position : ndarray, shape (n, 3)
+        Nodes, z the pin's axis [m].
+    faces : ndarray of int, shape (t, 3 or 6)
+    radius : float
+        Of the bore [m].
+    around : int
+        Cells around.
+    stations : ndarray, shape (a,)
+        z of the rows [m].
+    """
+    angle = shell_angles(around)
+    at = interpolation(_about_y(position), faces, angle, stations, radius)
+    a = np.repeat(angle, len(stations))
     identity = sp.identity(len(position), format="csr")
     x_of, y_of = (sp.kron(identity, row[None, :], format="csr") for row in np.eye(3)[:2])
     cosine = sp.diags(np.cos(a))
@@ -122,13 +161,13 @@ def _read(position, faces, sign, radius, films):
     # Eq. (I11)
     outward = cosine @ at @ x_of + sine @ at @ y_of
     onward = cosine @ at @ y_of - sine @ at @ x_of
-    return BossReading(outward.tocsr(), onward.tocsr(), stations), fault
+    return ShellReading(outward.tocsr(), onward.tocsr(), stations)
 
 
 def with_boss_modes(
-    elastic: Elastic, bosses: Bosses, grid: tuple[int, int], shapes: np.ndarray, modes: int
+    elastic: Elastic, bosses: Shells, grid: tuple[int, int], shapes: np.ndarray, modes: int
 ) -> np.ndarray:
-    """Shapes of a basis and, after them, those under the smooth pressures to which both bosses
+    """Shapes of a basis and, after them, those under the smooth pressures to which all shells
     yield most beside what these answer: Eq. (J2) with D S in place of D, `modes` in all.
 
     Eq. (J24):  D = 0.1 + sin^2 a,   S: normal distribution, 10 deg around and a quarter of the
@@ -141,7 +180,8 @@ def with_boss_modes(
     Parameters
     ----------
     elastic : Elastic
-    bosses : Bosses
+    bosses : Shells
+        Both bosses, or the eye alone.
     grid : (int, int)
         Cells around and along each.
     shapes : ndarray, shape (free, k)

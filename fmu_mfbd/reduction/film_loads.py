@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..geometry.pin import PIN_SURFACES
+from ..geometry.pin import CRANK_SURFACES, PIN_SURFACES
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 """Fields that have to be recorded: outputs of the interface contract's film."""
@@ -146,8 +146,8 @@ def _shaped(force: np.ndarray, shape: tuple[int, int], path: Path) -> np.ndarray
 
 
 def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
-    """Whence the wires of a run's case bring a force to the skirt; films of a floating pin have no
-    part in it.
+    """Whence the wires of a run's case bring a force to the skirt; films of a floating pin
+    and of the crank have no part in it.
     """
     wires = [(*wire["to"].split(".", 1), wire["from"]) for wire in case.get("wires", ())]
     ours = [
@@ -155,7 +155,7 @@ def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
         for owner, variable, source in wires
         if variable == name or variable.endswith(f".{name}")
     ]
-    on_pin = {f"{name}." for name in PIN_SURFACES}
+    on_pin = {f"{name}." for name in (*PIN_SURFACES, *CRANK_SURFACES)}
     ours = [one for one in ours if one[1] not in on_pin]
     owners = sorted({owner for owner, _, _ in ours})
     if len(owners) > 1:

@@ -41,7 +41,7 @@ from .bases import (
     pressure_modes,
     static_answers,
 )
-from .bosses import Bosses, BossFilms, boss_readings, with_boss_modes
+from .bosses import BossFilms, Shells, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
@@ -115,7 +115,7 @@ class FilmSide(NamedTuple):
     weight: np.ndarray
     there: np.ndarray
     training: FilmLoads | None
-    bosses: Bosses | None = None
+    bosses: Shells | None = None
     boss_films: BossFilms | None = None
 
 
@@ -254,7 +254,7 @@ def reduce_piston(
     return Reduced(body, anatomy, kept, in_bosses)
 
 
-def _in_bosses(bosses: Bosses, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
+def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
     """Modes, (3 n, k), in both bosses."""
     table = (*grid, shapes.shape[1])
     return ReducedBosses(

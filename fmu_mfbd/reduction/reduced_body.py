@@ -140,6 +140,28 @@ class ReducedBosses:
 
 
 @dataclass(frozen=True)
+class ReducedSmallEnd:
+    """Modes of a rod's small end on the grid of the film in its eye, (c, a) cells, in the rod's
+    axes; k modes.
+
+    Parameters
+    ----------
+    eye_omega : ndarray, shape (k,)
+        Angular eigenfrequencies, the shank held at its cut [rad/s], rising.
+    eye_outward, eye_onward : ndarray, shape (c, a, k)
+        Displacement of the eye's bore away from its axis, and around it with ascending i
+        [kg^-1/2].
+    eye_radius : float
+        Of the bore [m].
+    """
+
+    eye_omega: np.ndarray
+    eye_outward: np.ndarray
+    eye_onward: np.ndarray
+    eye_radius: float
+
+
+@dataclass(frozen=True)
 class Anatomy:
     """What a reduced body keeps for reports, pictures and recovery; no FMU carries it.
 
@@ -203,7 +225,13 @@ class Probes:
 ReducedBody = ReducedPiston | ReducedBlock
 Part = TypeVar(
     "Part",
-    bound=ReducedPiston | ReducedBlock | ReducedMonoblock | ReducedBosses | Anatomy | Probes,
+    bound=ReducedPiston
+    | ReducedBlock
+    | ReducedMonoblock
+    | ReducedBosses
+    | ReducedSmallEnd
+    | Anatomy
+    | Probes,
 )
 
 
@@ -219,7 +247,8 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, Anatomy or Probes.
+        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy or
+        Probes.
     path : Path
         .npz
 
@@ -240,7 +269,8 @@ def load(part: type[Part], path: Path) -> Part:
 
 
 def save(
-    path: Path, *parts: ReducedBody | ReducedMonoblock | ReducedBosses | Anatomy | Probes
+    path: Path,
+    *parts: ReducedBody | ReducedMonoblock | ReducedBosses | ReducedSmallEnd | Anatomy | Probes,
 ) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -103,7 +103,10 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
     options = {
         "name": name if name.isidentifier() else f"engine_{name}",
         "title": case.title,
-        "participants": {name: (code.name, code.slave) for name, code in codes.items()},
+        # a list: names of a table would come back sorted
+        "participants": [
+            [name, codes[name].name, codes[name].slave] for name in system.participants
+        ],
         "order": list(system.order),
         "step": system.step,
         "wires": [asdict(c) for c in system.wires],

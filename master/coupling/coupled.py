@@ -79,7 +79,7 @@ class Options:
         return Options(
             tree["name"],
             tree["title"],
-            {name: (code, slave) for name, (code, slave) in tree["participants"].items()},
+            {name: (code, slave) for name, code, slave in tree["participants"]},
             tuple(tree["order"]),
             tree["step"],
             tuple(_read_wire(entry) for entry in tree["wires"]),

@@ -195,7 +195,7 @@ class Layout:
             "counts": _in_order([counts], COUNTED),
             "constants": _in_order([constants], CONSTANT),
             "order": np.array([self.names.index(name) for name in self.order], float),
-            "starting": np.arange(len(self.names), dtype=float),
+            "starting": np.array([self.names.index(n) for n in self.options.participants], float),
             "rows": _in_order(self.rows(0), OF_ROW),
             "wires": _in_order(self.wired(), OF_WIRE),
             "exposed": _in_order((row for _, row in self.exposed()), OF_EXPOSED),

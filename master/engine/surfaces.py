@@ -1,5 +1,5 @@
 """Films of a piston as surfaces that move with what they lie on: the skirt, a floating pin's bosses
-and the rod's eye.
+and the rod's eye, the rod's big end and the main bearing.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,8 @@ from .places import film_body, film_surface, gap_port
 BOSSES = {"boss_left": -1.0, "boss_right": 1.0}
 """On which side of z = 0 each lies."""
 EYE = "small_end"
+CRANK = ("big_end", "main_bearing")
+"""About the crank pin, and about the crank's axis."""
 NEAR = 0.02
 """Points so near to a film's radius, as a share of it, are of the bore of a boss."""
 
@@ -26,7 +28,8 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
     `say` is told so.
 
     A film of the skirt is upright and as high as the piston; one of a boss moves with the piston;
-    that of the eye goes with the pin and turns with the rod. A film of no piston rests.
+    that of the eye goes with the pin and turns with the rod, that of the big end with the crank
+    pin. A film of no piston rests.
     """
     found = []
     for name in players(results.case, "lubrication"):
@@ -58,6 +61,10 @@ def _placed(results, film, sizes, piston, port):
     """Points, cells and motion of a film's surface; None where its place is not known."""
     shape, radius, length = sizes
     surface = film_surface(results, film).removesuffix(".")
+    if surface in CRANK:
+        ends = (-length / 2, length / 2)
+        body = film_body(results, film)
+        return *pin_cells(shape, radius, ends), crank_motion(results, body, surface)
     if surface in (*BOSSES, EYE):
         ends = _along_pin(results, film, surface, piston, radius, length)
         motion = piston.motion if piston else None
@@ -89,6 +96,26 @@ def _along_pin(results, film, surface, piston, radius, length):
     return tuple(sorted((side * begin, side * (begin + length))))
 
 
+def _at_instants(results, port):
+    """A scalar at the recorded instants."""
+    return np.interp(results.instants, results.time, results.series(port).values)
+
+
+def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray:
+    """Motion of a shell of the crank, its play left out, (instants, 3) [m], [m], [rad].
+
+    Eq. (X44):  (x, y) = (o - r sin theta, r cos theta)      big end; it turns with the rod
+                (x, y) = (o, 0)                              main bearing       o: crank_offset
+    """
+    given = results.case["participants"][body]["parameters"]
+    radius = to_si(given["crank_radius"], "m") if surface == "big_end" else 0.0
+    turn = rod_turn(results, body) if surface == "big_end" else 0.0
+    theta = _at_instants(results, f"{body}.crank_angle")
+    aside = to_si(given.get("crank_offset", "0 m"), "m") - radius * np.sin(theta)
+    # Eq. (X44)
+    return np.column_stack([aside, radius * np.cos(theta), turn + 0.0 * theta])
+
+
 def rod_turn(results: Results, body: str | None) -> np.ndarray:
     """Turn of the rod about z at the recorded instants [rad].
 
@@ -98,8 +125,7 @@ def rod_turn(results: Results, body: str | None) -> np.ndarray:
     given = table["parameters"]
 
     def at(name):
-        values = results.series(f"{body}.{name}").values
-        return np.interp(results.instants, results.time, values)
+        return _at_instants(results, f"{body}.{name}")
 
     offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
     offset -= to_si(given.get("crank_offset", "0 m"), "m")

@@ -12,7 +12,15 @@ from ..case.schema import Axes
 from .coordinates import crank_angle_port
 from .judgement import loop_curve, loop_work
 from .packing import Columns, packed_frames
-from .pictures import handy_unit, labelled, logarithmic, name_of, scaled, windows_of
+from .pictures import (
+    handy_unit,
+    labelled,
+    logarithmic,
+    name_of,
+    names_of,
+    scaled,
+    windows_of,
+)
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
@@ -172,7 +180,7 @@ def _panel(case, picture, ports, runs):
             x, x_unit = scaled(x, si, shown_unit(case, picture.x, picture.units))
             y, si, _ = results.series(port)
             y, y_unit = scaled(y, si, picture.units.get(port))
-            name = label if len(ports) == 1 else f"{label}, {name_of(port)}"
+            name = label if len(ports) == 1 else f"{label}, {names_of(ports)[port]}"
             curves.append(Curve(name, k, x, y, dash))
     windows = windows_of(ports, case.window, picture.units, next(iter(runs.values())))
     expected = {

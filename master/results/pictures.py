@@ -186,10 +186,10 @@ def draw_lines(case, picture, runs):
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, si, _ = results.series(picture.x)
             x, x_unit = scaled(x, si, picture.units.get(picture.x))
-            for style, port in zip(("-", "--", ":"), ports):
+            for style, port in zip(("-", "--", ":", "-."), ports):
                 y, si, _ = results.series(port)
                 y, y_unit = scaled(y, si, picture.units.get(port))
-                name = label if len(ports) == 1 else f"{label}, {name_of(port)}"
+                name = label if len(ports) == 1 else f"{label}, {names_of(ports)[port]}"
                 panel.plot(x, y, style, color=colour, lw=1.2, label=name)
         if plane:
             panel.set_aspect("equal")

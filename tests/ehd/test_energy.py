@@ -5,6 +5,7 @@ pressure around it does.
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_ehd.bearing_verification import RADIUS, SPEED, bearing, eccentric
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 
@@ -43,6 +44,21 @@ def test_contact_gives_back_what_it_took(coating):
         state, outputs = model.advance(state, flat(gap), STILL, 1e3)
         taken += outputs["energy_gain"]
     assert abs(taken) <= 1e-9 * stored
+
+
+def test_what_turns_a_steady_journal_is_heat():
+    """Eccentric by 0.8, nothing squeezes, ends without pressure: all that its moment about its own
+    axis does, shear and pressure on the slope of the film, and no more.
+    """
+    shape = (60, 10)
+    model = bearing(shape, RADIUS, cavitation_model="gumbel", cavity_shear="full_film")
+    still, turning = np.zeros(shape), np.full(shape, SPEED)
+    film = eccentric(shape, 0.8)
+    state, _ = model.start(film, still, turning)
+    for _ in range(2):
+        state, outputs = model.advance(state, film, still, 1e-2, turning)
+    assert outputs["energy_gain"] == pytest.approx(1e-2 * outputs["friction_power"], rel=1e-12)
+    assert outputs["friction_power"] > -1.1 * outputs["friction_torque"] * SPEED / RADIUS
 
 
 def test_sliding_turns_work_into_heat():

@@ -188,3 +188,17 @@ def test_a_way_in_a_plane_is_drawn_to_scale(y, to_scale):
     results = SimpleNamespace(series=held.get)
     (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
     assert (panel.get_aspect() == 1.0) == to_scale
+
+
+def test_curves_of_one_variable_of_four_films_are_told_apart():
+    """By their participants' names, each in a style of its own; a fourth one was left out."""
+    films = ("skirt", "small_end", "big_end", "main")
+    ports = [f"{film}.minimum_film_thickness" for film in films]
+    held = {port: Series(np.arange(2.0), "m", "") for port in ports}
+    held["main.time"] = Series(np.array([0.0, 1.0]), "s", "")
+    picture = Picture(file="films.png", title="Films", kind="lines", x="main.time", y=[ports])
+    results = SimpleNamespace(series=held.get)
+    (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
+    legend = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert legend[2] == "r, minimum film thickness, big end"
+    assert len({*legend}) == 4 and len({line.get_linestyle() for line in panel.get_lines()}) == 4

@@ -110,6 +110,23 @@ def test_the_eye_turns_with_the_rod():
     assert 0.15 * np.sin(turn) == pytest.approx(np.negative(aside))
 
 
+def test_films_of_the_crank_lie_where_it_turns():
+    """Crank of 40 mm at 30 and 90 deg, its axis 2 mm beside the bore's: the pin left of it."""
+    run = results({"rigid": {}}, {"big": "", "main": ""})
+    surfaces = {"big": "big_end", "main": "main_bearing"}
+    run.case["wires"] = [
+        {"from": f"bodies.{one}.film_thickness", "to": f"{film}.film_thickness"}
+        for film, one in surfaces.items()
+    ]
+    big, main = films_of(run, [], lambda text: None)
+    pin = np.array([[0.002 - 0.02, 0.04 * np.sqrt(0.75)], [0.002 - 0.04, 0.0]])
+    assert big.motion is not None and main.motion is not None
+    assert big.motion[:, :2] == pytest.approx(pin)
+    assert big.motion[:, 2] == pytest.approx(rod_turn(run, "bodies"))
+    assert main.motion == pytest.approx(np.array([[0.002, 0.0, 0.0]] * 2))
+    assert np.hypot(*big.points[:, :2].T) == pytest.approx(np.full(len(big.points), 0.018))
+
+
 def test_a_film_of_a_place_that_is_not_known_is_left_out_aloud():
     said = []
     found = films_of(results({"rigid": {}}), [piston(*SIDES, {"other": (0.0, 1.0)})], said.append)
