@@ -36,7 +36,11 @@ static void *made(const Fmu *f, const char *resources, bool with_logger, bool lo
 
 static void release(void *one) { fmi3FreeInstance(one); }
 static int reset(void *one) { return fmi3Reset(one); }
-static int enter(void *one) { return fmi3EnterInitializationMode(one, any(2), number(), any(4) ? 0.0 : number(), any(2), number()); }
+static int enter(void *one)
+{
+    return fmi3EnterInitializationMode(one, any(2), number(), any(4) ? 0.0 : number(), any(2), number());
+}
+
 static int leave(void *one) { return fmi3ExitInitializationMode(one); }
 static int terminate(void *one) { return fmi3Terminate(one); }
 static int get_state(void *one, void **state) { return fmi3GetFMUState(one, state); }

@@ -16,6 +16,7 @@ from piston_cosim.master.case.contract import check_fmu, interface
 from piston_cosim.master.case.given import build_options
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.engine.verdicts import verdicts
@@ -31,10 +32,10 @@ STOP = "60 deg"
 GROOVED = [(1, 9), (12, 20)]
 
 
-def computed(tree, path):
-    """Results of a case's tree."""
-    case = check_case(tree, PATH)
-    system = open_system(case, PATH.parent, lambda text: None)
+def computed(tree, path, place=PATH):
+    """Results of a case's tree, which lies at `place`."""
+    case = check_case(tree, place)
+    system = open_system(case, place.parent, lambda text: None)
     run(system, case, tree, path)
     return Results(path)
 
@@ -85,6 +86,29 @@ def test_as_many_iterations_as_with_one(grooved, masked):
     """Interface Newton sees one system, however many films it is cut into."""
     counts = [r.series("coupling.iterations").values for r in (masked, grooved)]
     assert counts[1].sum() <= counts[0].sum() + 2 and counts[1].max() <= 4
+
+
+def test_a_crown_land_beside_the_skirt(tmp_path):
+    """Skirt and motion are those of the piston without a film on its land, which stands off by what
+    its shape, the way of A and the tilt say, row by row (Eq. (H1)); a tenth full of oil and
+    without pressure it holds nothing but the shear in that tenth, 1e-5 of what moves the piston.
+    """
+    path = find_case("grooved_skirt")
+    short = [("time.stop", "20 deg"), ("time.step", "2 deg"), ("record.every", 1)]
+    tree = variant_trees(path, short, "crown_land")["crown_land"]
+    land = computed(tree, tmp_path / "land.h5", path)
+    alone = computed(read_tree(PATH, short), tmp_path / "alone.h5")
+    motion = {}
+    for name in ("lateral_displacement", "rocking_angle"):
+        motion[name], whole = (r.series(f"bodies.{name}").values for r in (land, alone))
+        assert np.abs(motion[name] - whole).max() <= 1e-4 * np.ptp(whole)
+    film = land.dataset("bodies.upper.film_thickness")[-1]
+    assert film.shape == (40, 6)
+    angle = np.arange(40)[:, None] * np.pi / 20
+    height = 62.14e-3 + (np.arange(6) + 0.5) * 2.07e-3
+    aside = motion["lateral_displacement"][-1] - motion["rocking_angle"][-1] * height
+    gap = 50e-6 + 250e-6 + 50e-6 * (1 + np.cos(2 * angle))  # clearance, land, ovality
+    np.testing.assert_allclose(film, gap - aside * np.sin(angle), rtol=0, atol=1e-9)
 
 
 @pytest.fixture(scope="module")

@@ -35,7 +35,7 @@ class Newton:
 
     max_iterations: int = 20
     largest_krylov_space: int = 120
-    accuracy: float = 0.3
+    accuracy: float = 0.01
     forcing: float = 1e-6
     differences: bool = False
 
