@@ -41,6 +41,7 @@ from .test_floating_pin import (
     bodies,
     floating_model,
     options,
+    products_by_differences,
     random_inputs,
     rough_way,
     yielding_bodies,
@@ -436,33 +437,11 @@ def test_even_loads_leave_a_pin_that_tilts_parallel():
 @pytest.mark.parametrize("make", [bending_model, bending_in_bosses])
 @pytest.mark.parametrize("steps", [1, 5])
 def test_derivative_of_all_films_against_differences(steps, make):
-    """As of a pin without shapes: central differences of a step that is affine but for what
-    millimetres of play and turning shells bend.
-    """
+    """As of a pin without shapes."""
     model = make()
     state, _ = rough_way(model, steps)
     assert np.abs(model.bodies.bent(state.position)).min() > 1e-9
-    base = random_inputs(model, 50)
-    rng = np.random.default_rng(1)
-    to_push, to_drag = rng.standard_normal((2, *GRID))
-    to_pins = [PinForces(*rng.standard_normal((2, *PIN_GRID))) for _ in model.pins]
-    ends = []
-    for e in (1.0, -1.0):
-        moved = dataclasses.replace(
-            base,
-            pressure_force=base.pressure_force + e * to_push,
-            friction_force=base.friction_force + e * to_drag,
-            pins=tuple(
-                PinForces(*(one + e * to for one, to in zip(force, change)))
-                for force, change in zip(base.pins, to_pins)
-            ),
-        )
-        ends.append(model.advance(state, moved, STEP)[1])
-    model.advance(state, base, STEP)
-    products = model.directional_derivative(to_push, to_drag, pins=tuple(to_pins))
-    for name, product in products.items():
-        difference = (ends[0][name] - ends[1][name]) / 2
-        assert np.abs(product - difference).max() <= 1e-6 * np.abs(difference).max(), name
+    products = products_by_differences(model, state, random_inputs(model, 50))
     rows = products["boss_left.film_thickness"][0]
     assert np.ptp(rows) > 1e-3 * np.abs(rows).max()
 

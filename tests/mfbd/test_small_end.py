@@ -42,12 +42,13 @@ from .test_floating_pin import (
     GRID,
     PARAMETERS,
     PIN_GRID,
-    STEP,
     bodies,
     floating_model,
     options,
+    products_by_differences,
     random_inputs,
     rough_way,
+    stiff_is_rigid,
     yielding_bodies,
 )
 from .test_pin_shapes import AXIS, bending_options
@@ -337,33 +338,11 @@ def test_the_account_holds_the_modes_of_an_eye():
 @pytest.mark.parametrize("make", [eye_model, all_that_yields])
 @pytest.mark.parametrize("steps", [1, 5])
 def test_derivative_of_all_films_against_differences(steps, make):
-    """As of rigid shells: central differences of a step that is affine but for what millimetres of
-    play and turning shells bend.
-    """
+    """As of rigid shells."""
     model = make()
     state, _ = rough_way(model, steps)
     assert np.abs(model.bodies.in_eye(state.position)).min() > 1e-9
-    base = random_inputs(model, 50)
-    rng = np.random.default_rng(1)
-    to_push, to_drag = rng.standard_normal((2, *GRID))
-    to_pins = [PinForces(*rng.standard_normal((2, *PIN_GRID))) for _ in model.pins]
-    ends = []
-    for e in (1.0, -1.0):
-        moved = dataclasses.replace(
-            base,
-            pressure_force=base.pressure_force + e * to_push,
-            friction_force=base.friction_force + e * to_drag,
-            pins=tuple(
-                PinForces(*(one + e * to for one, to in zip(force, change)))
-                for force, change in zip(base.pins, to_pins)
-            ),
-        )
-        ends.append(model.advance(state, moved, STEP)[1])
-    model.advance(state, base, STEP)
-    products = model.directional_derivative(to_push, to_drag, pins=tuple(to_pins))
-    for name, product in products.items():
-        difference = (ends[0][name] - ends[1][name]) / 2
-        assert np.abs(product - difference).max() <= 1e-6 * np.abs(difference).max(), name
+    products_by_differences(model, state, random_inputs(model, 50))
 
 
 @pytest.mark.parametrize("make", [eye_model, all_that_yields])
@@ -388,16 +367,8 @@ def test_newton_on_the_exact_tangent_needs_as_few_passes_as_with_a_rigid_eye():
 
 
 def test_a_stiff_eye_is_the_rigid_one():
-    """Young's modulus times 1e6, 1e9: what modes do falls with it, and nothing else is left."""
     names = ("lateral_displacement", "rocking_angle", "small_end_displacement_y", "pin_angle")
-
-    def way(model):
-        return np.array([rough_way(model, steps)[1][name] for steps in (2, 6) for name in names])
-
-    rigid = way(floating_model())
-    apart = [np.abs(way(eye_model(young)) / rigid - 1).max() for young in (1e6, 1e9)]
-    assert apart[1] < 1e-6
-    assert apart[1] < 2e-3 * apart[0]
+    stiff_is_rigid(floating_model(), eye_model, names)
     gaps = [
         rough_way(model, 6)[1]["small_end.film_thickness"]
         for model in (floating_model(), eye_model(1e6))
