@@ -6,7 +6,7 @@ block of float64 numbers. A block begins with what is given: the grid, where in 
 number lies, tables that depend on no parameter.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,12 +21,14 @@ from .faults import FAULTS, NO_TANGENT, refuse
 from .grid import Array, keep
 from .native_step import (
     CHOSEN,
+    EDGES,
     EULER_LENGTH,
     GIVEN_HEAD,
     INITIAL_FILM_FRACTION,
     LINEAR,
     NUMBERS,
     SECTOR_ANGLE,
+    STROKES,
     check_parameters,
     domain_of,
     factors_of,
@@ -105,11 +107,21 @@ def given(slave: Any) -> Array:
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in whole])
 
 
-def uncovered(options: dict[str, Any]) -> Iterable[str]:
-    """Sentences on build options that the library does not cover."""
-    n_c, n_a = BuildOptions.read(options).grid
-    if n_c > WIDEST:
-        yield f"grid = {n_c} x {n_a}: a native FMU covers {WIDEST} cells around"
+def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
+    """Sentences on build options, checked or as given, that the library does not cover."""
+    match options.get("grid"):
+        case [int(n_c), int(n_a)] if n_c > WIDEST:
+            yield f"grid = {n_c} x {n_a}: a native FMU covers {WIDEST} cells around"
+
+
+def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
+    """Sentences on parameters that the library has no room for."""
+    room = STROKES * values["skirt_length"]
+    if values["oil_supply"] != EDGES and values["stroke"] > room:
+        yield (
+            f"stroke = {values['stroke']:g} m: on skirt_length = {values['skirt_length']:g} m a "
+            f"native FMU has room for {room:g} m"
+        )
 
 
 # ---- between variables and block
@@ -304,4 +316,6 @@ PART = NativePart(
     covered={},
     faults=FAULTS,
     refusal="lubrication step to t = {a} s: ",
+    uncovered_ahead=uncovered,
+    uncovered_values=uncovered_values,
 )

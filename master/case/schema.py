@@ -475,6 +475,10 @@ class Case(Table):
     """What goes from outputs to inputs."""
     coupling: Coupling
     """Method, order and limits of the iterations of a macro step."""
+    native: bool | list[str] | None = None
+    """Participants of packages run as machine code: all of them, none, or those named; without it
+    those whose library a release has brought and that it covers.
+    """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
     """What goes into the results file."""
     summary: dict[str, str] = {}

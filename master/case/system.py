@@ -12,6 +12,7 @@ import numpy as np
 from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
+from ..fmi.builder_native import build_native_fmu, this_platform
 from ..fmi.errors import BadInput
 from ..fmi.fields import NO_NUMBERS
 from ..fmi.option_classes import near
@@ -29,6 +30,7 @@ from ..participants.table import TableParticipant
 from .contract import starting_order
 from .given import build_options, masks
 from .keys import SETTABLE, declared_variables
+from .machine_code import of_machine_code
 from .schema import record_interval, reduced, start_time, times
 
 TOLERANCE = 1e-6
@@ -66,6 +68,7 @@ def faults_ahead(case, folder):
     for table in case.wires:
         if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
             _wire(table, declared, case.coupling, faults)
+    faults += of_machine_code(case, folder, parameters)[1]
     if declared.keys() == case.participants.keys():
         _check_ports(case, declared, faults)
         _check_time(case, parameters, faults)
@@ -154,12 +157,15 @@ def open_system(case, folder, progress, own=None):
     if faults:
         raise BadInput(faults)
     participants = {}
+    native = _of_machine_code(case, folder)
     builds = build_options(case, folder, progress)
     for name, table in case.participants.items():
         try:
             make = (own or {}).get(name)
             participants[name] = (
-                make() if make else _participant(name, table, builds[name], folder, progress)
+                make()
+                if make
+                else _participant(name, table, builds[name], folder, progress, name in native)
             )
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
@@ -250,12 +256,19 @@ def _is_real(table, participants):
     return {_type(port, participants) for port in (table.source, table.target)} == {"Real"}
 
 
-def _participant(name, table, build, folder, progress):
+def _of_machine_code(case, folder):
+    """Names of the participants that are built as machine code."""
+    unheard = []
+    declared = declared_participants(case, folder, unheard)
+    return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
+
+
+def _participant(name, table, build, folder, progress, native):
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _fmu(table, build, folder, progress)
+    path = _fmu(table, build, folder, progress, native)
     sizes = _sizes(open_fmu(name, path), table.parameters)
     participant = open_fmu(name, path, sizes, _own_step(table))
     timeout = duration("timeout", table.timeout)
@@ -293,7 +306,10 @@ def _sizes(participant, given):
     return sizes
 
 
-def _fmu(table, build, folder, progress):
+def _fmu(table, build, folder, progress, native):
+    if table.package and native:
+        here = [name for name in [this_platform()] if name]
+        return build_native_fmu(table.package, build, folder, progress, platforms=here)
     if table.package:
         return build_fmu(table.package, build, folder, progress)
     if table.file:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.builder_native import Inside
+from ..fmi.native_parts import uncovered_values
 from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
@@ -60,18 +61,8 @@ def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> 
 def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) -> Iterator[str]:
     """Sentences on parameters of a case that are valid, but not covered by the machine code."""
     for name, inside in insides.items():
-        for v in inside.slave.table:
-            known = inside.part.covered.get(v.name)
-            value = given[name].get(v.name)
-            if known is None or value is None:
-                continue
-            if isinstance(known, tuple):
-                said, is_covered = v.choices[int(value) - 1], v.choices[int(value) - 1] in known
-                words = ", ".join(known)
-            else:
-                said, is_covered, words = f"{value:g}", value == known, f"{known:g}"
-            if not is_covered:
-                yield f"participants.{name}: {v.name} = {said}: a native FMU covers {words}"
+        for fault in uncovered_values(inside.part, inside.slave.table, given[name]):
+            yield f"participants.{name}: {fault}"
 
 
 def _named(wire: Any) -> str:

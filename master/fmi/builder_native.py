@@ -9,6 +9,7 @@ by the content of the kernels, and linked anew, which takes a second.
 import fcntl
 import json
 import os
+import platform as machine
 import shutil
 import struct
 import subprocess
@@ -111,6 +112,30 @@ OF_COUPLED = "parts.c"
 """Besides, where entries of participants are called from those of a coupled slave."""
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+
+
+def this_platform() -> str | None:
+    """Of this machine, None where no native FMU runs on it."""
+    machines = {
+        ("Linux", "x86_64"): "linux64",
+        ("Linux", "aarch64"): "aarch64-linux",
+        ("Windows", "AMD64"): "win64",
+        ("Darwin", "x86_64"): "darwin64",
+        ("Darwin", "arm64"): "aarch64-darwin",
+    }
+    return machines.get((machine.system(), machine.machine()))
+
+
+def is_made_ahead(package: str) -> bool:
+    """Whether a release has brought the library of a package for this machine."""
+    platform = this_platform()
+    if platform is None or not AHEAD.exists():
+        return False
+    try:
+        part_of(package)
+    except BadInput:
+        return False
+    return (AHEAD / library_name((package,), platform, "2.0")).exists()
 
 
 def compiler_of(platform: str) -> tuple[str, ...] | None:

@@ -2,12 +2,13 @@
 `PART` of its module `native`.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .compiled import compiled
+from .variables import Variable
 
 CALL = "native_part"
 """Runs an entry of a participant inside a coupled slave, front/parts.c."""
@@ -49,6 +50,7 @@ class NativePart(NamedTuple):
     faults : sentences by their number;
     refusal : what stands before the sentence of a refused step;
     uncovered_ahead : as `uncovered`, of build options as a case gives them;
+    uncovered_values : the same of parameters, all of them, in SI and choices by their numbers;
     asks : functions that the entries call besides those of `native_code.OPEN`.
     """
 
@@ -59,4 +61,33 @@ class NativePart(NamedTuple):
     faults: tuple[str, ...]
     refusal: str
     uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
+    uncovered_values: Callable[[Mapping[str, Any]], Iterable[str]] = lambda values: ()
     asks: frozenset[str] = frozenset()
+
+
+def uncovered_values(
+    part: NativePart, variables: Sequence[Variable], given: Mapping[str, Any]
+) -> Iterator[str]:
+    """Sentences on parameters of a participant that are valid, but not covered by its machine code.
+
+    Parameters
+    ----------
+    part : NativePart
+    variables : sequence of Variable
+    given : mapping
+        Values in SI, choices by their numbers; the others are at their start values.
+    """
+    values = {v.name: v.number(v.start) for v in variables} | dict(given)
+    for v in variables:
+        known = part.covered.get(v.name)
+        value = given.get(v.name)
+        if known is None or value is None:
+            continue
+        if isinstance(known, tuple):
+            said, is_covered = v.choices[int(value) - 1], v.choices[int(value) - 1] in known
+            words = ", ".join(known)
+        else:
+            said, is_covered, words = f"{value:g}", value == known, f"{known:g}"
+        if not is_covered:
+            yield f"{v.name} = {said}: a native FMU covers {words}"
+    yield from part.uncovered_values(values)

@@ -1,0 +1,66 @@
+"""Which participants of a case run as machine code: native FMUs take the same steps as those in
+Python, in a third of the time.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ..fmi.builder_native import cannot_build, is_made_ahead, part_of, this_platform
+from ..fmi.errors import BadInput
+from ..fmi.native_parts import uncovered_values
+from .keys import declared_variables
+
+CASE_KEY = "native"
+
+
+def of_machine_code(
+    case: Any, folder: Path, given: dict[str, dict[str, Any]]
+) -> tuple[set[str], list[str]]:
+    """Participants that are to be built as machine code, and faults of those that the case asks for
+    and that cannot be.
+
+    Without a word of the case they are those whose library a release has brought for this machine,
+    and that it covers.
+
+    Parameters
+    ----------
+    case : schema.Case
+    folder : Path
+        Of the case.
+    given : dict
+        What the case gives participants, in SI, by their names, as far as it is known.
+    """
+    packages = {name: table.package for name, table in case.participants.items() if table.package}
+    if case.native is None:
+        chosen = {
+            name
+            for name, package in packages.items()
+            if is_made_ahead(package)
+            and not _uncovered(case.participants[name], folder, given.get(name, {}))
+        }
+        return chosen, []
+    chosen = set(packages if case.native is True else case.native or ())
+    faults = [
+        f"{CASE_KEY}: {name} is no participant that a package builds: {', '.join(packages)} are"
+        for name in sorted(chosen - packages.keys())
+    ]
+    for name in sorted(chosen & packages.keys()):
+        found = _uncovered(case.participants[name], folder, given.get(name, {}))
+        faults += [f"participants.{name}: {fault}" for fault in found]
+    return chosen, faults
+
+
+def _uncovered(table, folder, given):
+    """Why a participant cannot be machine code here."""
+    platform = this_platform()
+    if platform is None:
+        return ["there is no machine code for this kind of machine"]
+    try:
+        part = part_of(table.package)
+    except BadInput as refusal:
+        return refusal.faults
+    faults = [*cannot_build((platform,), (table.package,)), *part.uncovered_ahead(table.build)]
+    variables = declared_variables(table, folder)
+    if variables and not faults:
+        faults += uncovered_values(part, variables, given)
+    return faults

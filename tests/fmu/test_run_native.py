@@ -1,0 +1,121 @@
+"""`run` with participants of machine code: the same steps as with those in Python, by the same
+master.
+"""
+
+import h5py
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.machine_code import of_machine_code
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import faults_ahead, open_system
+from piston_cosim.master.fmi import builder_native
+from piston_cosim.master.fmi.builder_native import library_name, this_platform
+from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs.run import run
+
+PATH = find_case("numerical_example")
+SMALL = [
+    *((f"participants.{name}.build.grid", [12, 10]) for name in ("bodies", "ehd")),
+    *((f"participants.bodies.build.{body}.modes", 4) for body in ("piston", "block")),
+    ("time.stop", "30 deg"),
+    ("participants.bodies.parameters.crank_offset", "1 mm"),
+    ("participants.ehd.parameters.film_fraction_lower_edge", 0.6),
+    ("participants.ehd.parameters.roughness_rms", "1.5 um"),
+]
+"""Flexible, beside the axis, little oil, surfaces that touch."""
+COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
+AGREES = 1e-6
+"""Of each curve's range. An iteration ends within the wires' tolerance, 1e-6 of what they carry;
+where in it follows the last digits of the bodies' products.
+"""
+
+
+def case_of(*changes, path=PATH, small=SMALL):
+    tree = read_tree(path, [*small, *changes])
+    return check_case(tree, path), tree
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Runs with machine code and with Python: summary and recorded scalars."""
+    if not compiler() or builder_native.too_old():
+        pytest.skip("no C compiler, an old numba, or not Linux")
+
+    def by(native):
+        case, tree = case_of(("native", native))
+        file = tmp_path_factory.mktemp("run") / "run.h5"
+        system = open_system(case, PATH.parent, lambda text: None)
+        names = [participant.path.name for participant in system.participants.values()]
+        summary = run(system, case, tree, file)
+        with h5py.File(file) as results:
+            curves = {
+                f"{owner}.{name}": values[()]
+                for owner in ("bodies", "ehd")
+                for name, values in results[owner].items()
+                if isinstance(values, h5py.Dataset) and values.ndim == 1
+            }
+        return names, summary, curves
+
+    return by(True), by(False)
+
+
+def test_participants_are_machine_code_where_the_case_says_so(finished):
+    (native, *_), (python, *_) = finished
+    assert [("-native-" in name) for name in native] == [True, True]
+    assert [("-native-" in name) for name in python] == [False, False]
+
+
+def test_a_run_takes_as_many_evaluations(finished):
+    (_, native, _), (_, python, _) = finished
+    assert {name: native[name] for name in COUNTS} == {name: python[name] for name in COUNTS}
+
+
+def test_curves_agree(finished):
+    (_, _, native), (_, _, python) = finished
+    assert native.keys() == python.keys()
+    assert len(native) > 30
+    for name in native.keys() - {"bodies.interface_work_error", "ehd.mass_imbalance"}:
+        size = max(np.ptp(python[name]), np.abs(python[name]).max())
+        assert np.abs(native[name] - python[name]).max() <= AGREES * size, name
+
+
+def test_what_is_not_covered_is_said_with_all_that_is_wrong():
+    case, _ = case_of(
+        ("native", ["bodies", "ehd", "piston"]),
+        ("participants.ehd.build.grid", [193, 10]),
+        ("participants.bodies.build.grid", [193, 10]),
+        ("participants.bodies.build.mounted", True),
+    )
+    faults = faults_ahead(case, PATH.parent)
+    assert any("piston is no participant that a package builds: bodies, ehd" in f for f in faults)
+    assert any("participants.ehd: grid = 193 x 10" in fault for fault in faults)
+    assert any("participants.bodies: mounted" in fault for fault in faults)
+
+
+def test_a_stroke_without_room_is_said_before_anything_is_built():
+    stroke = ("participants.ehd.parameters.stroke", "0.5 m")
+    case, _ = case_of(("native", True), stroke, ("participants.ehd.parameters.oil_supply", "bore"))
+    with pytest.raises(BadInput, match="participants.ehd: stroke = 0.5 m: on skirt_length"):
+        open_system(case, PATH.parent, print)
+    plenty, _ = case_of(("native", True), stroke)
+    assert not faults_ahead(plenty, PATH.parent)
+
+
+def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
+    monkeypatch.setattr(builder_native, "AHEAD", tmp_path)
+    assert chosen() == set()
+    platform = this_platform()
+    for package in ("fmu_ehd", "fmu_mfbd"):
+        (tmp_path / library_name((package,), platform, "2.0")).touch()
+    assert chosen() == {"bodies", "ehd"}
+    assert chosen(("native", False)) == set()
+    assert chosen(("participants.bodies.build.mounted", True)) == {"ehd"}
+    wide = [(f"participants.{name}.build.grid", [193, 8]) for name in ("bodies", "ehd")]
+    assert chosen(*wide) == {"bodies"}
+
+
+def chosen(*changes):
+    case, _ = case_of(*changes)
+    return of_machine_code(case, PATH.parent, {})[0]
