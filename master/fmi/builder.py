@@ -19,8 +19,7 @@ from importlib.metadata import version as version_of
 from inspect import getfile
 from pathlib import Path
 from typing import NamedTuple
-from xml.dom.minidom import parseString
-from xml.etree.ElementTree import tostring
+from xml.etree.ElementTree import indent, tostring
 
 import pythonfmu
 
@@ -387,7 +386,8 @@ def texts_of(slave, version, any_host, platforms=()):
 
 
 def _xml(root):
-    return parseString(tostring(root)).toprettyxml(encoding="UTF-8")
+    indent(root, "\t")
+    return tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
 def _instance(entry, resources):

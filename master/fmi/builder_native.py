@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import native_code
-from .builder import slave_of, texts_of, write_archive
+from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder
 from .compiler import HOME
 from .errors import BadInput
@@ -39,6 +39,8 @@ from .variables import Variable
 
 MARK = b"PCNATIV2"
 """What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
+
+OWN_NAME = Path(__file__).name
 
 WORD = 8  # bytes that are summed up at once
 
@@ -179,9 +181,21 @@ def build_native_fmu(
         platform for which there is no C compiler.
     """
     part, resolved, files = check_native(package, options, folder, progress, platforms)
-    inside = slave_inside(package, part, resolved, files)
-    inside.slave.experiment = experiment or inside.slave.experiment
-    return pack_native_fmu(package, inside, progress, version, platforms=platforms)
+    made_of = {
+        "build.json": json.dumps(resolved, sort_keys=True).encode(),
+        **{file.name: file.read_bytes() for file in files},
+        **{name: (Path(__file__).parent / name).read_bytes() for name in (*PACKING, OWN_NAME)},
+        "code": code_of(package).name.encode(),
+        "libraries": repr([library_name((package,), one, version) for one in platforms]).encode(),
+        "version": f"{version_of('piston-cosim')} {version} {experiment!r}".encode(),
+    }
+    fmu = _place_of(package, made_of)
+    if not fmu.exists():
+        inside = slave_inside(package, part, resolved, files)
+        inside.slave.experiment = experiment or inside.slave.experiment
+        libraries_here = libraries((package,), platforms, version, progress)
+        _write(fmu, _members(inside, libraries_here, version), progress)
+    return fmu
 
 
 class Inside(NamedTuple):
@@ -201,10 +215,10 @@ def pack_native_fmu(
     version: str = "2.0",
     *,
     platforms: Sequence[str] = ("linux64",),
-    package: str = "",
-    participants: Sequence[str] = (),
+    package: str,
+    participants: Sequence[str],
 ) -> Path:
-    """FMU of a slave as machine code, from the cache if the same was packed before.
+    """FMU of a coupled slave as machine code, from the cache if the same was packed before.
 
     Parameters
     ----------
@@ -214,26 +228,41 @@ def pack_native_fmu(
     progress, version, platforms
         As for `build_native_fmu`.
     package : str
-        Whose entries the slave has; `name` without it.
+        Whose entries the slave has.
     participants : sequence of str
-        Packages whose entries those of a coupled slave call.
+        Packages whose entries those call.
     """
+    made = libraries((package, *participants), platforms, version, progress)
+    members = _members(inside, made, version)
+    fmu = _place_of(name, members)
+    if not fmu.exists():
+        _write(fmu, members, progress)
+    return fmu
+
+
+def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
+    """Content of an FMU by path; `made`: libraries by platform."""
     slave = inside.slave
-    made = libraries((package or name, *participants), platforms, version, progress)
-    members = texts_of(slave, version, any_host=True, platforms=platforms)
+    members = texts_of(slave, version, any_host=True, platforms=list(made))
     for platform, library in made.items():
         ends = PLATFORMS[platform]
         members[f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"] = library
     members["resources/slave.bin"] = slave_file(slave, inside.part, inside.given)
     members["resources/build.json"] = json.dumps(slave.options, sort_keys=True).encode()
+    return members
+
+
+def _place_of(name: str, made_of: Mapping[str, bytes]) -> Path:
+    """An FMU in the cache, by what it is made of."""
     digest = sha256()
-    for member in sorted(members):
-        digest.update(member.encode() + b"\0" + sha256(members[member]).digest())
-    fmu = cache_folder("fmus") / f"{name}-native-{digest.hexdigest()[:16]}.fmu"
-    if not fmu.exists():
-        progress(f"packing {fmu.name}")
-        write_archive(members, fmu)
-    return fmu
+    for member in sorted(made_of):
+        digest.update(member.encode() + b"\0" + sha256(made_of[member]).digest())
+    return cache_folder("fmus") / f"{name}-native-{digest.hexdigest()[:16]}.fmu"
+
+
+def _write(fmu: Path, members: Mapping[str, bytes], progress: Callable[[str], object]) -> None:
+    progress(f"packing {fmu.name}")
+    write_archive(members, fmu)
 
 
 def check_native(
