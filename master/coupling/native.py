@@ -20,6 +20,7 @@ from .native_block import (
     CONTENT_OF_MEMORY,
     CONTENTS,
     EXPOSED_COUNT,
+    FAILURES,
     FAULTS_AT,
     FIRST_STATE,
     INTEGERS,
@@ -72,6 +73,7 @@ from .native_calls import START
 from .native_journal import open_journal, print_of, take_back
 from .native_newton import (
     answered,
+    converge,
     feed,
     hear,
     integer_of,
@@ -348,6 +350,20 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     keep(marks, marked)
 
 
+@compiled
+def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """A macro step of `run` to its fixed point (`methods.compiled_newton`): `real` is the guess,
+    then the wires; numbers: length of the step and its begin [s], then 1 where it was found, else
+    0, and what is remembered is as before. `integer` unused.
+    """
+    part(memory, FAILURES)[0] = 0.0
+    open_journal(memory)
+    numbers[2] = 1.0
+    if not converge(memory, real, numbers, real):
+        take_back(memory)
+        numbers[2] = 0.0
+
+
 def given_of(contents: tuple[Mapping[str, np.ndarray], Mapping[str, int]]) -> np.ndarray:
     """What the memory begins with, `native_block.given`."""
     return given(*contents)
@@ -359,7 +375,7 @@ def uncovered(options: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 PART = NativePart(
-    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
+    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent, iterate)),
     given=given_of,
     uncovered=uncovered,
     covered={},

@@ -5,7 +5,7 @@ It begins with a head, then what is given; then the participants' own memories, 
 one piece: what the participants stand at, the predictor's past, what the Krylov method remembers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -17,7 +17,7 @@ WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
 GIVEN = ("counts", "constants", "order", "starting", "rows", "wires", "exposed", "contents")
 WORK = ("inside", "saved")
 STATE = ("standing", "times", "past", "oldest", "images", "differences", "gram")
-LAST = ("before", "marks", "last", "last_inputs", "last_outputs", "failures", "faults")
+LAST = ("before", "marks", "last", "last_inputs", "last_outputs", "trail", "failures", "faults")
 PARTS = (*GIVEN, *WORK, *STATE, *LAST)
 (
     COUNTS,
@@ -42,6 +42,7 @@ PARTS = (*GIVEN, *WORK, *STATE, *LAST)
     LAST_NUMBERS,
     LAST_INPUTS,
     LAST_OUTPUTS,
+    TRAIL,
     FAILURES,
     FAULTS_AT,
 ) = range(len(PARTS))
@@ -187,6 +188,12 @@ OF_LAST = ("kind", "time", "step", "print")
 LAST_KIND, LAST_TIME, LAST_STEP, LAST_PRINT = range(len(OF_LAST))
 NOTHING, A_START, A_STEP = range(3)
 
+OF_TRAIL = ("evaluations", "products")
+"""What a macro step took; behind it the measures of every wire, by evaluation as far as there is
+room.
+"""
+EVALUATIONS, PRODUCTS = range(len(OF_TRAIL))
+
 OF_A_FAULT = 6
 FAULT, FAULT_I, FAULT_J, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
 MOST_FAULTS = 24
@@ -223,6 +230,11 @@ def given(contents: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np.
     head = [begins[-1], first[STATE[0]], states, first["faults"], *begins]
     parts = [np.ravel(contents[name]).astype(float) for name in GIVEN[:-1]]
     return np.concatenate([head, *parts, contents["contents"]])
+
+
+def in_order(rows: Iterable[Mapping[str, float]], names: tuple[str, ...]) -> np.ndarray:
+    """Rows of named numbers as one array."""
+    return np.array([[row[name] for name in names] for row in rows], dtype=float).ravel()
 
 
 @compiled

@@ -24,8 +24,10 @@ from .native_block import (
     OF_LAST,
     OF_ROW,
     OF_SENTENCES,
+    OF_TRAIL,
     OF_WIRE,
     OWN_FAULTS,
+    in_order,
 )
 from .wiring import Wire, is_unknown
 
@@ -154,6 +156,7 @@ class Layout:
             "last": len(OF_LAST),
             "last_inputs": of_kept["input"],
             "last_outputs": of_kept["output"],
+            "trail": len(OF_TRAIL) + len(self.wires),
             "failures": faults,
             "faults": faults,
         }
@@ -183,18 +186,18 @@ class Layout:
             "nudge": NUDGE,
         }
         given = {
-            "counts": _in_order([counts], COUNTED),
-            "constants": _in_order([constants], CONSTANT),
+            "counts": in_order([counts], COUNTED),
+            "constants": in_order([constants], CONSTANT),
             "order": np.array([self.names.index(name) for name in self.order], float),
             "starting": np.array([self.names.index(n) for n in self.options.participants], float),
-            "rows": _in_order(self.rows(0), OF_ROW),
-            "wires": _in_order(self.wired(), OF_WIRE),
-            "exposed": _in_order((row for _, row in self.exposed()), OF_EXPOSED),
+            "rows": in_order(self.rows(0), OF_ROW),
+            "wires": in_order(self.wired(), OF_WIRE),
+            "exposed": in_order((row for _, row in self.exposed()), OF_EXPOSED),
             "contents": np.concatenate([_contents(one) for one in self.insides.values()]),
         }
         # participants lie behind all that is given
         head = native.given_of((given, self.lengths()))
-        given["rows"] = _in_order(self.rows(len(head)), OF_ROW)
+        given["rows"] = in_order(self.rows(len(head)), OF_ROW)
         return given
 
     def rows(self, behind: int) -> list[dict[str, float]]:
@@ -338,8 +341,3 @@ def _contents(inside: Inside) -> np.ndarray:
     """What a participant begins with: of its memory, real and integer variables."""
     slave = inside.slave
     return np.concatenate([inside.given, slave.real, slave.integer.view(float)])
-
-
-def _in_order(rows: Iterable[Mapping[str, float]], names: tuple[str, ...]) -> np.ndarray:
-    """Rows of named numbers as one array."""
-    return np.array([[row[name] for name in names] for row in rows], dtype=float).ravel()

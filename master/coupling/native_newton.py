@@ -12,6 +12,7 @@ from .native_block import (
     CONSTANTS,
     DIFFERENCES,
     ELEMENTS,
+    EVALUATIONS,
     FAILURES,
     FAULT,
     FIRST,
@@ -35,12 +36,14 @@ from .native_block import (
     NOWHERE,
     OF_A_FAULT,
     OLDEST,
+    OF_TRAIL,
     ORDER,
     OUT_OF_RANGE,
     OWN_FAULT,
     OWN_STATE,
     OWN_STATES,
     PARTICIPANTS,
+    PRODUCTS,
     REAL,
     REALS,
     SAVED,
@@ -53,6 +56,7 @@ from .native_block import (
     TARGET_PLACE,
     TOLERANCE,
     TOO_MANY,
+    TRAIL,
     UNKNOWN,
     UNKNOWNS,
     VARIABLES,
@@ -268,6 +272,7 @@ def derivative(memory: np.ndarray, change: np.ndarray, result: np.ndarray):
         for k in range(first, first + int(wire[ELEMENTS])):
             seen[k] = 0.0 if wire[UNKNOWN] == NOWHERE else change[k]
             result[k] = 0.0
+    part(memory, TRAIL)[PRODUCTS] += 1.0
     numbers = np.zeros(4)
     order = part(memory, ORDER)
     for k in range(len(order)):
@@ -308,18 +313,27 @@ def derivative(memory: np.ndarray, change: np.ndarray, result: np.ndarray):
 @compiled
 def measure(memory: np.ndarray, residual: np.ndarray):
     """Largest share of an element's residual in its wire's tolerance: converged at 1 and below, NaN
-    if any is not finite.
+    if any is not finite. The largest of every wire goes to the trail; where that is full, in the
+    place of the last.
     """
+    wires = count(memory, WIRE_COUNT)
+    trail = part(memory, TRAIL)
+    room = (len(trail) - len(OF_TRAIL)) // wires
+    row = min(int(trail[EVALUATIONS]), room - 1)
+    trail[EVALUATIONS] += 1.0
     found = 0.0
-    for w in range(count(memory, WIRE_COUNT)):
+    for w in range(wires):
         wire = wire_of(memory, w)
         first = int(wire[FIRST])
+        largest = 0.0
         for k in range(first, first + int(wire[ELEMENTS])):
             share = abs(residual[k]) / wire[TOLERANCE]
-            if not share <= found:
-                found = share
-                if found != found:
-                    return found
+            if not share <= largest:
+                largest = share
+                if largest != largest:
+                    return largest
+        trail[len(OF_TRAIL) + row * wires + w] = largest
+        found = max(found, largest)
     return found
 
 
@@ -530,6 +544,9 @@ def converge(memory: np.ndarray, guess: np.ndarray, numbers: np.ndarray, x: np.n
     outcome = np.empty((3, n))
     change = np.empty(n)
     failures = part(memory, FAILURES)
+    trail = part(memory, TRAIL)
+    trail[EVALUATIONS] = 0.0
+    trail[PRODUCTS] = 0.0
     if not evaluate(memory, guess, numbers, outcome):
         return False
     now = measure(memory, outcome[RESIDUAL])

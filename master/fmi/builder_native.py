@@ -16,12 +16,12 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib import import_module
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
-from inspect import getfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,7 +34,7 @@ from .compiler import HOME
 from .errors import BadInput
 from .native_parts import NativePart, symbol
 from .slave import PRODUCT, SEED, FieldSlave, reserved
-from .tree import import_part, reached, slave_class
+from .tree import ROOT, import_part, reached, slave_class
 from .variables import Variable
 
 MARK = b"PCNATIV2"
@@ -114,6 +114,17 @@ OF_COUPLED = "parts.c"
 """Besides, where entries of participants are called from those of a coupled slave."""
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+ITERATION = "run"
+"""In the place of a version: the library by which `run` iterates, no FMU's (`iteration_library`)."""
+ITERATING = "master.coupling"
+"""The package whose entries it has."""
+OF_ITERATION = ("runtime.c", "fmi_parts.c")
+MACHINES = {
+    ("linux", "x86_64"): "linux64",
+    ("linux", "aarch64"): "aarch64-linux",
+    ("darwin", "x86_64"): "darwin64",
+    ("darwin", "arm64"): "aarch64-darwin",
+}
 
 
 def this_platform() -> str | None:
@@ -384,9 +395,48 @@ def library_name(packages: Sequence[str], platform: str, version: str) -> str:
     for one in packages:
         digest.update(_sources(one))
     headers = [path.name for path in HOME.glob("*.h")]
-    for file in sorted([*SOURCES, FRONTS[version], OF_COUPLED, *headers]):
+    for file in sorted([*_sources_in_c(version, True), *headers]):
         digest.update((HOME / file).read_bytes())
     return "-".join([*packages, platform, version, digest.hexdigest()[:16]]) + ends.ending
+
+
+def _sources_in_c(version, is_coupled):
+    """Files of `HOME` that a library is made of."""
+    if version == ITERATION:
+        return OF_ITERATION
+    return (*SOURCES, FRONTS[version], *([OF_COUPLED] if is_coupled else ()))
+
+
+def iteration_library() -> Path | None:
+    """The library by which `run` iterates on FMUs of this process (front/fmi_parts.c): the one made
+    ahead, or linked here, which takes a second, of the object file of native coupled FMUs if that
+    is kept. None where it would have to be compiled first, or there is no C compiler.
+
+    Raises
+    ------
+    RuntimeError
+        With the compiler's words.
+    """
+    machine = MACHINES.get((sys.platform, os.uname().machine))
+    if machine is None:
+        return None
+    name = library_name([ITERATING], machine, ITERATION)
+    kept = cache_folder("native") / name
+    for path in (AHEAD / name, kept):
+        if path.exists():
+            return path
+    code = _object_file(ITERATING, machine)
+    if not code.exists() or compiler_of(machine) is None:
+        return None
+    partial = kept.with_suffix(f".{os.getpid()}.part")
+    partial.write_bytes(link(machine, ITERATION, {ITERATING: code.read_bytes()}))
+    os.replace(partial, kept)
+    return kept
+
+
+def _object_file(package, platform):
+    """Where the object file of a package's entries is kept."""
+    return cache_folder("native") / f"{package}-{platform}-{_digest_of_code(package)}.o"
 
 
 def object_files(package, platforms, progress=lambda text: None):
@@ -395,7 +445,7 @@ def object_files(package, platforms, progress=lambda text: None):
     """
     folder = cache_folder("native")
     code = _digest_of_code(package)
-    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
+    kept = {name: _object_file(package, name) for name in platforms}
     if not all(path.exists() for path in kept.values()):
         with open(folder / f"{package}-{code}.lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
@@ -424,9 +474,20 @@ def _digest_of_code(package):
 @cache
 def _sources(package):
     """All files that a package's machine code is made of, in one."""
-    files = reached(Path(getfile(import_part(f"{package}.native"))).resolve())
+    files = reached(_file_of(f"{package}.native"))
     files |= {Path(native_code.__file__).resolve()}
     return b"".join(path.read_bytes() for path in sorted(files))
+
+
+def _file_of(module):
+    """File of a module of this tree, else of an installed one; it is not run, for numba, which it
+    imports, takes half a second.
+    """
+    for name in (f"{ROOT}.{module}", module):
+        with suppress(ModuleNotFoundError):
+            if (found := find_spec(name)) and found.origin:
+                return Path(found.origin).resolve()
+    raise ModuleNotFoundError(module)
 
 
 def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
@@ -453,8 +514,7 @@ def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
         for path, code in zip(objects, codes.values()):
             path.write_bytes(code)
         library = Path(scratch) / f"slave{PLATFORMS[platform].ending}"
-        sources = (*SOURCES, FRONTS[version], *([OF_COUPLED] if participants else ()))
-        files = [str(HOME / name) for name in sources]
+        files = [str(HOME / name) for name in _sources_in_c(version, bool(participants))]
         command = [
             *(compiler_of(platform) or ()),
             *COMMON,

@@ -105,6 +105,11 @@ class FmuParticipant:
         return self._standard_derivative or bool(self._derivative)
 
     @property
+    def has_standard_derivative(self):
+        """Whether it answers the standard's own."""
+        return self._standard_derivative
+
+    @property
     def can_redo(self):
         """Whether the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
@@ -475,6 +480,34 @@ class FmuParticipant:
             known.pointer,
             unknown.pointer,
         )
+
+    def addresses(self, functions):
+        """Of functions of the FMU's library; the instance first."""
+        found = [ctypes.cast(getattr(self._fmu.dll, name), ctypes.c_void_p) for name in functions]
+        return self._fmu.component, [one.value for one in found]
+
+    def references(self, names):
+        """Address and number of the references of several real fields, one behind the other."""
+        block = self._pair(tuple(names))
+        return ctypes.addressof(block.references), block.count
+
+    def stepped(self, saved, time, step):
+        """Compiled code has taken this step [s] from a saved state."""
+        self._begin = saved
+        self.ended = ""
+        self._last_step = (time, step)
+
+    def fault(self, function, status):
+        """What is to be raised where compiled code has called a function of the FMU: an error is
+        one wherever it is called. None where it is no error, and the call is to be made here again.
+        """
+        if status not in FAILED:
+            return None
+        failure = FMICallException(function, status)
+        if function not in ("fmi2DoStep", "fmi2GetDirectionalDerivative"):
+            return failure
+        self._broken |= function == "fmi2DoStep"
+        return ParticipantFault(f"{self.name}: {self._words(failure)}")
 
     def _pair(self, names):
         """References of several fields in one block, made once."""

@@ -18,6 +18,7 @@ from ..case.schema import reduced
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
+from ..coupling.methods.compiled_newton import compiled_where_it_can
 from ..coupling.negotiation import by_differences, objections, sentences
 from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
@@ -159,7 +160,7 @@ class March:
         self.watch, self.say = told
         self.stepper = Stepper(
             system,
-            method_of(case.coupling),
+            compiled_where_it_can(method_of(case.coupling), system),
             case.coupling.halvings,
             self,
             case.coupling.predictor,
