@@ -1,7 +1,9 @@
-"""FMI 2.0 instances as compiled code calls them: by pointers, without Python (front/fmi_parts.c)."""
+"""Participants as compiled code calls them (front/fmi_parts.c): FMI 2.0 instances of this process by
+pointers, without Python; others by a function of Python's.
+"""
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from .fmi2 import FmuParticipant
@@ -15,10 +17,17 @@ FUNCTIONS = (
 )
 
 
+ADVANCE = 2
+"""The entry that is a step, as in coupling/native_calls.py; else a derivative is asked for."""
+
+ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)
+
+
 class Instance(ctypes.Structure):
     """As in front/fmi_parts.c."""
 
     _fields_ = [
+        ("ask", ASK),
         ("component", ctypes.c_void_p),
         ("begin", ctypes.c_void_p),
         ("functions", ctypes.c_void_p * len(FUNCTIONS)),
@@ -56,8 +65,41 @@ class Words(list):
         return list(self) if self.calls == self.instance.calls else []
 
 
+class Asked:
+    """Participants in whose place compiled code calls a function of Python's.
+
+    Parameters
+    ----------
+    answer : callable(entry)
+        Takes a step or a derivative, as `entry` says.
+    """
+
+    def __init__(self, answer: Callable[[int], None]):
+        self.raised: BaseException | None = None
+
+        def ask(entry: int) -> int:
+            try:
+                answer(entry)
+            except BaseException as raised:  # raised again behind the compiled code
+                self.raised = raised
+                return 1
+            return 0
+
+        self.instance = Instance(ask=ASK(ask))
+
+    @property
+    def address(self) -> int:
+        """Where the instance lies."""
+        return ctypes.addressof(self.instance)
+
+    def fault(self) -> BaseException | None:
+        """What the last call has raised, if anything."""
+        raised, self.raised = self.raised, None
+        return raised
+
+
 class Pointed:
-    """A participant that compiled code calls.
+    """A participant that compiled code calls by pointers.
 
     Parameters
     ----------

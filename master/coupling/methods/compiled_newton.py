@@ -1,19 +1,20 @@
-"""Interface Newton-Krylov as machine code, on FMI 2.0 FMUs of this process: a macro step is one
-call, which does what `Newton.solve` does.
+"""Interface Newton-Krylov as machine code: a macro step is one call, which does what `Newton.solve`
+does.
 
-The machine code is that of a native coupled FMU (`native_newton`); its participants are the FMUs'
-instances, called by pointers (front/fmi_parts.c).
+The machine code is that of a native coupled FMU (`native_newton`). Its participants are FMI 2.0
+instances, called by pointers (front/fmi_parts.c), where all are of this process; else it has one
+participant, which is `Interface.evaluate` and `Interface.derivative`. Both give the same bits.
 """
 
 import ctypes
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..interface import End, Interface
+from ..interface import Interface
 from ..native_block import (
     CONSTANT,
     COUNTED,
@@ -43,34 +44,16 @@ from .solution import MacroStep, Method, Solution, Tried
 
 
 def compiled_where_it_can(method: Method, system: System) -> Method:
-    """The method, or for `Newton` on FMUs that machine code can call one that calls them so, where
-    its library is there.
+    """The method; for `Newton` the same as machine code, where that covers the wires' norms and the
+    library is there.
     """
     from ...fmi.builder_native import iteration_library
 
-    if type(method) is not Newton or method.differences or not is_covered(system):
+    relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
+    if type(method) is not Newton or method.differences or relative or not system.wires:
         return method
     library = iteration_library()
     return CompiledNewton(method, library) if library else method
-
-
-def is_covered(system: System) -> bool:
-    """Whether machine code can call all participants, and knows the norms of all wires."""
-    from ...participants.fmi2 import FmuParticipant
-
-    sources = {wire.source[0] for wire in system.wires}
-    targets = {wire.target[0] for wire in system.wires}
-    relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
-    return (
-        bool(system.wires)
-        and not relative
-        and all(
-            type(one) is FmuParticipant
-            and one.can_redo
-            and (one.has_standard_derivative or name not in sources & targets)
-            for name, one in system.participants.items()
-        )
-    )
 
 
 class CompiledNewton:
@@ -100,9 +83,23 @@ class CompiledNewton:
         if not isinstance(macro_step, MacroStep):
             return self.newton.solve(macro_step, guess, memory)
         if self._iteration is None or self._iteration.interface is not macro_step.interface:
-            self._iteration = Iteration(self.newton, macro_step.interface, self.library)
+            interface = macro_step.interface
+            kind = ByPointers if are_callable(interface) else ByPython
+            self._iteration = kind(self.newton, interface, self.library)
         solution = self._iteration.solve(macro_step, guess, memory)
         return solution or self.newton.solve(macro_step, guess, memory)
+
+
+def are_callable(interface: Interface) -> bool:
+    """Whether machine code can call all participants by pointers."""
+    from ...participants.fmi2 import FmuParticipant
+
+    return all(
+        type(one) is FmuParticipant
+        and one.can_redo
+        and (one.has_standard_derivative or not (interface.inputs[name] and interface.outputs[name]))
+        for name, one in interface.participants.items()
+    )
 
 
 class Library:
@@ -127,26 +124,70 @@ class Library:
             raise MemoryError("not enough memory for the iteration of a macro step")
 
 
+Sizes = Mapping[Hashable, int]
+"""Elements of variables that lie one behind the other, by their names."""
+
+
+class Called(NamedTuple):
+    """A participant as the machine code has it: address of its `Instance`, what it reads and what
+    it says. Its real variables are inputs, outputs, seeds and products.
+    """
+
+    address: int
+    inputs: Sizes
+    outputs: Sizes
+
+    @property
+    def variables(self) -> int:
+        """Elements of inputs and outputs."""
+        return sum(self.inputs.values()) + sum(self.outputs.values())
+
+    @property
+    def inside(self) -> int:
+        """Numbers that it takes; the last is how many faults it has noted, which is none."""
+        return 2 * self.variables + 1
+
+
+class Ends(NamedTuple):
+    """Number of the participant and name of the variable at both ends of a wire."""
+
+    source: int
+    output: Hashable
+    target: int
+    input: Hashable
+
+
 class Iteration:
-    """The participants and wires of an interface, as machine code knows them."""
+    """Participants and wires of an interface as the machine code knows them: a block of memory.
 
-    def __init__(self, newton: Newton, interface: Interface, library: Library):
-        from ...participants.pointers import Pointed
+    Parameters
+    ----------
+    newton : Newton
+    interface : Interface
+    library : Library
+    called : sequence of Called
+        In stepping order.
+    ends : sequence of Ends
+        By wire.
+    """
 
+    def __init__(
+        self,
+        newton: Newton,
+        interface: Interface,
+        library: Library,
+        called: Sequence[Called],
+        ends: Sequence[Ends],
+    ):
         self.interface = interface
         self.library = library
-        self.names = list(interface.participants)
-        self.ins = {name: distinct(interface.inputs[name]) for name in self.names}
-        self.outs = {name: distinct(interface.outputs[name]) for name in self.names}
-        participants: Mapping[str, Any] = interface.participants
-        self.pointed = {
-            name: Pointed(participants[name], list(self.ins[name]), list(self.outs[name]))
-            for name in self.names
-        }
+        self.called = called
+        self.ends = ends
         contents = self._contents(newton)
         lengths = self._lengths(newton.max_iterations)
-        first = len(given(contents, lengths))
-        contents["rows"] = in_order(self._rows(first), OF_ROW)
+        # participants lie behind all that is given
+        self.first = len(given(contents, lengths))
+        contents["rows"] = in_order(self._rows(self.first), OF_ROW)
         head = given(contents, lengths)
         self.block = np.zeros(int(head[0]))
         self.block[: len(head)] = head
@@ -177,7 +218,7 @@ class Iteration:
     def _contents(self, newton: Newton) -> dict[str, np.ndarray]:
         """Parts that are given."""
         counts = dict.fromkeys(COUNTED, 0.0) | {
-            "participants": len(self.names),
+            "participants": len(self.called),
             "wires": len(self.interface.wires),
             "size": self.interface.size,
             "unknowns": self.unknowns,
@@ -193,7 +234,7 @@ class Iteration:
         return {
             "counts": in_order([counts], COUNTED),
             "constants": in_order([constants], CONSTANT),
-            "order": np.arange(len(self.names), dtype=float),
+            "order": np.arange(len(self.called), dtype=float),
             "starting": np.zeros(0),
             "rows": in_order(self._rows(0), OF_ROW),
             "wires": in_order(self._wires(), OF_WIRE),
@@ -211,7 +252,7 @@ class Iteration:
         }
         faults = 1 + OF_A_FAULT * MOST_FAULTS
         return {
-            "inside": sum(map(self._inside, self.names)),
+            "inside": sum(one.inside for one in self.called),
             "saved": 0,
             **states,
             "before": sum(states.values()),
@@ -224,97 +265,90 @@ class Iteration:
             "faults": faults,
         }
 
-    def _inside(self, name: str) -> int:
-        """Numbers that a participant takes: inputs, outputs, seeds and products, and how many
-        faults it has noted, which is none.
-        """
-        return 2 * (length(self.ins[name]) + length(self.outs[name])) + 1
-
     def _rows(self, behind: int) -> list[dict[str, float]]:
         """`OF_ROW` of every participant, the first of them `behind` so many numbers. Its state is
-        the FMU's, which is put back before every step: there is none here.
+        its own, which is put back before every step: there is none here.
         """
         rows = []
-        for name in self.names:
-            inside = self._inside(name)
+        for one in self.called:
             row = dict.fromkeys(OF_ROW, 0.0) | {
-                "code": float(self.pointed[name].address),
+                "code": one.address,
                 "real": behind,
-                "reals": inside - 1,
-                "memory": behind + inside - 1,
+                "reals": one.inside - 1,
+                "memory": behind + one.inside - 1,
                 "memories": 1,
             }
             rows.append(row)
-            behind += inside
+            behind += one.inside
         return rows
 
     def _wires(self) -> list[dict[str, float]]:
         """`OF_WIRE` of every wire."""
         rows = []
         unknown = 0
-        for wire, part_of_it in zip(self.interface.wires, self.interface.parts):
-            first, size = part_of_it.start, part_of_it.stop - part_of_it.start
-            source, target = wire.source[0], wire.target[0]
-            against = bool(self.interface.feedback[first])
-            source_place = length(self.ins[source]) + place(self.outs[source], wire.source[1])
-            target_place = place(self.ins[target], wire.target[1])
+        for wire, span, ends in zip(self.interface.wires, self.interface.parts, self.ends):
+            source, target = self.called[ends.source], self.called[ends.target]
+            source_place = sum(source.inputs.values()) + place(source.outputs, ends.output)
+            target_place = place(target.inputs, ends.input)
+            is_against = bool(self.interface.feedback[span.start])
             decrease = wire.largest_decrease
             row = dict.fromkeys(OF_WIRE, 0.0) | {
-                "source": self.names.index(source),
+                "source": ends.source,
                 "source_place": source_place,
-                "target": self.names.index(target),
+                "target": ends.target,
                 "target_place": target_place,
-                "elements": size,
-                "first": first,
-                "unknown": unknown if against else NOWHERE,
+                "elements": span.stop - span.start,
+                "first": span.start,
+                "unknown": unknown if is_against else NOWHERE,
                 "nominal": wire.nominal,
                 "tolerance": wire.tolerance,
                 "largest_decrease": NOWHERE if decrease is None else decrease,
-                "seed": self._variables(target) + target_place,
-                "product": self._variables(source) + source_place,
+                "seed": target.variables + target_place,
+                "product": source.variables + source_place,
                 "low": -np.inf,
                 "high": np.inf,
                 "columns": 1,
             }
             rows.append(row)
-            unknown += size if against else 0
+            unknown += span.stop - span.start if is_against else 0
         return rows
-
-    def _variables(self, name: str) -> int:
-        """Elements of a participant's inputs and outputs; seeds and products lie behind them."""
-        return length(self.ins[name]) + length(self.outs[name])
 
     # ---- a macro step
 
+    def begin(self, macro_step: MacroStep) -> None:
+        """The machine code is about to call the participants."""
+        raise NotImplementedError
+
+    def end(self, macro_step: MacroStep) -> BaseException | None:
+        """It did; what is to be raised, if anything."""
+        raise NotImplementedError
+
     def solve(self, macro_step: MacroStep, guess: np.ndarray, memory: Any) -> Solution | None:
         """As `Newton.solve`; None where it is not found, and what is remembered is as before."""
-        _, time, step, saved = macro_step
         self._adopt(memory)
         self.oldest[0] = memory.oldest
         self.x[:] = guess
-        self.numbers[:2] = step, time
-        for name, one in self.pointed.items():
-            one.begin(saved[name])
+        self.numbers[:2] = macro_step.step, macro_step.time
+        self.begin(macro_step)
         self.library.run(self.x, self.block, self.numbers)
         memory.oldest = int(self.oldest[0])
-        spent = self.interface.spent
-        for name, one in self.pointed.items():
-            one.end(saved[name], time, step)
-            spent[name] += one.spent
-            spent["transport"] += one.carried
-        for one in self.pointed.values():
-            if fault := one.fault():
-                raise fault
+        if fault := self.end(macro_step):
+            self.interface.trail += self._measures()
+            raise fault
         return self._solution() if self.numbers[2] else None
 
     def _solution(self) -> Solution:
         """What was found; the interface is told the measures of the wires."""
-        evaluations = int(self.trail[EVALUATIONS])
-        wires = len(self.interface.wires)
-        measures = self.trail[len(OF_TRAIL) :][: evaluations * wires].reshape(-1, wires).tolist()
+        measures = self._measures()
         self.interface.trail += measures
         history = tuple(map(max, measures))
-        return Solution(self.x.copy(), history, evaluations - 1, int(self.trail[PRODUCTS]))
+        return Solution(self.x.copy(), history, len(history) - 1, int(self.trail[PRODUCTS]))
+
+    def _measures(self) -> list[list[float]]:
+        """Of every wire, by evaluation."""
+        wires = len(self.interface.wires)
+        count = int(self.trail[EVALUATIONS]) * wires
+        return self.trail[len(OF_TRAIL) :][:count].reshape(-1, wires).tolist()
 
     def _adopt(self, memory: RecycledGmres) -> None:
         """Let a memory lie in the block, where the machine code has it."""
@@ -327,17 +361,86 @@ class Iteration:
             setattr(memory, name, own)
 
 
-def distinct(ends: Sequence[End]) -> dict[str, int]:
-    """Elements of every variable at one side of a participant, in their order."""
-    return {end.variable: end.part.stop - end.part.start for end in ends}
+class ByPointers(Iteration):
+    """On FMI 2.0 instances of this process."""
+
+    def __init__(self, newton: Newton, interface: Interface, library: Library):
+        from ...participants.pointers import Pointed
+
+        names = list(interface.participants)
+        participants: Mapping[str, Any] = interface.participants
+        sides = interface.inputs, interface.outputs
+        sizes = [
+            [{end.variable: end.part.stop - end.part.start for end in side[n]} for side in sides]
+            for n in names
+        ]
+        self.pointed = {n: Pointed(participants[n], *map(list, s)) for n, s in zip(names, sizes)}
+        super().__init__(
+            newton,
+            interface,
+            library,
+            [Called(one.address, *s) for one, s in zip(self.pointed.values(), sizes)],
+            [
+                Ends(names.index(w.source[0]), w.source[1], names.index(w.target[0]), w.target[1])
+                for w in interface.wires
+            ],
+        )
+
+    def begin(self, macro_step: MacroStep) -> None:
+        for name, one in self.pointed.items():
+            one.begin(macro_step.saved[name])
+
+    def end(self, macro_step: MacroStep) -> BaseException | None:
+        spent = self.interface.spent
+        for name, one in self.pointed.items():
+            one.end(macro_step.saved[name], macro_step.time, macro_step.step)
+            spent[name] += one.spent
+            spent["transport"] += one.carried
+        return next(filter(None, (one.fault() for one in self.pointed.values())), None)
 
 
-def length(sizes: Mapping[str, int]) -> int:
-    """Elements of all."""
-    return sum(sizes.values())
+class ByPython(Iteration):
+    """On whatever participants there are, as the interface evaluates them: one participant that
+    reads and says all wires.
+    """
+
+    def __init__(self, newton: Newton, interface: Interface, library: Library):
+        from ...participants.pointers import Asked
+
+        self.asked = Asked(self._answer)
+        self.macro_step: MacroStep | None = None
+        sizes = {k: span.stop - span.start for k, span in enumerate(interface.parts)}
+        super().__init__(
+            newton,
+            interface,
+            library,
+            [Called(self.asked.address, sizes, sizes)],
+            [Ends(0, k, 0, k) for k in sizes],
+        )
+        n = interface.size
+        self.given, self.said, self.seeds, self.products = self.block[self.first :][
+            : 4 * n
+        ].reshape(4, n)
+
+    def _answer(self, entry: int) -> None:
+        """An entry, from where the machine code has put what is given to where it looks."""
+        from ...participants.pointers import ADVANCE
+
+        assert self.macro_step is not None
+        if entry == ADVANCE:
+            self.said[:] = self.macro_step.evaluate(self.given).outputs
+        else:
+            self.products[:] = self.macro_step.derivative(self.seeds)
+
+    def begin(self, macro_step: MacroStep) -> None:
+        self.macro_step = macro_step
+
+    def end(self, macro_step: MacroStep) -> BaseException | None:
+        self.macro_step = None
+        return self.asked.fault()
 
 
-def place(sizes: Mapping[str, int], name: str) -> int:
+def place(sizes: Sizes, name: Hashable) -> int:
     """Elements in front of a variable."""
     names = list(sizes)
     return sum(sizes[one] for one in names[: names.index(name)])

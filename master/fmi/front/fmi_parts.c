@@ -1,6 +1,6 @@
-/* Participants that are FMI 2.0 instances of this process: what the iteration of `run` calls them by, where it is machine
-   code (master/coupling/methods/compiled_newton.py), and the iteration itself. Inside a coupled slave parts.c is in this
-   place. */
+/* What the iteration of `run` calls its participants by, where it is machine code
+   (master/coupling/methods/compiled_newton.py), and the iteration itself: FMI 2.0 instances of this process by their
+   functions, all others together by one of Python's. Inside a coupled slave parts.c is in this place. */
 
 #include "native.h"
 
@@ -20,8 +20,9 @@ enum { ADVANCE = 2, TANGENT };          /* as in master/coupling/native_calls.py
 enum { CODE, REAL };                    /* as `OF_ROW` in master/coupling/native_block.py begins */
 enum { SET_STATE = 1, SET, STEP, GET, DERIVE };
 
-/* As `Instance` in master/coupling/methods/compiled_newton.py. */
+/* As `Instance` in master/participants/pointers.py. */
 typedef struct {
+    int (*ask)(int64_t);                /* Python's, which knows where the numbers are; NULL: what follows is called */
     void *component, *begin;            /* the instance, and its state at the beginning of the macro step */
     int (*set_state)(void *, void *);
     int (*set)(void *, const uint32_t *, size_t, const double *);
@@ -88,6 +89,8 @@ INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, d
 {
     Instance *one = (Instance *)(uintptr_t)row[CODE];
     double *real = memory + (size_t)row[REAL];
+    if (one->ask)
+        return one->ask(entry);
     return entry == ADVANCE ? advance(one, real, numbers[1], numbers[0]) : derive(one, real);
 }
 
