@@ -23,6 +23,7 @@ from .native_block import (
     FAILURES,
     FAULTS_AT,
     FIRST_STATE,
+    FOUND,
     INTEGERS,
     INTEGRAL,
     IS_INPUT,
@@ -358,10 +359,10 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """
     part(memory, FAILURES)[0] = 0.0
     open_journal(memory)
-    numbers[2] = 1.0
+    numbers[FOUND] = 1.0
     if not converge(memory, real, numbers, real):
         take_back(memory)
-        numbers[2] = 0.0
+        numbers[FOUND] = 0.0
 
 
 def given_of(contents: tuple[Mapping[str, np.ndarray], Mapping[str, int]]) -> np.ndarray:

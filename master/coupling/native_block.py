@@ -194,6 +194,9 @@ room.
 """
 EVALUATIONS, PRODUCTS = range(len(OF_TRAIL))
 
+FOUND = 2
+"""Of the numbers that the entry `iterate` is called with: whether it found the fixed point."""
+
 OF_A_FAULT = 6
 FAULT, FAULT_I, FAULT_J, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
 MOST_FAULTS = 24

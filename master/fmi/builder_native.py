@@ -115,7 +115,7 @@ OF_COUPLED = "parts.c"
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 ITERATION = "run"
-"""In the place of a version: the library by which `run` iterates, no FMU's (`iteration_library`)."""
+"""In the place of a version: the library by which `run` iterates (`iteration_library`)."""
 ITERATING = "master.coupling"
 """The package whose entries it has."""
 OF_ITERATION = ("runtime.c", "fmi_parts.c")

@@ -1,5 +1,5 @@
-"""Participants as compiled code calls them (front/fmi_parts.c): FMI 2.0 instances of this process by
-pointers, without Python; others by a function of Python's.
+"""Participants as compiled code calls them (front/fmi_parts.c): FMI 2.0 instances of this process
+by pointers, without Python; others by a function of Python's.
 """
 
 import ctypes
@@ -37,7 +37,7 @@ class Instance(ctypes.Structure):
         ("output_count", ctypes.c_size_t),
         ("spent", ctypes.c_double),
         ("carried", ctypes.c_double),
-        ("calls", ctypes.c_int64),
+        ("calls", ctypes.c_int64),  # of this macro step
         ("failed", ctypes.c_int64),
         ("status", ctypes.c_int64),
     ]
@@ -51,7 +51,7 @@ class Words(list):
     def __init__(self, instance: Instance):
         super().__init__()
         self.instance = instance
-        self.calls = instance.calls
+        self.calls = 0
 
     def append(self, said: Any) -> None:
         if self.calls != self.instance.calls:
@@ -114,7 +114,7 @@ class Pointed:
     def __init__(self, participant: FmuParticipant, inputs: Sequence[str], outputs: Sequence[str]):
         self.participant = participant
         self.instance = Instance()
-        self._fmu: Any = None
+        self.words = Words(self.instance)
         self.instance.inputs, self.instance.input_count = participant.references(inputs)
         self.instance.outputs, self.instance.output_count = participant.references(outputs)
 
@@ -139,13 +139,15 @@ class Pointed:
         one.functions[:] = functions
         one.begin = saved
         one.spent = one.carried = 0.0
-        one.failed = one.status = 0
-        self.participant.log = Words(one)
+        one.failed = one.status = one.calls = 0
+        self.words = Words(one)
+        self.participant.log = self.words
 
     def end(self, saved: Any, time: float, step: float) -> None:
         """It did; with the last step [s]."""
-        self.participant.log = self.participant.log.last
-        self.participant.stepped(saved, time, step)
+        self.participant.log = self.words.last
+        if self.instance.calls:
+            self.participant.stepped(saved, time, step)
 
     def fault(self) -> Exception | None:
         """What is to be raised, if anything."""

@@ -11,7 +11,13 @@ import fmpy
 import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu, too_old
+from piston_cosim.master.fmi.builder_native import (
+    ITERATING,
+    build_native_fmu,
+    iteration_library,
+    object_files,
+    too_old,
+)
 from piston_cosim.master.fmi.compiler import compiler
 
 HERE = Path(__file__).parent
@@ -81,6 +87,18 @@ def native_engine():
         return export_fmu(check_case(tree, path), path.parent, print, version, platforms)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def iteration():
+    """The library by which `run` iterates; the first time it is compiled, half a minute."""
+    if not compiler():
+        pytest.skip("no C compiler, or not Linux on x86-64")
+    if not iteration_library():
+        if too_old():
+            pytest.skip(too_old()[0])
+        object_files(ITERATING, ["linux64"])
+    return iteration_library()
 
 
 @pytest.fixture(scope="session")

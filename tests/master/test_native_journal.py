@@ -45,7 +45,7 @@ def memory():
     counts[COUNTED.index("unknowns")] = UNKNOWNS
     contents = dict.fromkeys(GIVEN, np.zeros(0)) | {"counts": counts}
     others = dict(inside=2, saved=5, before=sum(LENGTHS.values()), marks=KEPT, last=4)
-    others |= dict(last_inputs=0, last_outputs=0, failures=1, faults=1)
+    others |= dict(last_inputs=0, last_outputs=0, trail=2, failures=1, faults=1)
     head = given(contents, LENGTHS | others)
     whole = np.full(int(head[0]), np.nan)
     whole[: len(head)] = head

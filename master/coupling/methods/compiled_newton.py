@@ -8,7 +8,7 @@ participant, which is `Interface.evaluate` and `Interface.derivative`. Both give
 
 import ctypes
 import weakref
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from ..native_block import (
     COUNTED,
     DIFFERENCES,
     EVALUATIONS,
+    FOUND,
     GRAM,
     IMAGES,
     MOST_FAULTS,
@@ -97,7 +98,9 @@ def are_callable(interface: Interface) -> bool:
     return all(
         type(one) is FmuParticipant
         and one.can_redo
-        and (one.has_standard_derivative or not (interface.inputs[name] and interface.outputs[name]))
+        and (
+            one.has_standard_derivative or not (interface.inputs[name] and interface.outputs[name])
+        )
         for name, one in interface.participants.items()
     )
 
@@ -124,7 +127,7 @@ class Library:
             raise MemoryError("not enough memory for the iteration of a macro step")
 
 
-Sizes = Mapping[Hashable, int]
+Sizes = Mapping[Any, int]
 """Elements of variables that lie one behind the other, by their names."""
 
 
@@ -152,9 +155,9 @@ class Ends(NamedTuple):
     """Number of the participant and name of the variable at both ends of a wire."""
 
     source: int
-    output: Hashable
+    output: Any
     target: int
-    input: Hashable
+    input: Any
 
 
 class Iteration:
@@ -335,7 +338,7 @@ class Iteration:
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()
             raise fault
-        return self._solution() if self.numbers[2] else None
+        return self._solution() if self.numbers[FOUND] else None
 
     def _solution(self) -> Solution:
         """What was found; the interface is told the measures of the wires."""
@@ -440,7 +443,7 @@ class ByPython(Iteration):
         return self.asked.fault()
 
 
-def place(sizes: Sizes, name: Hashable) -> int:
+def place(sizes: Sizes, name: Any) -> int:
     """Elements in front of a variable."""
     names = list(sizes)
     return sum(sizes[one] for one in names[: names.index(name)])
