@@ -89,16 +89,20 @@ def native_engine():
     return make
 
 
-@pytest.fixture(scope="session")
-def iteration():
-    """The library by which `run` iterates; the first time it is compiled, half a minute."""
-    if not compiler():
-        pytest.skip("no C compiler, or not Linux on x86-64")
-    if not iteration_library():
-        if too_old():
-            pytest.skip(too_old()[0])
+@pytest.fixture(scope="session", autouse=True)
+def settled():
+    """The library by which `run` iterates, None where none can be made. It is there before any run:
+    one without it has other last digits. The first time it is compiled, half a minute.
+    """
+    if not iteration_library() and compiler() and not too_old():
         object_files(ITERATING, ["linux64"])
     return iteration_library()
+
+
+@pytest.fixture(scope="session")
+def iteration(settled):
+    """The library by which `run` iterates."""
+    return settled or pytest.skip("no C compiler, or not Linux on x86-64, or numba is too old")
 
 
 @pytest.fixture(scope="session")

@@ -401,6 +401,9 @@ def test_it_is_taken_where_nothing_has_to_be_compiled_for_it(folder, iteration, 
     _, _, system = opened(folder)
     by_differences = Newton(differences=True)
     assert compiled_where_it_can(by_differences, system) is by_differences
+    with monkeypatch.context() as as_written:
+        as_written.setenv("NUMBA_DISABLE_JIT", "1")
+        assert compiled_where_it_can(newton, system) is newton
     monkeypatch.setattr(builder_native, "iteration_library", lambda: None)
     assert compiled_where_it_can(newton, system) is newton
 

@@ -7,6 +7,7 @@ participant, which is `Interface.evaluate` and `Interface.derivative`. Both give
 """
 
 import ctypes
+import os
 import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -46,10 +47,12 @@ from .solution import MacroStep, Method, Solution, Tried
 
 def compiled_where_it_can(method: Method, system: System) -> Method:
     """The method; for `Newton` the same as machine code, where that covers the wires' norms and the
-    library is there.
+    library is there. Not where numba is told to leave kernels as they are written.
     """
     from ...fmi.builder_native import iteration_library
 
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+        return method
     relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
     if type(method) is not Newton or method.differences or relative or not system.wires:
         return method
