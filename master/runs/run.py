@@ -225,6 +225,7 @@ class March:
             "case": json.dumps(self.tree),
             "versions": json.dumps(versions()),
             "derivatives": json.dumps(derivatives),
+            "method": type(self.stepper.method).__name__,
             "masks": json.dumps(self.system.masks),
         }
         participants = self.system.participants

@@ -1,8 +1,8 @@
-"""What a macro step of `run` costs with its iteration as machine code, beside that in Python: whole,
-inside the participants, and the ratio of both. Run: python tests/bench/slow/iteration.py
+"""What a macro step of `run` costs with its iteration as machine code, beside that in Python: the
+whole, inside the participants, and the ratio of both. Run: python tests/bench/slow/iteration.py
 
-The numerical example, 40 x 40 cells, 180 deg from rest, fields left out of the results; a run of the
-one after a run of the other in one process, the best of several.
+The numerical example, 40 x 40 cells, 180 deg from rest, fields left out of the results; a run of
+the one after a run of the other in one process, the best of several.
 """
 
 import os
