@@ -56,7 +56,8 @@ class Ends:
         self.write = getattr(participant, "write", None) or partial(write_each, participant)
         self.read = getattr(participant, "read", None) or partial(read_each, participant)
         self.inputs = tuple(end.variable for end in inputs)
-        self.outputs = tuple(end.variable for end in outputs)
+        self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
+        self.said = _repeated(outputs)
         self.into = _places([end.part for end in inputs])
         self.out = _places([end.part for end in outputs])
         forward = [end.part for end in outputs if not feedback[end.part.start]]
@@ -70,13 +71,27 @@ class Ends:
     def collect(self, y: np.ndarray) -> None:
         """Put the outputs into their part of `y`."""
         if self.outputs:
-            y[self.out] = self.read(self.outputs)
+            values = self.read(self.outputs)
+            y[self.out] = values if self.said is None else values[self.said]
 
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs, and let those that go along the order be used at once."""
         self.collect(y)
         if self.forward is not None:
             used[self.forward] = y[self.forward]
+
+
+def _repeated(ends: Sequence[End]) -> np.ndarray | None:
+    """Indices of the ends' elements among those of their distinct variables, None where every one
+    is a variable of its own.
+    """
+    sizes = {end.variable: end.part.stop - end.part.start for end in ends}
+    if len(sizes) == len(ends):
+        return None
+    parts = dict(zip(sizes, _slices(list(sizes.values()))))
+    return np.concatenate(
+        [np.arange(*parts[end.variable].indices(sum(sizes.values()))) for end in ends]
+    )
 
 
 def _places(parts: Sequence[slice]) -> slice | np.ndarray:

@@ -64,6 +64,7 @@ parameters = {{gain = 3.0, trouble = {trouble}, talks = {talks}}}
 fmu = "{b}.fmu"
 isolated = {isolated}
 parameters = {{gain = -2.0}}
+{more}
 [[wires]]
 from = "b.x"
 to = "a.u"
@@ -84,7 +85,7 @@ to = "a.w"
 tolerance = 1e-9
 [coupling]
 method = "newton"
-order = ["{first}", "{second}"]
+order = ["{first}", "{second}"{others}]
 parallel = {parallel}
 predictor = 1
 [record]
@@ -93,6 +94,22 @@ checkpoint_every = 3
 USUAL = dict(
     stop=1.0, trouble=0, talks=0, b="lag", isolated="false", first="a", second="b", relative=""
 )
+USUAL |= dict(more="", others="")
+CHAIN = """
+[participants.c]
+fmu = "lag.fmu"
+[participants.d]
+fmu = "lag.fmu"
+[[wires]]
+from = "a.x"
+to = "c.u"
+tolerance = 1e-9
+[[wires]]
+from = "c.s"
+to = "d.w"
+tolerance = 1e-9
+"""
+"""Who hears an output that another hears too, and who is heard by nobody."""
 ROUND_OFF = 1e-13
 """Of the largest value: sums of four numbers in another order."""
 SOLVED = 1e-12
@@ -215,6 +232,24 @@ def test_the_steps_are_those_of_newton(folder, iteration, first, second, paralle
     for one in stepper.interface.participants.values():
         one.derivative({"u": np.ones(3)}, ["x"])  # of the last step
         assert one._begin is not None
+    closed(stepper)
+    closed(other)
+
+
+def test_an_output_that_two_read_and_a_chain(folder, iteration):
+    """By hand, Eq. (X13): d knows s of c alone, its u is 0."""
+    changes = dict(more=CHAIN, others=', "c", "d"')
+    stepper, ours, stop = marched(folder, CompiledNewton(Newton(), iteration), **changes)
+    other, theirs, _ = marched(folder, Newton(), **changes)
+    assert stop is None
+    agree(ours, theirs)
+    c, d = (stepper.interface.participants[name] for name in "cd")
+    x = np.ones(3)
+    for solution in ours.solutions:
+        w = solution.x[stepper.interface.inputs["d"][0].part]
+        x = (x + 0.1 * (np.sin(w / 3) + [1, 2, 3])) / 1.1  # Eq. (X13)
+    np.testing.assert_allclose(d.get("x"), x, rtol=1e-14)
+    assert w == c.get("s") == pytest.approx(np.sum(c.get("x") ** 2) / 10, rel=1e-14)
     closed(stepper)
     closed(other)
 
@@ -406,6 +441,9 @@ def test_it_is_taken_where_nothing_has_to_be_compiled_for_it(folder, iteration, 
         assert compiled_where_it_can(newton, system) is newton
     monkeypatch.setattr(builder_native, "iteration_library", lambda: None)
     assert compiled_where_it_can(newton, system) is newton
+    monkeypatch.setattr(builder_native, "iteration_library", lambda: MODELS / "lag.c")
+    with pytest.warns(UserWarning, match="the iteration runs in Python: .*lag.c"):
+        assert compiled_where_it_can(newton, system) is newton
 
 
 def test_its_library_is_made_ahead_or_linked_and_never_compiled(iteration, tmp_path, monkeypatch):

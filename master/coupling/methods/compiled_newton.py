@@ -8,6 +8,7 @@ participant, which is `Interface.evaluate` and `Interface.derivative`. Both give
 
 import ctypes
 import os
+import warnings
 import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -56,8 +57,12 @@ def compiled_where_it_can(method: Method, system: System) -> Method:
     relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
     if type(method) is not Newton or method.differences or relative or not system.wires:
         return method
-    library = iteration_library()
-    return CompiledNewton(method, library) if library else method
+    try:
+        library = iteration_library()
+        return CompiledNewton(method, library) if library else method
+    except (OSError, RuntimeError) as error:
+        warnings.warn(f"the iteration runs in Python: {error}", stacklevel=2)
+        return method
 
 
 class CompiledNewton:
