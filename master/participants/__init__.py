@@ -3,6 +3,7 @@
 participant   what the master asks of each
 open          an FMU of either version
 fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
+pointers      as compiled code calls them
 local         a slave of this process, without FMI
 clocks        an FMI 3.0 FMU whose clocks tick (P7, P8)
 isolated      in a process of its own
