@@ -119,12 +119,6 @@ ITERATION = "run"
 ITERATING = "master.coupling"
 """The package whose entries it has."""
 OF_ITERATION = ("runtime.c", "fmi_parts.c")
-MACHINES = {
-    ("linux", "x86_64"): "linux64",
-    ("linux", "aarch64"): "aarch64-linux",
-    ("darwin", "x86_64"): "darwin64",
-    ("darwin", "arm64"): "aarch64-darwin",
-}
 
 
 def this_platform() -> str | None:
@@ -417,19 +411,19 @@ def iteration_library() -> Path | None:
     RuntimeError
         With the compiler's words.
     """
-    machine = MACHINES.get((sys.platform, os.uname().machine))
-    if machine is None:
+    platform = this_platform()
+    if platform is None:
         return None
-    name = library_name([ITERATING], machine, ITERATION)
+    name = library_name([ITERATING], platform, ITERATION)
     kept = cache_folder("native") / name
     for path in (AHEAD / name, kept):
         if path.exists():
             return path
-    code = _object_file(ITERATING, machine)
-    if not code.exists() or compiler_of(machine) is None:
+    code = _object_file(ITERATING, platform)
+    if not code.exists() or compiler_of(platform) is None:
         return None
     partial = kept.with_suffix(f".{os.getpid()}.part")
-    partial.write_bytes(link(machine, ITERATION, {ITERATING: code.read_bytes()}))
+    partial.write_bytes(link(platform, ITERATION, {ITERATING: code.read_bytes()}))
     os.replace(partial, kept)
     return kept
 
