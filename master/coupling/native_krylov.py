@@ -119,7 +119,9 @@ def blocks_of(rows: np.ndarray, pairs: int):
     """
     blocks = np.zeros((2, 2), np.int64)
     used = len(rows)
-    if used > 0:
+    if used == pairs:
+        blocks[0, 1] = pairs
+    elif used > 0:
         blocks[0, 0] = rows[used - 1]
         blocks[0, 1] = rows[0] + 1
         if rows[0] < rows[used - 1]:

@@ -21,7 +21,7 @@ MORE = 4.0
 """Pairs in use: so many for each direction that they tell apart, and so many more. Products of the
 numerical example with rigid bodies (4 directions; 180 steps from rest), `floating_pin` (10; 60 deg)
 and `fired_motorcycle` (40; 120 deg) with all of `KEPT`: 504, 331 and 3076; with 2 for each and 2
-more 416, 277 and 3001; with these 416, 268 and 2750. With 60 modes a body (70) all are in use.
+more 416, 277 and 3001; with these 416, 272 and 2824. With 60 modes a body (70) all are in use.
 """
 
 
@@ -141,7 +141,7 @@ class RecycledGmres:
         from scipy.linalg.lapack import dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 
         rows, factor = self._in_use()
-        blocks = runs(rows)
+        blocks = blocks_of(rows, len(self.images))
         most = self.largest_space
         basis = np.empty((most + 1, right.size))
         directions, images = np.empty((2, most, right.size))
@@ -188,16 +188,19 @@ class RecycledGmres:
         # slow to import
         from scipy.linalg.lapack import dpotrf, dtrtri  # pyright: ignore[reportAttributeAccessIssue]
 
-        known = np.count_nonzero(np.diag(self.gram))
+        known = int(np.count_nonzero(np.diag(self.gram)))
         rows = (self.oldest - 1 - np.arange(known)) % len(self.images)
         if not known:
             return rows, np.zeros((0, 0))
-        factor, _ = dpotrf(self.gram[np.ix_(rows, rows)] + NOISE * np.eye(known), lower=1)
+        ordered = self.gram[rows].T[rows]  # it is symmetric
+        factor, _ = dpotrf(ordered + NOISE * np.eye(known), lower=1)
         inverse, _ = dtrtri(factor, lower=1)
         directions = known - NOISE * np.sum(inverse**2)
         used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
-        self.gram[rows[used:]] = self.gram[:, rows[used:]] = 0.0
-        return rows[:used], np.asfortranarray(factor[:used, :used])
+        if used < known:
+            self.gram[rows[used:]] = self.gram[:, rows[used:]] = 0.0
+            rows, factor = rows[:used], np.asfortranarray(factor[:used, :used])
+        return rows, factor
 
     def _project(self, vector: np.ndarray, blocks: list[slice], out: np.ndarray) -> None:
         """Z' vector of the pairs in use into `out`, shape (pairs,)."""
@@ -223,10 +226,10 @@ class RecycledGmres:
         self.oldest = int(self.oldest + len(newest)) % len(self.images)
 
 
-def runs(rows: np.ndarray) -> list[slice]:
-    """Rows that go down by one, or from 0 to the last, as slices."""
-    if not len(rows):
-        return []
+def blocks_of(rows: np.ndarray, pairs: int) -> list[slice]:
+    """The one or two blocks of rows that go down by one, or from 0 to the last."""
+    if len(rows) in (0, pairs):
+        return [slice(len(rows))] if len(rows) else []
     last, first = int(rows[0]), int(rows[-1])
     if first <= last:
         return [slice(first, last + 1)]
