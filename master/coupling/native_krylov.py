@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..fmi.compiled import compiled
+from .methods.krylov import MORE, PER_DIRECTION
 from .native_block import keep
 
 
@@ -46,8 +47,8 @@ def factorise(gram: np.ndarray, noise: float):
 
 @compiled
 def solve_factored(factor, x):
-    """x of F F' x = b, in the place of b."""
-    n = len(factor)
+    """x of F F' x = b, in the place of b; of a larger factor its first rows and columns."""
+    n = len(x)
     for i in range(n):
         for k in range(i):
             x[i] -= factor[i, k] * x[k]
@@ -59,21 +60,115 @@ def solve_factored(factor, x):
 
 
 @compiled
+def length_of_inverse(factor):
+    """Squared Frobenius norm of the inverse of a lower triangle."""
+    n = len(factor)
+    total = 0.0
+    column = np.empty(n)
+    for j in range(n):
+        column[j] = 1.0 / factor[j, j]
+        total += column[j] ** 2
+        for i in range(j + 1, n):
+            rest = 0.0
+            for k in range(j, i):
+                rest += factor[i, k] * column[k]
+            column[i] = -rest / factor[i, i]
+            total += column[i] ** 2
+    return total
+
+
+@compiled
+def in_use(gram: np.ndarray, noise: float, oldest: int):
+    """Rows of the pairs in use, the newest first, and the factor of Z' Z + n I of them and of older
+    ones, in that order; what is older than Eq. (Q11) allows is out of use.
+
+    Parameters
+    ----------
+    gram : ndarray, shape (pairs, pairs)
+        Z' Z of those in use, 0 elsewhere.
+    noise : float
+    oldest : int
+        The row that is overwritten next.
+    """
+    pairs = len(gram)
+    known = 0
+    for row in range(pairs):
+        if gram[row, row] != 0.0:
+            known += 1
+    rows = np.empty(known, np.int64)
+    for k in range(known):
+        rows[k] = (oldest - 1 - k) % pairs
+    ordered = np.empty((known, known))
+    for k in range(known):
+        for q in range(known):
+            ordered[k, q] = gram[rows[k], rows[q]]
+    factor = factorise(ordered, noise)
+    directions = known - noise * length_of_inverse(factor)
+    used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
+    for k in range(used, known):
+        for other in range(pairs):
+            gram[rows[k], other] = 0.0
+            gram[other, rows[k]] = 0.0
+    return rows[:used], factor
+
+
+@compiled
+def blocks_of(rows: np.ndarray, pairs: int):
+    """First row and end of the one or two blocks in which rows lie that go down by one, or from 0
+    to the last, shape (2, 2).
+    """
+    blocks = np.zeros((2, 2), np.int64)
+    used = len(rows)
+    if used == pairs:
+        blocks[0, 1] = pairs
+    elif used > 0:
+        blocks[0, 0] = rows[used - 1]
+        blocks[0, 1] = rows[0] + 1
+        if rows[0] < rows[used - 1]:
+            blocks[0, 1] = pairs
+            blocks[1, 1] = rows[0] + 1
+    return blocks
+
+
+@compiled
+def project(r: np.ndarray, images: np.ndarray, rows: np.ndarray, projected: np.ndarray):
+    """Z' r of the pairs in use into `projected`, shape (pairs,)."""
+    blocks = blocks_of(rows, len(images))
+    for b in range(2):
+        first = blocks[b, 0]
+        end = blocks[b, 1]
+        if end > first:
+            keep(projected[first:end], images[first:end] @ r)
+
+
+@compiled
 def precondition(
     r: np.ndarray,
     images: np.ndarray,
     differences: np.ndarray,
+    rows: np.ndarray,
     factor: np.ndarray,
     projected: np.ndarray,
     out: np.ndarray,
 ):
     """P r into `out`, Eq. (Q7), and Z' r into `projected`, shape (pairs,)."""
-    shares = images @ r
-    keep(projected, shares)
+    project(r, images, rows, projected)
+    shares = np.empty(len(rows))
+    for k in range(len(rows)):
+        shares[k] = projected[rows[k]]
     solve_factored(factor, shares)
-    change = shares @ differences
-    for i in range(len(r)):
-        out[i] = r[i] + change[i]
+    by_row = np.empty(len(images))
+    for k in range(len(rows)):
+        by_row[rows[k]] = shares[k]
+    keep(out, r)
+    blocks = blocks_of(rows, len(images))
+    for b in range(2):
+        first = blocks[b, 0]
+        end = blocks[b, 1]
+        if end > first:
+            change = by_row[first:end] @ differences[first:end]
+            for i in range(len(r)):
+                out[i] += change[i]
 
 
 @compiled
@@ -145,7 +240,7 @@ def learn(
     oldest: np.ndarray,
 ):
     """Put pairs of direction and product in the place of the oldest; `oldest`, shape (1,), is the
-    row that is forgotten next. Their inner products follow from Eq. (Q10).
+    row that is overwritten next. Their inner products follow from Eq. (Q10).
     """
     pairs = len(images)
     count = len(products)

@@ -77,12 +77,13 @@ from .native_calls import ADVANCE, TANGENT
 from .native_journal import overwrite
 from .native_krylov import (
     Arnoldi,
-    factorise,
+    in_use,
     is_within,
     learn,
     least_squares,
     orthogonalise,
     precondition,
+    project,
     size_of,
 )
 
@@ -456,7 +457,8 @@ def minimised(
     images = part(memory, IMAGES).reshape((kept, n))
     differences = part(memory, DIFFERENCES).reshape((kept, n))
     gram = part(memory, GRAM).reshape((kept, kept))
-    factor = factorise(gram, part(memory, CONSTANTS)[NOISE])
+    oldest = part(memory, OLDEST)
+    rows, factor = in_use(gram, part(memory, CONSTANTS)[NOISE], int(oldest[0]))
     most = count(memory, SPACE)
     basis = np.empty((most + 1, n))
     directions = np.empty((most, n))
@@ -472,7 +474,8 @@ def minimised(
     found = 0
     while found < most:
         direction = directions[found]
-        precondition(basis[found], images, differences, factor, projected[found], direction)
+        aimed = projected[found]
+        precondition(basis[found], images, differences, rows, factor, aimed, direction)
         scattered(memory, direction, seed)
         whole = wholes[found]
         if not derivative(memory, seed, whole):
@@ -503,10 +506,9 @@ def minimised(
     keep(x, weights @ directions[:found])
     keep(change, weights @ wholes[:found])
     if hessenberg[found - 1, found] != 0.0:
-        keep(projected[found], images @ basis[found])
+        project(basis[found], images, rows, projected[found])
     overwrite(memory, found)
     arnoldi = Arnoldi(hessenberg, projected)
-    oldest = part(memory, OLDEST)
     learn(directions[:found], products[:found], arnoldi, images, differences, gram, oldest)
     return True
 

@@ -30,22 +30,74 @@ def remembered(rng, kept, n, filled):
     return memory
 
 
-def test_preconditioner():
-    """Eq. (Q7), with more pairs than there are directions: only the noise keeps it regular."""
+def as_native(memory):
+    """Pairs in use, and their factor, of a memory that does not notice."""
+    return native_krylov.in_use(memory.gram.copy(), NOISE, memory.oldest)
+
+
+@pytest.mark.parametrize("filled", [4, 9, 13])
+def test_preconditioner(filled):
+    """Eq. (Q7), with fewer pairs than fit, with more than there are directions, of which only the
+    noise makes a regular matrix, and with pairs that go round the end.
+    """
     rng = np.random.default_rng(1)
-    memory = remembered(rng, 9, 6, 9)
+    memory = remembered(rng, 9, 6, filled)
     r = rng.standard_normal(6)
-    found = np.empty(6)
-    factor = native_krylov.factorise(memory.gram, NOISE)
-    np.testing.assert_allclose(factor @ factor.T, memory.gram + NOISE * np.eye(9), atol=1e-14)
-    projected = np.empty(9)
-    native_krylov.precondition(r, memory.images, memory.differences, factor, projected, found)
+    rows, factor = as_native(memory)
+    used = min(filled, 9)  # 6 directions would allow 11
+    assert list(rows) == [(filled - 1 - k) % 9 for k in range(used)]
+    whole = memory.gram[np.ix_(rows, rows)] + NOISE * np.eye(used)
+    np.testing.assert_allclose(factor @ factor.T, whole, atol=1e-14)
+    found, projected = np.empty(6), np.zeros(9)
+    pairs = memory.images, memory.differences
+    native_krylov.precondition(r, *pairs, rows, factor, projected, found)
     np.testing.assert_allclose(projected, memory.images @ r, rtol=1e-13)
-    inverse = np.linalg.inv(memory.gram + NOISE * np.eye(9))
-    expected = r + inverse @ projected @ memory.differences  # Eq. (Q7)
+    inverse = np.linalg.inv(whole)
+    expected = r + inverse @ projected[rows] @ memory.differences[rows]  # Eq. (Q7)
     assert np.abs(found - r).max() > 0.1  # it does something
     # a matrix of condition 1e6 factorised in one, inverted in the other
     np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("known", [3, 10, 17])
+def test_no_more_pairs_than_their_directions_need(known):
+    """Eq. (Q11) in a plane: 1.3 x 2 + 4 = 6.6 pairs, the seven newest, what is older forgotten by
+    both; P is that of these alone.
+    """
+    rng = np.random.default_rng(5)
+    pairs, n = 12, 40
+    plane = np.linalg.qr(rng.standard_normal((n, 2)))[0].T
+    memory = RecycledGmres(7)
+    memory.images, memory.differences = np.zeros((2, pairs, n))
+    memory.gram = np.zeros((pairs, pairs))
+    for k in range(known):
+        place = k % pairs
+        memory.images[place] = np.array([np.cos(k), np.sin(k)]) @ plane
+        memory.differences[place] = rng.standard_normal(n)
+    memory.gram = memory.images @ memory.images.T
+    memory.oldest = known % pairs
+    own = memory.gram.copy()
+    rows, factor = native_krylov.in_use(own, NOISE, memory.oldest)
+    theirs, other = memory._in_use()
+    used = min(known, 7)
+    assert list(rows) == list(theirs) == [(known - 1 - k) % pairs for k in range(used)]
+    np.testing.assert_array_equal(own, memory.gram)
+    in_use = np.isin(np.arange(pairs), rows)
+    assert (np.diag(own)[~in_use] == 0.0).all() and not own[in_use][:, ~in_use].any()
+    np.testing.assert_allclose(np.diag(own)[in_use], 1.0, rtol=1e-14)
+    np.testing.assert_allclose(np.tril(factor)[:used, :used], np.tril(other), rtol=1e-9)
+    # nothing of a pair out of use is looked at
+    for which in (memory.images, memory.differences):
+        which[~in_use] = np.nan
+    r, found, projected = rng.standard_normal(n), np.empty(n), np.zeros(pairs)
+    kept = memory.images, memory.differences
+    native_krylov.precondition(r, *kept, rows, factor, projected, found)
+    z, d = memory.images[rows], memory.differences[rows]
+    expected = r + np.linalg.solve(z @ z.T + NOISE * np.eye(used), z @ r) @ d  # Eq. (Q7)
+    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8)
+    assert not projected[~in_use].any()
+    # and as few are known in the next solve
+    assert list(native_krylov.in_use(own, NOISE, memory.oldest)[0]) == list(rows)
 
 
 def test_every_element_is_looked_at():
