@@ -12,7 +12,7 @@ import numpy as np
 from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
-from ..fmi.builder_native import build_native_fmu, this_platform
+from ..fmi.builder_native import build_native_fmu, make_iteration_library, this_platform
 from ..fmi.errors import BadInput
 from ..fmi.fields import NO_NUMBERS
 from ..fmi.option_classes import near
@@ -158,6 +158,8 @@ def open_system(case, folder, progress, own=None):
         raise BadInput(faults)
     participants = {}
     native = _of_machine_code(case, folder)
+    if case.native:
+        make_iteration_library(progress)
     builds = build_options(case, folder, progress)
     for name, table in case.participants.items():
         try:

@@ -428,6 +428,13 @@ def iteration_library() -> Path | None:
     return kept
 
 
+def make_iteration_library(progress: Callable[[str], object] = lambda text: None) -> None:
+    """Compile what `iteration_library` needs, where that can be done here and was not yet."""
+    platform = this_platform()
+    if platform and iteration_library() is None and not cannot_build([platform], [ITERATING]):
+        object_files(ITERATING, [platform], progress)
+
+
 def _object_file(package, platform):
     """Where the object file of a package's entries is kept."""
     return cache_folder("native") / f"{package}-{platform}-{_digest_of_code(package)}.o"
