@@ -481,10 +481,15 @@ class FmuParticipant:
             unknown.pointer,
         )
 
+    @property
+    def component(self):
+        """Address of the instance."""
+        return self._fmu.component
+
     def addresses(self, functions):
-        """Of functions of the FMU's library; the instance first."""
+        """Of functions of the FMU's library."""
         found = [ctypes.cast(getattr(self._fmu.dll, name), ctypes.c_void_p) for name in functions]
-        return self._fmu.component, [one.value for one in found]
+        return [one.value for one in found]
 
     def references(self, names):
         """Address and number of the references of several real fields, one behind the other."""

@@ -134,9 +134,9 @@ class Pointed:
     def begin(self, saved: Any) -> None:
         """Compiled code is about to call it; every step goes from a saved state."""
         one = self.instance
-        component, functions = self.participant.addresses(FUNCTIONS)
-        one.component = component
-        one.functions[:] = functions
+        if one.component != self.participant.component:
+            one.component = self.participant.component
+            one.functions[:] = self.participant.addresses(FUNCTIONS)
         one.begin = saved
         one.spent = one.carried = 0.0
         one.failed = one.status = one.calls = 0
