@@ -1,8 +1,10 @@
-"""What a macro step of `run` costs with its iteration as machine code, beside that in Python: the
-whole, inside the participants, and the ratio of both. Run: python tests/bench/slow/iteration.py
+"""What a macro step of `run` costs with its iteration as machine code, beside that in Python, and
+with participants of machine code as well: the whole, inside the participants, and the ratio of
+both. Run: python tests/bench/slow/iteration.py
 
 The numerical example, 40 x 40 cells, 180 deg from rest, fields left out of the results; a run of
-the one after a run of the other in one process, the best of several.
+one kind after a run of the others in one process, the best of several. What is not compiled yet is
+before, for minutes.
 """
 
 import os
@@ -17,35 +19,38 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder_native import ITERATING, iteration_library, object_files
 from piston_cosim.master.runs import run as running
 
-STOP, CELLS, MODES, PASSES = "180 deg", 40, (0, 60), 3
+STOP, CELLS, MODES, PASSES = "180 deg", 40, (0, 60, 200), 3
 COUNTS = ("residual_evaluations", "derivative_products")
 
 
-def case_of(modes):
+def case_of(modes, native):
     """Case, its tree and its path."""
     path = find_case("numerical_example")
     own = {f"participants.bodies.build.{body}.modes": modes for body in ("piston", "block")}
     own |= {f"participants.{name}.build.grid": [CELLS, CELLS] for name in ("bodies", "ehd")}
-    tree = read_tree(path, [*own.items(), ("time.stop", STOP), ("record.fields", [])])
+    tree = read_tree(
+        path, [*own.items(), ("time.stop", STOP), ("record.fields", []), ("native", native)]
+    )
     return check_case(tree, path), tree, path
 
 
-def summary_of(case, tree, path, choose):
-    """Of a run whose method is chosen so."""
+def summary_of(modes, native, choose):
+    """Of a run whose participants and whose method are of a kind, with the time inside [s]."""
     running.compiled_where_it_can = choose
+    case, tree, path = case_of(modes, native)
     with tempfile.TemporaryDirectory() as folder:
         system = open_system(case, path.parent, lambda text: None)
-        return running.run(system, case, tree, Path(folder) / "run.h5")
+        summary = running.run(system, case, tree, Path(folder) / "run.h5")
+    return summary | {"inside": sum(summary[f"wall_time_{n}_s"] for n in case.participants)}
 
 
-def line(name, case, summaries):
+def line(name, summaries):
     """What the fastest of several runs took, in words."""
     best = min(summaries, key=lambda one: one["wall_time_s"])
-    whole = 1e3 * best["wall_time_s"] / best["steps"]
-    inside = sum(1e3 * best[f"wall_time_{n}_s"] / best["steps"] for n in case.participants)
+    whole, inside = (1e3 * best[key] / best["steps"] for key in ("wall_time_s", "inside"))
     counts = ", ".join(f"{best[key]} {key}" for key in COUNTS)
     return (
-        f"{name:>12}: {whole:6.2f} ms a step, {inside:6.2f} ms inside, ratio {whole / inside:.2f}, "
+        f"{name:>30}: {whole:6.2f} ms a step, {inside:6.2f} ms inside, ratio {whole / inside:.2f}, "
         f"the rest {whole - inside:5.2f} ms; {counts}"
     )
 
@@ -54,16 +59,19 @@ def main():
     if not iteration_library():
         object_files(ITERATING, ["linux64"], print)
     compiled = running.compiled_where_it_can
-    ways = {"Python": lambda method, system: method, "machine code": compiled}
+    kinds = {
+        "all in Python": (False, lambda method, system: method),
+        "iteration as machine code": (False, compiled),
+        "iteration and participants": (True, compiled),
+    }
     for modes in MODES:
-        case, tree, path = case_of(modes)
-        found = {name: [] for name in ways}
+        found = {name: [] for name in kinds}
         for _ in range(PASSES):
-            for name, choose in ways.items():
-                found[name].append(summary_of(case, tree, path, choose))
+            for name, (native, choose) in kinds.items():
+                found[name].append(summary_of(modes, native, choose))
         print(f"{modes} modes a body")
         for name, summaries in found.items():
-            print(line(name, case, summaries))
+            print(line(name, summaries))
 
 
 if __name__ == "__main__":
