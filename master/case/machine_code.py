@@ -10,8 +10,6 @@ from ..fmi.errors import BadInput
 from ..fmi.native_parts import uncovered_values
 from .keys import declared_variables
 
-CASE_KEY = "native"
-
 
 def of_machine_code(
     case: Any, folder: Path, given: dict[str, dict[str, Any]]
@@ -41,7 +39,7 @@ def of_machine_code(
         return chosen, []
     chosen = set(packages if case.native is True else case.native or ())
     faults = [
-        f"{CASE_KEY}: {name} is no participant that a package builds: {', '.join(packages)} are"
+        f"native: {name} is no participant that a package builds: {', '.join(packages)} are"
         for name in sorted(chosen - packages.keys())
     ]
     for name in sorted(chosen & packages.keys()):

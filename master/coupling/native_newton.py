@@ -319,7 +319,7 @@ def measure(memory: np.ndarray, residual: np.ndarray):
     """
     wires = count(memory, WIRE_COUNT)
     trail = part(memory, TRAIL)
-    room = (len(trail) - len(OF_TRAIL)) // wires
+    room = (len(trail) - len(OF_TRAIL)) // max(wires, 1)
     row = min(int(trail[EVALUATIONS]), room - 1)
     trail[EVALUATIONS] += 1.0
     found = 0.0

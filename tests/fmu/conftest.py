@@ -1,6 +1,7 @@
 """FMUs built once for all tests here, and a small body mesh."""
 
 import json
+import os
 import subprocess
 import sys
 import textwrap
@@ -94,7 +95,8 @@ def settled():
     """The library by which `run` iterates, None where none can be made. It is there before any run:
     one without it has other last digits. The first time it is compiled, half a minute.
     """
-    if not iteration_library() and compiler() and not too_old():
+    is_interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") != "0"
+    if not (is_interpreted or iteration_library() or too_old()) and compiler():
         object_files(ITERATING, ["linux64"])
     return iteration_library()
 
