@@ -17,7 +17,6 @@ from .finite_elements.element import nodal_stress, von_mises
 from .geometry.grid import film_rows
 from .options import Bodies, read_options
 from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
-from .reduction.mode_pictures import draw_modes, draw_skirt
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
 from .reduction.radiation import Radiation
@@ -382,6 +381,9 @@ def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str,
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:
     """Files of one body, and what is to be said about it."""
+    # slow to import, and runs ask this module too
+    from .reduction.mode_pictures import draw_modes, draw_skirt
+
     body, anatomy, *_ = _whole(name, path)
     reduced = output / f"{name}.npz"
     table_file = output / f"{name}-modes.csv"

@@ -271,8 +271,9 @@ def _participant(name, table, build, folder, progress, native):
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
-    sizes = _sizes(open_fmu(name, path), table.parameters)
-    participant = open_fmu(name, path, sizes, _own_step(table))
+    participant = open_fmu(name, path, step=_own_step(table))
+    if sizes := _sizes(participant, table.parameters):
+        participant = open_fmu(name, path, sizes, _own_step(table))
     timeout = duration("timeout", table.timeout)
     if table.host:
         return RemoteParticipant(participant, timeout, table.host)

@@ -2,6 +2,7 @@
 failed honestly, 2 bad input.
 """
 
+import gc
 import os
 
 # dense algebra here is small: a second BLAS thread costs up to a factor 7
@@ -45,6 +46,9 @@ COMMANDS = {
     "bench": "Run the benchmarks of a source checkout.",
 }
 """What there is, in the order of use; a command's own file is imported when it is called."""
+
+# modules, XML and descriptions stay: looking through them for what may go costs a fifth of a start
+gc.set_threshold(100_000, 20, 20)
 
 app = App(
     name="piston-cosim",

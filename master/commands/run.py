@@ -11,7 +11,6 @@ from cyclopts import Parameter
 from ..case.contract import swap_all
 from ..case.schema import check_case, find_case
 from ..case.system import open_system
-from ..engine.answer import answer
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..results.file import Results
@@ -107,6 +106,8 @@ def command(
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
+    from ..engine.answer import answer  # slow to import
+
     with ExitStack() as opened:
         runs = {label: opened.enter_context(Results(file)) for label, file in files.items()}
         print_answers({label: answer(cases[label], runs[label]) for label in runs}, verbose)

@@ -8,7 +8,6 @@ a run does not have is left out.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from ..case.contract import players
 from ..case.schema import Case
@@ -162,6 +161,8 @@ def friction_pressures(case, results) -> list[Cycle]:
     """
     bodies = players(results.case, "bodies")
     power = friction_power(results)
+    from scipy.integrate import trapezoid  # slow to import, and runs are asked after they are made
+
     crank = crank_angle(results)
     cylinders = [_cylinder(results, body) for body in bodies]
     if power is None or crank is None or not bodies or None in cylinders:

@@ -81,10 +81,18 @@ def reached(file):
 def _imported(file):
     """Files that a file's relative imports name."""
     named = []
-    for node in ast.walk(ast.parse(file.read_bytes())):
+    for node in _statements(ast.parse(file.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level:
             package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             named += [package, *(package / alias.name for alias in node.names)]
     modules = [path.with_name(path.name + ".py") for path in named]
     packages = [path / "__init__.py" for path in named]
     return [path.resolve() for path in modules + packages if path.is_file()]
+
+
+def _statements(node):
+    """All statements below a node of a syntax tree; expressions hold none and are passed by."""
+    for name in ("body", "handlers", "orelse", "finalbody", "cases"):
+        for inner in getattr(node, name, ()):
+            yield inner
+            yield from _statements(inner)

@@ -83,7 +83,7 @@ class FmuParticipant:
             raise BadInput(f"participant {name}: {path}: {error}") from None
         self.folder = unpack(self.path)
         self.log = []
-        root = self._model_description()
+        root = self._before_the_variables()
         self._vectors: dict[str, Block] = {}
         self._pairs: dict[tuple[str, ...], Block] = {}
         self._courses: dict[tuple[str, int], tuple] = {}
@@ -548,6 +548,19 @@ class FmuParticipant:
         """Root of the XML, for what FMPy does not read."""
         with zipfile.ZipFile(self.path) as archive:
             return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+    def _before_the_variables(self):
+        """The same as far as its variables, which are most of it."""
+        with (
+            zipfile.ZipFile(self.path) as archive,
+            archive.open("modelDescription.xml") as file,
+        ):
+            events = ElementTree.iterparse(file, ("start",))
+            _, root = next(events)
+            for _, node in events:
+                if node.tag == "ModelVariables":
+                    break
+        return root
 
     def _reserved_references(self, root):
         """Blocks of all seeds and of all products, from the FMU's vendor annotation."""

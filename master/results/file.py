@@ -136,7 +136,7 @@ class Results:
 
         return check_case(self.case, self.path)
 
-    @property
+    @cached_property
     def ports(self) -> list[str]:
         """All scalar outputs, "participant.name", and "coupling.name"."""
         names: list[str] = []

@@ -138,6 +138,12 @@ def test_a_case_is_checked_without_what_runs_it(tmp_path):
     assert (tmp_path / "check.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_run_begins_without_what_looks_at_it():
+    """What answers, judges and draws is imported when a run is done: a second of its start."""
+    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib.pyplot", "plotly")
+    assert loaded((*avoided, "numba"), ["run", "--help"]) == []
+
+
 def loaded(names, arguments):
     """Which modules a call of the command line has imported, in a process of its own."""
     code = f"""
