@@ -36,16 +36,15 @@ from .dynamics.tables import (
     profile_table,
     read_numbers,
 )
-from .finite_elements.mesh import MeshFault
+from .finite_elements.deck import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, SmallEnd, Speed, read_options
-from .reduction.bosses import BossFilms
 from .reduction.film_loads import Training, recorded_loads
-from .reduction.mode_tables import mass_properties
-from .reduction.reduce import cached, reduce_block, reduce_piston
 from .reduction.reduced_body import (
     Anatomy,
+    BossFilms,
+    EyeFilm,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
@@ -55,13 +54,7 @@ from .reduction.reduced_body import (
     save,
 )
 from .reduction.rigid import rigid_block, rigid_piston
-from .reduction.small_end import (
-    EyeFilm,
-    cached_small_end,
-    read_small_end,
-    reduce_small_end,
-    small_end_body,
-)
+from .reduction.store import kept, kept_body
 from .variables import inputs, parameters, signals
 
 Say = Callable[[str], None]
@@ -205,6 +198,8 @@ def in_space(build: Build, piston: Path) -> InSpace:
     """
     sheet = build.piston.rigid
     if sheet is None:
+        from .reduction.mode_tables import mass_properties  # slow to import
+
         try:
             mass, centre, about_centre = mass_properties(load(Anatomy, piston))
         except ValueError as error:
@@ -325,6 +320,8 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
         progress(f"small_end: {text}")
 
     def made() -> ReducedSmallEnd:
+        from .reduction.small_end import read_small_end, reduce_small_end, small_end_body
+
         mesh = read_small_end(
             options.mesh,
             {name: surface.region() for name, surface in options.surfaces.items()},
@@ -338,7 +335,7 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
 
     decided = options.model_dump(mode="json") | {"film": list(film)}
     decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
-    return cached_small_end(decided, made, cache_folder("bodies"))
+    return kept("small_end", decided, made, cache_folder("bodies"))
 
 
 def _training(
@@ -380,10 +377,9 @@ def _body(
         if bosses:
             _check_bosses(path, bosses)
         return path
-    reduce = reduce_piston if isinstance(options, Piston) else reduce_block
     folder = cache_folder("bodies")
-    return cached(
-        reduce, options, grid, folder, lambda text: progress(f"{name}: {text}"), training, bosses
+    return kept_body(
+        options, grid, folder, lambda text: progress(f"{name}: {text}"), training, bosses
     )
 
 

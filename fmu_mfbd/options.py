@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key
 from ..master.fmi.quantities import in_unit
-from .finite_elements.mesh import Bore, Cylinder, Plane, Region
+from .finite_elements.regions import Bore, Cylinder, Plane, Region
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
 

@@ -46,7 +46,8 @@ from .reduction.bases import (
     static_answers,
 )
 from .reduction.interpolation import interpolation, radial_and_axial
-from .reduction.reduce import Z, cached, floating_frame_integrals, reduce_block, reduce_piston
+from .reduction.reduce import Z, floating_frame_integrals
+from .reduction.store import kept_body
 
 STEEL = dict(young=210e9, poisson=0.3)
 
@@ -596,8 +597,8 @@ def step_checks():
             MODELS / "numerical_example",
         )
         files = [
-            cached(reduce, body, (40, 40), folder, lambda text: None)
-            for reduce, body in ((reduce_piston, build.piston), (reduce_block, build.block))
+            kept_body(body, (40, 40), folder, lambda text: None)
+            for body in (build.piston, build.block)
         ]
         piston = reduced_body.load(reduced_body.ReducedPiston, files[0])
         block = reduced_body.load(reduced_body.ReducedBlock, files[1])

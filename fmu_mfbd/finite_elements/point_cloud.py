@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .mesh import Mesh, MeshFault, Region, to_body_axes
+from .mesh import Mesh, MeshFault, to_body_axes
+from .regions import Region
 
 AROUND_Y, AROUND_Z, FROM_ABOVE = "around y", "around z", "from above"
 VIEWS = {

@@ -8,14 +8,9 @@ from typing import Any
 from ...master.fmi.cache import cache_folder
 from ...master.fmi.errors import BadInput
 from ...master.fmi.variables import Variable
-from ..finite_elements.mesh import MeshFault
-from ..reduction.monoblock import (
-    Plan,
-    cached_monoblock,
-    free_block,
-    read_block,
-    reduce_monoblock,
-)
+from ..finite_elements.deck import MeshFault
+from ..reduction.monoblock import Plan, free_block, read_block, reduce_monoblock
+from ..reduction.store import kept
 from .options import BuildMonoblock, read_monoblock
 from .variables import variables
 
@@ -64,7 +59,7 @@ def prepare(
     decided = build.model_dump(mode="json")
     decided["mesh"] = hashlib.sha256(Path(build.mesh).read_bytes()).hexdigest()
     try:
-        path = cached_monoblock(decided, made, cache_folder("bodies"))
+        path = kept("monoblock", decided, made, cache_folder("bodies"))
     except MeshFault as error:
         raise BadInput([f"{options['mesh']}: {fault}" for fault in error.faults]) from None
     except (ValueError, MemoryError) as error:

@@ -13,22 +13,13 @@ from ..geometry.pin import shell_angles
 from .bases import Elastic, of_unit_energy, pressure_modes
 from .geometry import OUT_OF_ROUND
 from .interpolation import covered, interpolation
+from .reduced_body import BossFilms
 
 SURFACE = "pin_bore"
 """Surface of the mesh that both bosses are."""
 
 SIDES = {"boss_left": -1.0, "boss_right": 1.0}
 """Where each boss lies along z."""
-
-
-class BossFilms(NamedTuple):
-    """Films in both bosses: cells of each around and along the pin, their length along it [m], and
-    how many of the piston's modes are chosen for them.
-    """
-
-    grid: tuple[int, int]
-    length: float
-    modes: int
 
 
 class ShellReading(NamedTuple):

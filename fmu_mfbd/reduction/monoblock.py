@@ -4,11 +4,8 @@ The modes move no momentum: the rigid motion is that of the mean frame, and both
 mounts alone.
 """
 
-import hashlib
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -33,8 +30,8 @@ from .bases import (
     pressure_modes,
 )
 from .interpolation import SurfaceReading
-from .reduce import code_digest, film_surface
-from .reduced_body import ReducedMonoblock, save
+from .reduce import film_surface
+from .reduced_body import ReducedMonoblock
 
 Say = Callable[[str], None]
 SLACK = 1e-3
@@ -297,18 +294,6 @@ def _stacked(bores: Sequence[SurfaceReading]) -> Sparse:
     import scipy.sparse as sp
 
     return sp.vstack([one.radial for one in bores], format="csr")
-
-
-def cached_monoblock(options: dict, make: Callable[[], ReducedMonoblock], folder: Path) -> Path:
-    """Path of a reduced block's .npz, made unless one of the same options (a file's as the digest
-    of its content) and code lies in `folder`.
-    """
-    decided = options | {"code": code_digest()}
-    digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
-    path = folder / f"monoblock-{digest}.npz"
-    if not path.exists():
-        save(path, make())
-    return path
 
 
 def read_block(

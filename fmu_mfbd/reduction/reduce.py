@@ -1,12 +1,6 @@
 """Offline: a mesh and a material in, or a mesh and its matrices, a small exact body out."""
 
-import hashlib
-import json
-import resource
-import time
 from collections.abc import Callable, Iterable
-from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,7 +18,7 @@ from ..finite_elements.faces import face_load, surface_matrix
 from ..finite_elements.matrices import matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, read_mesh, turn_of
 from ..finite_elements.point_cloud import read_nodes
-from ..finite_elements.solver import Factorise, Remembering, factorise
+from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
 from ..options import Block, Piston
 from .bases import (
@@ -41,18 +35,18 @@ from .bases import (
     pressure_modes,
     static_answers,
 )
-from .bosses import BossFilms, Shells, boss_readings, with_boss_modes
+from .bosses import Shells, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
 from .geometry import block_faults, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import (
     Anatomy,
+    BossFilms,
     Probes,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
-    save,
 )
 from .symmetry import ClassedModes, symmetric_modes
 from .training import trained_shapes
@@ -60,10 +54,6 @@ from .truncation import probes, random_patterns
 
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
-FILES = ("mesh", "stiffness", "mass")
-"""Options that name a file."""
-ROOMS = ("finite_elements", "geometry", "reduction")
-"""Rooms of this part whose code makes a reduced body."""
 
 Say = Callable[[str], None]
 Grid = tuple[int, int]
@@ -526,66 +516,3 @@ def _held(
     bosses = [share * (z > 0), share * (z < 0)] if options.tie == "rbe3_per_boss" else [share]
     conditions = mean_conditions(mesh.points, bosses)
     return MeanElastic(K, M, conditions, rigid_motions(mesh.points), factors)
-
-
-@cache
-def code_digest() -> str:
-    """SHA-256 of the code that makes a reduced body: whoever changes a line gets a new body."""
-    digest = hashlib.sha256()
-    part = Path(__file__).parents[1]
-    for file in sorted(file for room in ROOMS for file in (part / room).glob("*.py")):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
-def cached(
-    reduce: Callable[..., Reduced],
-    options: Piston | Block,
-    grid: Grid,
-    folder: Path | str,
-    progress: Say = print,
-    training: Training | None = None,
-    bosses: BossFilms | None = None,
-) -> Path:
-    """Path of the reduced body's .npz, made unless one of the same file contents, options, training
-    and code (`code_digest`) lies in `folder`.
-
-    The file is written under another name and moved into place, so that an interrupted run leaves
-    nothing half-written; its solutions wait in `folder` for the next try.
-
-    Parameters
-    ----------
-    reduce : callable
-        `reduce_piston` or `reduce_block`.
-    options : Piston or Block
-    grid : (int, int)
-    folder : Path
-    progress : callable
-    training : Training, optional
-        For the basis `trained`: its forces count, not the file they come from.
-    bosses : BossFilms, optional
-        Films in a piston's bosses.
-    """
-    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced", "train_on"})
-    for key in FILES:
-        if decided[key]:
-            decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
-    decided |= {"grid": list(grid), "code": code_digest(), "of": reduce.__name__}
-    if training:
-        decided["training"] = training.digest()
-    also = {}
-    if bosses:
-        decided["bosses"] = bosses._asdict()
-        also["bosses"] = bosses
-    digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
-    path = Path(folder) / f"{reduce.__name__.removeprefix('reduce_')}-{digest}.npz"
-    if not path.exists():
-        begin = time.perf_counter()
-        factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy, kept, held = reduce(options, grid, progress, factors, training, **also)
-        seconds = time.perf_counter() - begin
-        peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
-        save(path, *(part for part in (body, anatomy, kept, held) if part))
-        factors.forget()
-    return path

@@ -5,9 +5,29 @@ pictures and recovery need besides.
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+
+
+class BossFilms(NamedTuple):
+    """Films in both bosses: cells of each around and along the pin, their length along it [m], and
+    how many of the piston's modes are chosen for them.
+    """
+
+    grid: tuple[int, int]
+    length: float
+    modes: int
+
+
+class EyeFilm(NamedTuple):
+    """Film in the eye: cells around and along the pin, its length along it [m], and how many modes
+    the eye yields by.
+    """
+
+    grid: tuple[int, int]
+    length: float
+    modes: int
 
 
 @dataclass(frozen=True)

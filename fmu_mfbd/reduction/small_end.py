@@ -2,38 +2,25 @@
 the eye. The shank is held at its cut by the rigid rod, whose motion the modes know nothing of.
 """
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ..finite_elements.element import Sparse, consistent_mass, stiffness
-from ..finite_elements.mesh import Mesh, MeshFault, Region, read_mesh
+from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
+from ..finite_elements.regions import Region
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import film_rows
 from .bases import Elastic, orthonormal_modes
 from .bosses import Shells, out_of_round, shell_reading, with_boss_modes, without_shell
 from .interpolation import BESIDE
-from .reduce import code_digest
-from .reduced_body import ReducedSmallEnd, save
+from .reduced_body import EyeFilm, ReducedSmallEnd
 
 Say = Callable[[str], None]
 
 EYE, CUT = "eye", "cut"
 """Surfaces of the mesh: the bore, about z, and the section at which the rod holds the shank."""
-
-
-class EyeFilm(NamedTuple):
-    """Film in the eye: cells around and along the pin, its length along it [m], and how many modes
-    the eye yields by.
-    """
-
-    grid: tuple[int, int]
-    length: float
-    modes: int
 
 
 class SmallEndBody(NamedTuple):
@@ -168,15 +155,3 @@ def yielding_shell(elastic: Elastic, shell: Shells, film: EyeFilm) -> ReducedSma
         eye_onward=(side.onward @ whole).reshape(table),
         eye_radius=shell.radius,
     )
-
-
-def cached_small_end(options: dict, make: Callable[[], ReducedSmallEnd], folder: Path) -> Path:
-    """Path of a reduced small end's .npz, made unless one of the same options (a file's as the
-    digest of its content) and code lies in `folder`.
-    """
-    decided = options | {"code": code_digest()}
-    digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
-    path = folder / f"small_end-{digest}.npz"
-    if not path.exists():
-        save(path, make())
-    return path

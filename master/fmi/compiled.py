@@ -126,8 +126,9 @@ class StandIn:
 
 def first_start() -> str:
     """What takes long at a start, for whoever waits; empty where kernels are kept already."""
-    stores = {folder for one in KERNELS if (folder := one.store)}
+    stores = (folder for one in KERNELS if (folder := one.store))
     if any(next(folder.glob("*.nbi"), None) for folder in stores):
         return ""
-    kept = "kept for the starts to come" if stores else "again at each start: nothing can be kept"
+    can_keep = any(one.store for one in KERNELS)
+    kept = "kept for the starts to come" if can_keep else "again at each start: nothing can be kept"
     return f"compiling the code of this FMU, which takes about a minute; {kept}"

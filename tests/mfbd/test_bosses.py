@@ -11,7 +11,8 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
-from piston_cosim.fmu_mfbd.reduction.bosses import BossFilms, boss_readings, with_boss_modes
+from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
+from piston_cosim.fmu_mfbd.reduction.reduced_body import BossFilms
 
 from .conftest import tube
 

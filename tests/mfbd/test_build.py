@@ -1,6 +1,8 @@
 """The offline part: options, cache, interpolation, splines."""
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,7 @@ from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows,
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
-from piston_cosim.fmu_mfbd.reduction import reduce as reduction
+from piston_cosim.fmu_mfbd.reduction import store
 from piston_cosim.fmu_mfbd.reduction.interpolation import interpolation
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -251,9 +253,6 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
 
 def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
     """The FMU's host has numpy, scipy and numba only."""
-    import subprocess
-    import sys
-
     code = (
         "import sys, piston_cosim.fmu_mfbd.slave\n"
         "print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
@@ -264,14 +263,21 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
     )
 
 
+def test_bodies_that_are_kept_are_found_without_what_reduces_them():
+    """scipy and scikit-fem take a quarter of a start."""
+    code = "import sys, piston_cosim.fmu_mfbd.build\nprint({'skfem', 'scipy'} & set(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert found.stdout.strip() == "set()", found.stderr
+
+
 def test_whoever_changes_how_bodies_are_reduced_gets_new_ones(tmp_path, monkeypatch):
     part = tmp_path / "fmu_mfbd"
-    for room in reduction.ROOMS:
-        shutil.copytree(Path(reduction.__file__).parents[1] / room, part / room)
-    shipped = reduction.code_digest.__wrapped__()
-    monkeypatch.setattr(reduction, "__file__", str(part / "reduction" / "reduce.py"))
-    assert reduction.code_digest.__wrapped__() == shipped
-    for room in reduction.ROOMS:
-        before = reduction.code_digest.__wrapped__()
+    for room in store.ROOMS:
+        shutil.copytree(Path(store.__file__).parents[1] / room, part / room)
+    shipped = store.code_digest.__wrapped__()
+    monkeypatch.setattr(store, "__file__", str(part / "reduction" / "store.py"))
+    assert store.code_digest.__wrapped__() == shipped
+    for room in store.ROOMS:
+        before = store.code_digest.__wrapped__()
         (part / room / "__init__.py").write_text("CHANGED = 1\n")
-        assert reduction.code_digest.__wrapped__() != before
+        assert store.code_digest.__wrapped__() != before

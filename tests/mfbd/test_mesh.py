@@ -8,7 +8,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
-from piston_cosim.fmu_mfbd.finite_elements.mesh import Cylinder, MeshFault, Plane, read_mesh
+from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
+from piston_cosim.fmu_mfbd.finite_elements.regions import Cylinder, Plane
 from piston_cosim.master.fmi.errors import BadInput
 
 SKIRT = Cylinder(28e-3, -16e-3, 8e-3)

@@ -27,9 +27,8 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants, opening_of, shell_angles
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedSmallEnd
+from piston_cosim.fmu_mfbd.reduction.reduced_body import EyeFilm, ReducedSmallEnd
 from piston_cosim.fmu_mfbd.reduction.small_end import (
-    EyeFilm,
     eye_shell,
     held_at_cut,
     reduce_small_end,

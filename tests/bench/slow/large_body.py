@@ -20,7 +20,7 @@ import numpy as np
 
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.options import Bodies, read_options
-from piston_cosim.fmu_mfbd.reduction.reduce import cached, reduce_block
+from piston_cosim.fmu_mfbd.reduction.store import kept_body
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
 BORE, HALF, LOW, HIGH = 28.25e-3, 43e-3, 55e-3, 155e-3
@@ -78,7 +78,7 @@ def main(cells):
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
             print(f"{time.perf_counter() - begin:7.0f} s {peak:6.2f} GB  {text}", flush=True)
 
-        body = np.load(cached(reduce_block, options, (40, 40), Path(folder) / "cache", say))
+        body = np.load(kept_body(options, (40, 40), Path(folder) / "cache", say))
         say("done")
         print(
             f"{body['points'].size} degrees of freedom, {len(body['omega'])} modes from "
