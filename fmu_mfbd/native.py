@@ -12,35 +12,39 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.account import account
-from .dynamics.assembly import TURN, damping_at, machined_gap, measured, pin_height
+from .dynamics.assembly import TURN, damping_at, machined_gap, measured, pin_height, surfaces
+from .dynamics.block_force import StepEnd, by_carrier, carried_force, force_at, force_change
 from .dynamics.build_options import BuildOptions
-from .dynamics.carrier import FIXED
+from .dynamics.carrier import FIXED, Carrier
 from .dynamics.drive import demand_of, others_of, scalars_of
 from .dynamics.first_steps import FIRST_STEPS, first_steps
 from .dynamics.floating_frame import Arrow
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
+from .dynamics.parameters import Parameters
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
 from .geometry.film import knot_rule
 from .geometry.grid import cell_centres
-from .geometry.modal_field import ModalField, modal_field
 from .geometry.profile import fourier_bore, linear_growth
+from .geometry.surfaces import count_of, in_block, surface_at
 from .native_block import (
     ACCELERATION,
-    ANGLE,
     AUXILIARY,
-    AXIAL,
     BAND_ABOVE,
     BAND_RATIO,
     BANDS_GIVEN,
     BLOCK_DAMPING,
     BLOCK_OMEGA,
+    BLOCK_PRODUCTS,
     BLOCK_STIFFNESS,
     BORE_RADIUS,
-    CIRCUMFERENTIAL,
+    CARRIED,
+    CARRIED_SEEDS,
+    CELLS,
+    COLUMNS,
     CONSTANTS,
     COUPLING,
     CRANK_ACCELERATION,
@@ -50,6 +54,7 @@ from .native_block import (
     CYLINDER_PRESSURE,
     DIAGONAL,
     DRAG,
+    DRAG_SEED,
     ENERGY_GAIN,
     ENERGY_SIZE,
     EVALUATIONS,
@@ -59,15 +64,17 @@ from .native_block import (
     FAULT_C,
     FAULT_I,
     FAULTS_AT,
+    FILM_CELLS,
+    FILM_PRODUCTS,
+    FILM_SEEDS,
     FILM_THICKNESS,
     FORCE,
-    GAP,
+    FORCE_SEED,
     GAS,
     GAS_ANGLE,
     GAS_CYCLE,
     GAS_PRESSURE,
     GUIDED,
-    HEIGHT,
     HEIGHTS,
     INPUTS,
     INVERSE,
@@ -76,6 +83,7 @@ from .native_block import (
     KINETIC,
     LAND,
     LAST_ACCELERATION,
+    LAST_CARRIER,
     LAST_COEFFICIENTS,
     LAST_CRANK,
     LAST_LOAD,
@@ -92,13 +100,14 @@ from .native_block import (
     NOWHERE,
     NUMBERS,
     OF_A_FAULT,
-    OF_FIELD,
+    OF_FILM,
     OF_INPUTS,
     OF_LAST,
     OF_OUTPUTS,
     OF_PRODUCTS,
     OF_SEEDS,
     OF_STATE,
+    ON_BLOCK,
     OTHER_FORCES,
     OUTPUTS,
     PARTS,
@@ -108,25 +117,27 @@ from .native_block import (
     PISTON_OMEGA,
     PISTON_STIFFNESS,
     POSITION,
+    PRODUCED,
     RESIDUAL_EVALUATIONS,
     RINGS,
-    SEEDED_RINGS,
+    SEEDED,
     SETTING,
     SETTING_COUNT,
     SETTINGS,
-    SHAPE,
     SIDE_FORCE_DEMAND,
     SKIRT_LOWER,
     SKIRT_UPPER,
+    SLIDING_PRODUCT,
     SLIDING_VELOCITY,
     START_ANGLE,
     START_GIVEN,
     START_POSITION,
     START_VELOCITY,
     STATE,
-    STATIONS,
     STEPS,
+    SURFACES,
     TANGENTS,
+    THICKNESS_PRODUCT,
     TIME,
     TOP,
     VELOCITY,
@@ -136,13 +147,17 @@ from .native_block import (
     WALL_AT_NOW,
     WIDENING,
     WORK_ERROR,
+    carrier_from,
     coefficients_from,
     count,
     crank_from,
+    film_place,
+    films,
     linear_from,
     load_from,
     part,
     place,
+    put_carrier,
     put_coefficients,
     put_crank,
     put_linear,
@@ -150,7 +165,7 @@ from .native_block import (
     settings_of,
     system_of,
 )
-from .reduction.reduced_body import ReducedBlock, ReducedPiston, load, mode_classes
+from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
 
 
 class GasAtAngle(NamedTuple):
@@ -180,9 +195,6 @@ ROD_TOO_SHORT, CENTRE_BEYOND, RINGS_REVERSED, OUT_OF_BORE, NOT_SOLVED, NO_ANGLE 
 OPTIONS = {
     "speed": "a table of crank speed",
     "floating_pin": "a floating pin",
-    "film_surfaces": "several film surfaces",
-    "surfaces": "several film surfaces",
-    "mounted": "a mounted block",
     "motion_in_space": "a motion in space",
     "in_space": "a motion in space",
 }
@@ -196,6 +208,8 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     for name, what in OPTIONS.items():
         if options.get(name) or (name in ON_WHEN_EMPTY and options.get(name) == {}):
             yield f"{name}: a native FMU has no {what.split(' ', 1)[1]}"
+    if (options.get("block") or {}).get("bore_from_outside"):
+        yield "block.bore_from_outside: a native FMU has no bore that deflects from outside"
 
 
 # ---- what the memory begins with
@@ -217,7 +231,8 @@ def given(slave: Any) -> np.ndarray:
             f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
             f"{block.radius:g} m"
         )
-    contents = _contents(piston, block, options) | {"places": _places(slave)}
+    contents = _contents(piston, block, options)
+    contents |= {"places": _places(slave), "film_places": _film_places(slave)}
     lengths = {name: np.size(value) for name, value in contents.items()}
     lengths |= _lengths(lengths, options)
     begins = np.cumsum([PARTS_FROM + len(PARTS) + 1, *(lengths[name] for name in PARTS)])
@@ -236,6 +251,7 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
     widening = orders + measured(options.block.profiles, angle, block.heights)
     widening = np.broadcast_to(widening, (len(angle), len(block.heights)))
     profile = np.broadcast_to(measured(options.piston.profiles, angle, height), options.grid)
+    of_films = [profile[:, one.first : one.last].ravel() for one in options.film_surfaces()]
     gas, begin = options.gas, options.start
     constants = [
         piston.mass,
@@ -253,11 +269,10 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
     ]
     bands = options.damping_bands
     contents = {
-        "counts": [*options.grid, k, m, len(block.heights)],
+        "counts": [sum(map(len, of_films)), k, m, len(block.heights)],
         "constants": constants,
-        "angle": angle,
-        "height": height,
-        "measured": profile,
+        "surfaces": _surfaces(piston, block, options),
+        "measured": np.concatenate(of_films),
         "heights": block.heights,
         "widening": widening,
         "inverse": knot_rule(len(block.heights)),
@@ -279,61 +294,52 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
         "wall_above": wall.above,
         "wall_at": wall.at,
     }
-    of_skirt = (*options.grid, k)
-    knots = knot_rule(len(block.heights))
-    for name, values, body in (
-        ("skirt_radial", piston.radial.reshape(of_skirt), piston),
-        ("skirt_axial", piston.axial.reshape(of_skirt), piston),
-        ("bore_radial", np.einsum("rs,csk->crk", knots, block.radial), block),
-        ("bore_axial", np.einsum("rs,csk->crk", knots, block.axial), block),
-    ):
-        contents |= _of_field(name, modal_field(values, mode_classes(body)))
     return {name: np.asarray(value, dtype=float).ravel() for name, value in contents.items()}
 
 
-def _of_field(name, field: ModalField):
-    """Parts of a modal field, tables and whole numbers by their bits."""
-    lines, length = field.table.shape
-    table = np.zeros(field.table.size + field.table.size % 2, dtype=np.float32)
-    table[: field.table.size] = field.table.ravel()
-    parts = (
-        [lines, length, field.modes, field.classes, field.part],
-        table.view(float),
-        np.ascontiguousarray(field.mode, dtype=np.int64).view(float),
-        np.ascontiguousarray(field.kind, dtype=np.int64).view(float),
-        np.ascontiguousarray(field.image, dtype=np.int64).ravel().view(float),
-        field.share,
-    )
-    return {f"{name}_{part}": value for part, value in zip(OF_FIELD, parts)}
+def _surfaces(piston, block, options):
+    """All film surfaces in a block, with room for the widening of the bore that they share."""
+    made = surfaces(piston, block, options, Parameters())
+    around, _ = options.grid
+    shape = np.zeros((len(knot_rule(len(block.heights))), around))
+    bore = made[0].bore._replace(shape=shape)
+    return in_block([one._replace(bore=bore) for one in made])
 
 
 def _places(slave):
     """Where the numbers lie among a slave's variables."""
-    names = (*SETTING, *INPUTS, *OUTPUTS)
-    directions = [
-        reserved(kind, name)
-        for kind, all_of_them in (
-            (SEED, slave.derivative_inputs),
-            (PRODUCT, slave.derivative_outputs),
-        )
-        for name in all_of_them
-    ]
-    places = [slave.references.get(name, NOWHERE) for name in (*names, *directions)]
+    places = [slave.references.get(name, NOWHERE) for name in (*SETTING, *INPUTS, *OUTPUTS)]
+    places += _reserved(slave, SEED, SEEDED) + _reserved(slave, PRODUCT, PRODUCED)
     places[SETTING.index("crank_free")] = NOWHERE  # no real number; 0 is all that is covered
     return np.array(places, dtype=float)
 
 
+def _film_places(slave):
+    """Where the fields of all surfaces begin among a slave's variables."""
+    return np.array(
+        [
+            [slave.references[f"{film.prefix}{name}"] for name in OF_FILM]
+            + _reserved(slave, SEED, [f"{film.prefix}{name}" for name in FILM_SEEDS])
+            + _reserved(slave, PRODUCT, [f"{film.prefix}{name}" for name in FILM_PRODUCTS])
+            + [np.prod(film.shape)]
+            for film in slave.built.film_grids()
+        ],
+        dtype=float,
+    ).ravel()
+
+
+def _reserved(slave, kind, names):
+    """Where seeds or products of variables lie."""
+    return [slave.references.get(reserved(kind, name), NOWHERE) for name in names]
+
+
 def _lengths(given, options):
     """Lengths of the parts that are made later, from those that are given."""
-    c, a = options.grid
     k, m = given["piston_omega"], given["block_omega"]
     n = RIGID + k + m
-    stations = given["heights"]
     of_motion = RIGID + k
     return {
         "settings": SETTING_COUNT,
-        "gap": c * a,
-        "shape": (stations + 2) * c,
         "wall_above_now": given["wall_above"],
         "wall_at_now": given["wall_at"],
         "piston_stiffness": k,
@@ -346,6 +352,7 @@ def _lengths(given, options):
         "last_numbers": len(OF_LAST),
         "last_coefficients": len(Coefficients._fields),
         "last_load": len(Load._fields),
+        "last_carrier": len(Carrier._fields),
         "last_crank": len(CrankMotion._fields),
         "last_position": of_motion,
         "last_velocity": of_motion,
@@ -356,6 +363,7 @@ def _lengths(given, options):
         "left": RIGID * k,
         "diagonal": k,
         "coupling": k * k,
+        "columns": len(Carrier._fields) * of_motion if options.mounted else 0,
         "faults": 1 + OF_A_FAULT * MOST_FAULTS,
     }
 
@@ -430,6 +438,44 @@ def damp(memory, p, omega, damping):
 
 
 @compiled
+def machine(memory, p):
+    """Gaps of all surfaces, as `assembly.skirt_gap`."""
+    x = part(memory, CONSTANTS)
+    profile = part(memory, MEASURED)
+    all_of_them = part(memory, SURFACES)
+    first = 0
+    for k in range(count_of(all_of_them)):
+        skirt = surface_at(all_of_them, k).skirt
+        c, a = skirt.gap.shape
+        for i in range(c):
+            for j in range(a):
+                skirt.gap[i, j] = profile[first + i * a + j] + machined_gap(
+                    skirt.angle[i], skirt.height[j], x[SKIRT_LOWER], x[SKIRT_UPPER], p
+                )
+        first += c * a
+
+
+@compiled
+def widen(memory, p):
+    """The bore's widening, as `assembly.bore_shape`: of the one bore of all surfaces."""
+    heights = part(memory, HEIGHTS)
+    inverse = part(memory, INVERSE)
+    widening = part(memory, WIDENING)
+    shape = surface_at(part(memory, SURFACES), 0).bore.shape
+    knots, c = shape.shape
+    s = len(heights)
+    for k in range(knots):
+        for i in range(c):
+            total = 0.0
+            for j in range(s):
+                wider = widening[i * s + j] + linear_growth(
+                    heights[j], heights[0], heights[-1], p.bore_growth_lower, p.bore_growth_upper
+                )
+                total += inverse[k * s + j] * wider
+            shape[k, i] = total
+
+
+@compiled
 def prepare(real, memory):
     """What follows from the parameters, as `assembly.assemble`."""
     settings = part(memory, SETTINGS)
@@ -438,31 +484,8 @@ def prepare(real, memory):
         settings[k] = real[at] if at >= 0 else 0.0
     p = settings_of(memory)
     x = part(memory, CONSTANTS)
-    c = count(memory, CIRCUMFERENTIAL)
-    a = count(memory, AXIAL)
-    s = count(memory, STATIONS)
-    angle = part(memory, ANGLE)
-    height = part(memory, HEIGHT)
-    gap = part(memory, GAP)
-    profile = part(memory, MEASURED)
-    for i in range(c):
-        for j in range(a):
-            gap[i * a + j] = profile[i * a + j] + machined_gap(
-                angle[i], height[j], x[SKIRT_LOWER], x[SKIRT_UPPER], p
-            )
-    heights = part(memory, HEIGHTS)
-    inverse = part(memory, INVERSE)
-    shape = part(memory, SHAPE)
-    widening = part(memory, WIDENING)
-    for k in range(s + 2):
-        for i in range(c):
-            total = 0.0
-            for j in range(s):
-                wider = widening[i * s + j] + linear_growth(
-                    heights[j], heights[0], heights[-1], p.bore_growth_lower, p.bore_growth_upper
-                )
-                total += inverse[k * s + j] * wider
-            shape[k * c + i] = total
+    machine(memory, p)
+    widen(memory, p)
     gas = 1.0 if p.top_ring_height > 0.0 else 0.0
     for given_part, made in ((WALL_ABOVE, WALL_ABOVE_NOW), (WALL_AT, WALL_AT_NOW)):
         source = part(memory, given_part)
@@ -488,9 +511,35 @@ def prepare(real, memory):
 
 @compiled
 def stacked(real, memory, which, cells):
-    """A field of inputs or seeds that begins at a place."""
+    """So many of the variables from a place on."""
     at = place(memory, which)
     return real[at : at + cells]
+
+
+@compiled
+def gathered(real, memory, which):
+    """A field of all film surfaces, their cells one after another."""
+    field = np.empty(count(memory, CELLS))
+    first = 0
+    for s in range(films(memory)):
+        cells = film_place(memory, s, FILM_CELLS)
+        at = film_place(memory, s, which)
+        for k in range(cells):
+            field[first + k] = real[at + k]
+        first += cells
+    return field
+
+
+@compiled
+def scatter(real, memory, which, field):
+    """The opposite: a stacked field into the variables of all film surfaces."""
+    first = 0
+    for s in range(films(memory)):
+        cells = film_place(memory, s, FILM_CELLS)
+        at = film_place(memory, s, which)
+        for k in range(cells):
+            real[at + k] = field[first + k]
+        first += cells
 
 
 @compiled
@@ -510,6 +559,22 @@ def rings_at(real, memory, first):
 
 
 @compiled
+def carried_at(real, memory, first):
+    """Motion of a mounted block, or its seeds, from a place on; 0 of another."""
+    motion = np.zeros(len(FIXED))
+    if is_mounted(memory):
+        for k in range(len(motion)):
+            motion[k] = number_at(real, memory, first + k)
+    return motion
+
+
+@compiled
+def is_mounted(memory):
+    """Whether the block moves."""
+    return place(memory, OF_INPUTS + CARRIED) >= 0
+
+
+@compiled
 def keep(to, what):
     """Copy, in a loop."""
     for k in range(len(to)):
@@ -521,10 +586,10 @@ def publish(real, integer, memory, now, scalars):
     """Outputs into the variables, and how much work there was so far."""
     for k in range(len(scalars)):
         real[place(memory, OF_OUTPUTS + k)] = scalars[k]
-    cells = len(now.film_thickness)
-    keep(stacked(real, memory, OF_OUTPUTS + FILM_THICKNESS, cells), now.film_thickness)
-    keep(stacked(real, memory, OF_OUTPUTS + SLIDING_VELOCITY, cells), now.sliding_velocity)
-    real[place(memory, OF_OUTPUTS + WORK_ERROR)] = now.work_error[0]
+    scatter(real, memory, FILM_THICKNESS, now.film_thickness)
+    scatter(real, memory, SLIDING_VELOCITY, now.sliding_velocity)
+    for s in range(len(now.work_error)):
+        real[film_place(memory, s, WORK_ERROR)] = now.work_error[s]
     modes = len(now.position) - RIGID
     if modes:
         keep(stacked(real, memory, OF_OUTPUTS + MODAL_COORDINATE, modes), now.position[RIGID:])
@@ -544,6 +609,7 @@ def remember(memory, c, now, crank):
     last[IS_LINEAR] = 0.0
     put_coefficients(part(memory, LAST_COEFFICIENTS), c)
     put_load(part(memory, LAST_LOAD), now.load)
+    put_carrier(part(memory, LAST_CARRIER), now.load.carrier)
     put_crank(part(memory, LAST_CRANK), crank)
     keep(part(memory, LAST_POSITION), now.position)
     keep(part(memory, LAST_VELOCITY), now.velocity)
@@ -571,17 +637,17 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     x = part(memory, CONSTANTS)
     p = settings_of(memory)
     system = system_of(memory)
-    cells = len(part(memory, GAP))
     pressure = number_at(real, memory, OF_INPUTS + GAS)
     if len(part(memory, GAS_ANGLE)):
         table = GasAtAngle(part(memory, GAS_ANGLE), part(memory, GAS_PRESSURE), x[GAS_CYCLE])
         pressure += gas_pressure(table, crank.angle)
+    ride = carried_at(real, memory, OF_INPUTS + CARRIED)
     others = others_of(
         np.pi * x[BORE_RADIUS] ** 2,
         pressure,
         rings_at(real, memory, OF_INPUTS + RINGS),
         number_at(real, memory, OF_INPUTS + LAND),
-        FIXED,
+        Carrier(ride[0], ride[1], ride[2], ride[3]),
     )
     now = end_of_step(
         system,
@@ -590,8 +656,8 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         auxiliary,
         crank,
         others,
-        stacked(real, memory, OF_INPUTS + FORCE, cells),
-        stacked(real, memory, OF_INPUTS + DRAG, cells),
+        gathered(real, memory, FORCE),
+        gathered(real, memory, DRAG),
     )
     if now.evaluations == 0:
         refuse(memory, NOT_SOLVED, crank.angle, now.change, 0.0, 0.0)
@@ -615,6 +681,13 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     real[place(memory, OF_OUTPUTS + CYLINDER_PRESSURE)] = pressure
     real[place(memory, OF_OUTPUTS + SIDE_FORCE_DEMAND)] = demand_of(system, others, crank)
     remember(memory, c, now, crank)
+    if is_mounted(memory):
+        force = force_at(end_of(memory, system))
+        real[place(memory, OF_OUTPUTS + ON_BLOCK)] = force.x
+        real[place(memory, OF_OUTPUTS + ON_BLOCK + 1)] = force.y
+        real[place(memory, OF_OUTPUTS + ON_BLOCK + 2)] = force.moment
+        real[place(memory, OF_OUTPUTS + ON_BLOCK + 3)] = force.bearing_x
+        real[place(memory, OF_OUTPUTS + ON_BLOCK + 4)] = force.bearing_y
     state[TIME] = at.time
     state[CRANK_ANGLE] = crank.angle
     state[CRANK_SPEED] = crank.speed
@@ -644,19 +717,42 @@ def linear_of(memory, modes):
 
 
 @compiled
+def end_of(memory, system):
+    """What derivatives at the end of the last step, and forces on the block, follow from."""
+    load = load_from(
+        part(memory, LAST_LOAD),
+        part(memory, MODAL_LOAD),
+        carrier_from(part(memory, LAST_CARRIER)),
+    )
+    now = Motion(
+        part(memory, LAST_POSITION),
+        part(memory, LAST_VELOCITY),
+        part(memory, LAST_ACCELERATION),
+    )
+    return StepEnd(
+        system.piston,
+        system.mechanism,
+        settings_of(memory).crank_unbalance,
+        load,
+        now,
+        crank_from(part(memory, LAST_CRANK)),
+    )
+
+
+@compiled
 def make_linear(memory, system):
     """Derivatives of the last step that every direction shares, into the memory."""
+    end = end_of(memory, system)
     found = linearise(
         system,
         coefficients_from(part(memory, LAST_COEFFICIENTS)),
-        load_from(part(memory, LAST_LOAD), part(memory, MODAL_LOAD), FIXED),
-        Motion(
-            part(memory, LAST_POSITION),
-            part(memory, LAST_VELOCITY),
-            part(memory, LAST_ACCELERATION),
-        ),
-        crank_from(part(memory, LAST_CRANK)),
+        end.load,
+        end.now,
+        end.crank,
     )
+    if is_mounted(memory):
+        columns = by_carrier(end)
+        keep(part(memory, COLUMNS), columns.reshape(columns.size))
     put_linear(part(memory, LINEAR_NUMBERS), found)
     keep(part(memory, TOP), found.arrow.top.reshape(found.arrow.top.size))
     keep(part(memory, LEFT), found.arrow.left.reshape(found.arrow.left.size))
@@ -725,24 +821,35 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     part(memory, FAULTS_AT)[0] = 0.0
     system = system_of(memory)
     modes = len(part(memory, PISTON_OMEGA))
-    cells = len(part(memory, GAP))
     last = part(memory, LAST_NUMBERS)
     if last[IS_LINEAR] == 0.0:
         make_linear(memory, system)
+    moving = RIGID + modes
+    carried = carried_at(real, memory, OF_SEEDS + CARRIED_SEEDS)
+    on_piston = np.zeros(moving)
+    if is_mounted(memory):
+        columns = part(memory, COLUMNS).reshape((len(FIXED), moving))
+        keep(on_piston, carried_force(columns, carried))
     change = response(
         system,
         last[GUIDED],
         linear_of(memory, modes),
-        stacked(real, memory, OF_SEEDS, cells),
-        stacked(real, memory, OF_SEEDS + 1, cells),
-        rings_at(real, memory, SEEDED_RINGS),
-        np.zeros(RIGID + modes),
+        gathered(real, memory, FORCE_SEED),
+        gathered(real, memory, DRAG_SEED),
+        rings_at(real, memory, OF_SEEDS),
+        on_piston,
     )
-    keep(stacked(real, memory, OF_PRODUCTS, cells), change.film_thickness)
-    keep(stacked(real, memory, OF_PRODUCTS + 1, cells), change.sliding_velocity)
-    real[place(memory, OF_PRODUCTS + 2)] = change.lateral_velocity
-    real[place(memory, OF_PRODUCTS + 3)] = change.rocking_velocity
-    real[place(memory, OF_PRODUCTS + 4)] = change.piston_velocity
+    scatter(real, memory, THICKNESS_PRODUCT, change.film_thickness)
+    scatter(real, memory, SLIDING_PRODUCT, change.sliding_velocity)
+    real[place(memory, OF_PRODUCTS)] = change.lateral_velocity
+    real[place(memory, OF_PRODUCTS + 1)] = change.rocking_velocity
+    real[place(memory, OF_PRODUCTS + 2)] = change.piston_velocity
+    if is_mounted(memory):
+        c = coefficients_from(part(memory, LAST_COEFFICIENTS))
+        force = force_change(end_of(memory, system), c, change, carried)
+        real[place(memory, OF_PRODUCTS + BLOCK_PRODUCTS)] = force.x
+        real[place(memory, OF_PRODUCTS + BLOCK_PRODUCTS + 1)] = force.y
+        real[place(memory, OF_PRODUCTS + BLOCK_PRODUCTS + 2)] = force.moment
 
 
 PART = NativePart(

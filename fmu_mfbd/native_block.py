@@ -1,16 +1,17 @@
 """The memory of bodies that need no Python: one flat block of float64 numbers, whose head says
-where each part begins. What parts there are is said here, their lengths in `native.given`.
-
-Tables of single precision and whole numbers lie in it by their bits.
+where each part begins. What parts there are is said here, their lengths in `native.given`. One of
+them is a block of film surfaces by itself, as many as there are (`geometry.surfaces`).
 """
 
 from collections import namedtuple
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
 from ..master.fmi.compiled import compiled, packed
 from .dynamics.assembly import mechanism
+from .dynamics.carrier import Carrier
 from .dynamics.drive import Scalars
 from .dynamics.floating_frame import FlexibleBody
 from .dynamics.gas_on_bore import BoreWall
@@ -20,8 +21,6 @@ from .dynamics.parameters import Parameters
 from .dynamics.piston_motion import Load
 from .dynamics.quasi_static import StaticModes
 from .dynamics.slider_crank import CrankMotion
-from .geometry.film import Bore, FilmSurface, Skirt
-from .geometry.modal_field import ModalField
 
 WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
 """The head: lengths that `native_size` tells, then where parts begin."""
@@ -30,8 +29,8 @@ GIVEN = (
     "counts",
     "constants",
     "places",
-    "angle",
-    "height",
+    "film_places",
+    "surfaces",
     "measured",
     "heights",
     "widening",
@@ -54,14 +53,8 @@ GIVEN = (
     "wall_above",
     "wall_at",
 )
-FIELDS = ("skirt_radial", "skirt_axial", "bore_radial", "bore_axial")
-OF_FIELD = ("sizes", "table", "mode", "kind", "image", "share")
-SIZES, TABLE, MODE, KIND, IMAGE, SHARE = range(len(OF_FIELD))
-LINES, LENGTH, MODES, CLASSES, WIDTH = range(5)  # sizes of a modal field
 MADE = (
     "settings",
-    "gap",
-    "shape",
     "wall_above_now",
     "wall_at_now",
     "piston_stiffness",
@@ -70,13 +63,14 @@ MADE = (
     "block_damping",
     "none",
 )
-"""At the start, from the parameters."""
+"""At the start, from the parameters; gaps and the bore's shape besides, in the surfaces."""
 STATE = ("numbers", "position", "velocity", "acceleration", "auxiliary", "other_forces")
 """In one piece."""
 LAST = (
     "last_numbers",
     "last_coefficients",
     "last_load",
+    "last_carrier",
     "last_crank",
     "last_position",
     "last_velocity",
@@ -87,22 +81,16 @@ LAST = (
     "left",
     "diagonal",
     "coupling",
+    "columns",
 )
 """What a derivative at the end of the last step asks for."""
-PARTS = (
-    *GIVEN,
-    *(f"{field}_{part}" for field in FIELDS for part in OF_FIELD),
-    *MADE,
-    *STATE,
-    *LAST,
-    "faults",
-)
+PARTS = (*GIVEN, *MADE, *STATE, *LAST, "faults")
 (
     COUNTS,
     CONSTANTS,
     PLACES,
-    ANGLE,
-    HEIGHT,
+    FILM_PLACES,
+    SURFACES,
     MEASURED,
     HEIGHTS,
     WIDENING,
@@ -125,13 +113,8 @@ PARTS = (
     WALL_ABOVE,
     WALL_AT,
 ) = range(len(GIVEN))
-SKIRT_RADIAL, SKIRT_AXIAL, BORE_RADIAL, BORE_AXIAL = (
-    len(GIVEN) + k * len(OF_FIELD) for k in range(len(FIELDS))
-)
 (
     SETTINGS,
-    GAP,
-    SHAPE,
     WALL_ABOVE_NOW,
     WALL_AT_NOW,
     PISTON_STIFFNESS,
@@ -139,7 +122,7 @@ SKIRT_RADIAL, SKIRT_AXIAL, BORE_RADIAL, BORE_AXIAL = (
     BLOCK_STIFFNESS,
     BLOCK_DAMPING,
     NONE,
-) = (len(GIVEN) + len(FIELDS) * len(OF_FIELD) + k for k in range(len(MADE)))
+) = (len(GIVEN) + k for k in range(len(MADE)))
 NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
     NONE + 1 + k for k in range(len(STATE))
 )
@@ -147,6 +130,7 @@ NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
     LAST_NUMBERS,
     LAST_COEFFICIENTS,
     LAST_LOAD,
+    LAST_CARRIER,
     LAST_CRANK,
     LAST_POSITION,
     LAST_VELOCITY,
@@ -157,11 +141,13 @@ NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
     LEFT,
     DIAGONAL,
     COUPLING,
+    COLUMNS,
 ) = (OTHER_FORCES + 1 + k for k in range(len(LAST)))
 FAULTS_AT = len(PARTS) - 1
 
-COUNTED = ("circumferential", "axial", "piston_modes", "block_modes", "stations")
-CIRCUMFERENTIAL, AXIAL, PISTON_MODES, BLOCK_MODES, STATIONS = range(len(COUNTED))
+COUNTED = ("cells", "piston_modes", "block_modes", "stations")
+CELLS, PISTON_MODES, BLOCK_MODES, STATIONS = range(len(COUNTED))
+"""Cells of all surfaces together."""
 
 CONSTANT = (
     "mass",
@@ -206,49 +192,79 @@ SETTING_COUNT = len(SETTING)
 Settings = namedtuple("Settings", SETTING)
 """`Parameters`, as kernels know them: floats."""
 INPUTS = (
-    "nodal_pressure_force",
-    "nodal_friction_force",
     "gas_pressure",
     "land_pressure",
     "ring_side_force",
     "ring_axial_force",
     "ring_moment",
     "crank_speed",
+    "block_acceleration_x",
+    "block_acceleration_y",
+    "block_angular_acceleration",
+    "block_angular_velocity",
 )
+"""The last four of a mounted block alone; of another they lie nowhere, as its outputs."""
 OUTPUTS = (
     *Scalars._fields,
     "cylinder_pressure",
     "side_force_demand",
-    "film_thickness",
-    "sliding_velocity",
-    "interface_work_error",
     "modal_coordinate",
     "modal_velocity",
     "residual_evaluations",
     "jacobian_evaluations",
+    "force_on_block_x",
+    "force_on_block_y",
+    "moment_on_block",
+    "main_bearing_force_x",
+    "main_bearing_force_y",
 )
 (
     CYLINDER_PRESSURE,
     SIDE_FORCE_DEMAND,
-    FILM_THICKNESS,
-    SLIDING_VELOCITY,
-    WORK_ERROR,
     MODAL_COORDINATE,
     MODAL_VELOCITY,
     RESIDUAL_EVALUATIONS,
     JACOBIAN_EVALUATIONS,
-) = range(len(Scalars._fields), len(OUTPUTS))
+    ON_BLOCK,
+) = range(len(Scalars._fields), len(OUTPUTS) - 4)
 ENERGY_GAIN = OUTPUTS.index("energy_gain")
 ENERGY_SIZE = OUTPUTS.index("energy_size")
-FORCE, DRAG, GAS, LAND, RINGS = range(5)
+GAS, LAND, RINGS = range(3)
 CRANK_SPEED_GIVEN = INPUTS.index("crank_speed")
-"""Places among INPUTS; three numbers of the rings."""
+CARRIED = INPUTS.index("block_acceleration_x")
+"""Places among INPUTS; three numbers of the rings, four of the block's motion."""
+SEEDED = (*INPUTS[RINGS:CRANK_SPEED_GIVEN], *INPUTS[CARRIED:])
+CARRIED_SEEDS = CRANK_SPEED_GIVEN - RINGS
+PRODUCED = (
+    "lateral_velocity",
+    "rocking_velocity",
+    "piston_velocity",
+    *OUTPUTS[ON_BLOCK : ON_BLOCK + 3],
+)
+BLOCK_PRODUCTS = PRODUCED.index("force_on_block_x")
 OF_INPUTS = len(SETTING)
 OF_OUTPUTS = OF_INPUTS + len(INPUTS)
 OF_SEEDS = OF_OUTPUTS + len(OUTPUTS)
-SEEDED_RINGS = OF_SEEDS + 2
-OF_PRODUCTS = SEEDED_RINGS + 3
+OF_PRODUCTS = OF_SEEDS + len(SEEDED)
 NOWHERE = -1.0
+
+# ---- where fields begin among the variables, a row of `film_places` for each surface
+
+OF_FILM = (
+    "nodal_pressure_force",
+    "nodal_friction_force",
+    "film_thickness",
+    "sliding_velocity",
+    "interface_work_error",
+)
+FORCE, DRAG, FILM_THICKNESS, SLIDING_VELOCITY, WORK_ERROR = range(len(OF_FILM))
+FILM_SEEDS = OF_FILM[FORCE : DRAG + 1]
+FILM_PRODUCTS = OF_FILM[FILM_THICKNESS : SLIDING_VELOCITY + 1]
+FORCE_SEED, DRAG_SEED, THICKNESS_PRODUCT, SLIDING_PRODUCT, FILM_CELLS = range(
+    len(OF_FILM), len(OF_FILM) + 5
+)
+FILM_ROW = FILM_CELLS + 1
+"""The last number of a row is not a place, but how many cells the surface has."""
 
 OF_A_FAULT = 6
 FAULT, FAULT_I, _, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
@@ -268,6 +284,18 @@ def place(memory, k):
 
 
 @compiled
+def film_place(memory, surface, k):
+    """Where a field of a surface begins among the variables, `OF_FILM` and what follows."""
+    return int(part(memory, FILM_PLACES)[FILM_ROW * surface + k])
+
+
+@compiled
+def films(memory):
+    """Number of film surfaces."""
+    return len(part(memory, FILM_PLACES)) // FILM_ROW
+
+
+@compiled
 def count(memory, k):
     """One of `COUNTED`."""
     return int(part(memory, COUNTS)[k])
@@ -277,6 +305,7 @@ _, settings_from = packed(Settings)
 put_coefficients, coefficients_from = packed(Coefficients)
 put_load, load_from = packed(Load, "modal", "carrier")
 put_crank, crank_from = packed(CrankMotion)
+put_carrier, carrier_from = packed(Carrier)
 put_linear, linear_from = packed(Linear, "arrow", "coupling")
 
 
@@ -287,31 +316,9 @@ def settings_of(memory):
 
 
 @compiled
-def field_of(memory: np.ndarray, first: int) -> ModalField:
-    """The modal field whose parts begin with the `first` of `PARTS`."""
-    sizes = part(memory, first + SIZES)
-    lines = int(sizes[LINES])
-    length = int(sizes[LENGTH])
-    classes = int(sizes[CLASSES])
-    width = int(sizes[WIDTH])
-    table = part(memory, first + TABLE).view(np.float32)
-    return ModalField(
-        table[: lines * length].reshape((lines, length)),
-        part(memory, first + MODE).view(np.int64),
-        part(memory, first + KIND).view(np.int64),
-        int(sizes[MODES]),
-        classes,
-        width,
-        part(memory, first + IMAGE).view(np.int64).reshape((classes, width)),
-        part(memory, first + SHARE),
-    )
-
-
-@compiled
 def system_of(memory: np.ndarray) -> System:
     """Both bodies, the mechanism and the film, as `assembly.assemble` makes them."""
     x = part(memory, CONSTANTS)
-    c = count(memory, CIRCUMFERENTIAL)
     k = count(memory, PISTON_MODES)
     m = count(memory, BLOCK_MODES)
     s = count(memory, STATIONS)
@@ -319,23 +326,7 @@ def system_of(memory: np.ndarray) -> System:
     lowest = part(memory, HEIGHTS)[0]
     none = part(memory, NONE)
     static = StaticModes(none, none.reshape((2, 0)), none, none)
-    shape = part(memory, SHAPE)
-    skirt = Skirt(
-        part(memory, ANGLE),
-        part(memory, HEIGHT),
-        part(memory, GAP).reshape((c, count(memory, AXIAL))),
-        x[BORE_RADIUS],
-        x[PIN_OFFSET],
-        field_of(memory, SKIRT_RADIAL),
-        field_of(memory, SKIRT_AXIAL),
-    )
-    bore = Bore(
-        lowest - x[SPACING],
-        x[SPACING],
-        field_of(memory, BORE_RADIAL),
-        field_of(memory, BORE_AXIAL),
-        shape.reshape((s + 2, c)),
-    )
+    surfaces: Any = part(memory, SURFACES)
     return System(
         FlexibleBody(
             x[MASS],
@@ -353,7 +344,7 @@ def system_of(memory: np.ndarray) -> System:
         Block(part(memory, BLOCK_STIFFNESS), part(memory, BLOCK_DAMPING)),
         static,
         mechanism(x[PISTON_RADIUS], x[PIN_OFFSET], settings),
-        (FilmSurface(skirt, bore),),
+        surfaces,
         x[PIN_OFFSET],
         part(memory, GAS_FORCE),
         BoreWall(

@@ -7,10 +7,13 @@ parts.
 
 from typing import NamedTuple
 
-from ...master.fmi.compiled import compiled
-from .carrier import carried, place
+import numpy as np
+
+from ...master.fmi.compiled import compilable, compiled
+from .carrier import FIXED, Carrier, carried, place
 from .floating_frame import FlexibleBody
-from .generalised_alpha import Motion
+from .generalised_alpha import Coefficients, Motion
+from .instant import Response
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
 from .slider_crank import CrankMotion, Mechanism, motion
 
@@ -104,3 +107,118 @@ def _unbalance(mechanism, load, at, px, py):
     x = -carrier.alpha * at.py - w * w * at.px - 2 * w * at.py_velocity
     y = carrier.alpha * at.px - w * w * at.py + 2 * w * at.px_velocity
     return (px + x) / r, (py + y) / r
+
+
+class StepEnd(NamedTuple):
+    """What forces on the block follow from, as of `block_force`."""
+
+    body: FlexibleBody
+    mechanism: Mechanism
+    crank_unbalance: float
+    load: Load
+    now: Motion
+    crank: CrankMotion
+
+
+@compiled
+def force_at(at: StepEnd) -> BlockForce:
+    """Forces on the block at the end of a step."""
+    return block_force(at.body, at.mechanism, at.crank_unbalance, at.load, at.now, at.crank)
+
+
+@compiled
+def _carried_by(load, change, share):
+    """A load with the block's motion changed by a share of a change, (4,)."""
+    carrier = Carrier(
+        load.carrier.ax + share * change[0],
+        load.carrier.ay + share * change[1],
+        load.carrier.alpha + share * change[2],
+        load.carrier.w + share * change[3],
+    )
+    return Load(load.lateral, load.axial, load.moment, load.guided, load.modal, carrier)
+
+
+@compiled
+def by_carrier(at: StepEnd) -> np.ndarray:
+    """Change of the forces on the piston's moving coordinates with each of the block's motions,
+    shape (4, 2 + k).
+
+    Eq. (D19):  -dR/dc,    R of Eq. (D5), of second order in the block's motion c: central
+                           differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
+    """
+    motions = len(FIXED)
+    columns = np.empty((motions, len(at.now.position)))
+    for j in range(motions):
+        one = np.zeros(motions)
+        one[j] = 1.0
+        above = _carried_by(at.load, one, 1.0)
+        below = _carried_by(at.load, one, -1.0)
+        up = imbalance(at.body, at.mechanism, above, at.now, at.crank).residual
+        down = imbalance(at.body, at.mechanism, below, at.now, at.crank).residual
+        for k in range(len(up)):
+            columns[j, k] = (down[k] - up[k]) / 2  # Eq. (D19)
+    return columns
+
+
+@compilable
+def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
+    """Change of the forces on the piston's moving coordinates with a change of the block's motion,
+    (4,), by `by_carrier`.
+    """
+    return carried @ columns
+
+
+@compiled
+def force_change(at: StepEnd, c: Coefficients, change: Response, carried: np.ndarray) -> BlockForce:
+    """Change of the forces on the block.
+
+    Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D25) along the change of loads, accelerations
+                and the block's motion, s such that accelerations change by 1 m/s2 at most:
+                what is not linear is smaller by c2^2, some 1e-18
+
+    Parameters
+    ----------
+    at : StepEnd
+    c : Coefficients
+        Of the step.
+    change : Response
+    carried : ndarray, shape (4,)
+        Change of the block's motion, as `Carrier` has it.
+    """
+    size = 1e-300
+    for one in change.acceleration:
+        size = max(size, abs(one))
+    for one in carried:
+        size = max(size, abs(one))
+    up = _force_along(at, c, change, carried, 1.0 / size)
+    down = _force_along(at, c, change, carried, -1.0 / size)
+    # Eq. (D20)
+    return BlockForce(
+        (up.x - down.x) * size / 2,
+        (up.y - down.y) * size / 2,
+        (up.moment - down.moment) * size / 2,
+        (up.bearing_x - down.bearing_x) * size / 2,
+        (up.bearing_y - down.bearing_y) * size / 2,
+    )
+
+
+@compiled
+def _force_along(at, c, change, carried, s):
+    """Forces on the block a share s along a change."""
+    own = _carried_by(at.load, carried, s)
+    load = Load(
+        own.lateral + s * change.lateral,
+        own.axial + s * change.axial,
+        own.moment + s * change.moment,
+        own.guided,
+        own.modal,
+        own.carrier,
+    )
+    n = len(at.now.position)
+    moved = Motion(np.empty(n), np.empty(n), np.empty(n))
+    for k in range(n):
+        a = s * change.acceleration[k]
+        moved.position[k] = at.now.position[k] + c.to_position * a
+        moved.velocity[k] = at.now.velocity[k] + c.to_velocity * a
+        moved.acceleration[k] = at.now.acceleration[k] + a
+    return block_force(at.body, at.mechanism, at.crank_unbalance, load, moved, at.crank)

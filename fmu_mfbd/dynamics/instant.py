@@ -20,6 +20,7 @@ from ..geometry.film import (
     sliding,
     window_at,
 )
+from ..geometry.surfaces import count_of, surface_at
 from .carrier import FIXED, Carrier, carried
 from .energy import (
     Ledger,
@@ -67,8 +68,8 @@ class System(NamedTuple):
 
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
     s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
-    skirt's axis [m]. Fields of all surfaces are stacked: the cells of the first, (c, a) in C order,
-    then those of the second.
+    skirt's axis [m]. Surfaces are a tuple, to machine code a block (`geometry.surfaces`). Fields of
+    all of them are stacked: the cells of the first, (c, a) in C order, then those of the second.
     """
 
     piston: FlexibleBody
@@ -273,7 +274,8 @@ def end_of_step(
     transfer_error = np.empty(len(parts))
     on_slopes = 0.0  # axial force of pressure on bores that are not straight
     first = 0
-    for k, surface in enumerate(system.surfaces):
+    for k in range(count_of(system.surfaces)):
+        surface = surface_at(system.surfaces, k)
         last = first + surface.skirt.gap.size
         film = film_now(
             surface.skirt,
@@ -370,9 +372,11 @@ def forces_by_film(
     """
     modes = len(system.gas_force)
     of_block = len(system.block.stiffness) + len(system.block_static.stiffness)
-    parts = np.empty((len(system.surfaces), RESULTANTS + modes + of_block))
+    films = count_of(system.surfaces)
+    parts = np.empty((films, RESULTANTS + modes + of_block))
     first = 0
-    for s, surface in enumerate(system.surfaces):
+    for s in range(films):
+        surface = surface_at(system.surfaces, s)
         last = first + surface.skirt.gap.size
         nodal = _nodal(surface, pressure_force[first:last], friction_force[first:last])
         part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
@@ -730,7 +734,8 @@ def response(
     thickness = np.empty(len(pressure_force))
     sliding_velocity = np.empty(len(pressure_force))
     first = 0
-    for surface in system.surfaces:
+    for s in range(count_of(system.surfaces)):
+        surface = surface_at(system.surfaces, s)
         window = window_of(surface, guided)
         opened = opening(
             surface.skirt,

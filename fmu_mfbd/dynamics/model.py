@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry.pin import PinForces
 from .account import account
-from .block_force import BlockForce, block_force
+from .block_force import StepEnd, by_carrier, carried_force, force_at, force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import FilmGrid
 from .carrier import FIXED, Carrier
@@ -485,80 +485,27 @@ class PistonInBore:
 
     def _on_block(self):
         """Forces on a mounted block, by output."""
-        last = self._last
-        force = self._block_force(last.load, self._of_piston(last.end))
-        return {
-            "force_on_block_x": force.x,
-            "force_on_block_y": force.y,
-            "moment_on_block": force.moment,
-            "main_bearing_force_x": force.bearing_x,
-            "main_bearing_force_y": force.bearing_y,
-        }
+        names = (*ON_BLOCK, *BEARINGS)
+        return dict(zip(names, force_at(self._step_end())))
 
-    def _block_force(self, load: Load, now: Motion) -> BlockForce:
-        system = self.system
-        return block_force(
-            system.piston,
-            system.mechanism,
-            self.crank_unbalance or 0.0,
-            load,
-            now,
-            self._last.crank,
-        )
+    def _step_end(self) -> StepEnd:
+        """What forces on the block follow from."""
+        last, system = self._last, self.system
+        now = self._of_piston(last.end)
+        unbalance = self.crank_unbalance or 0.0
+        return StepEnd(system.piston, system.mechanism, unbalance, last.load, now, last.crank)
 
     def _carried_force(self, carried: np.ndarray) -> np.ndarray:
-        """Change of the forces on the piston's moving coordinates with the block's motion.
-
-        Eq. (D19):  -dR/dc . dc,    R of Eq. (D5), of second order in the block's motion c: central
-                                    differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
-        """
-        last = self._last
+        """Change of the forces on the piston's moving coordinates with the block's motion."""
         if self._columns is None:
-            now = self._of_piston(last.end)
-            columns = []
-            for one in np.eye(len(carried)):
-                up, down = (
-                    imbalance(
-                        self.system.piston,
-                        self.system.mechanism,
-                        _carried_by(last.load, sign * one),
-                        now,
-                        last.crank,
-                    ).residual
-                    for sign in (1.0, -1.0)
-                )
-                columns.append((down - up) / 2)  # Eq. (D19)
-            self._columns = np.array(columns)
-        return carried @ self._columns
+            self._columns = by_carrier(self._step_end())
+        return carried_force(self._columns, carried)
 
     def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
-        """Change of the forces on the block, by output.
-
-        Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D25) along the change of loads, accelerations
-                    and the block's motion, s such that accelerations change by 1 m/s2 at most:
-                    what is not linear is smaller by c2^2, some 1e-18
-        """
-        last = self._last
+        """Change of the forces on the block, by output."""
         names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
-        now, c = self._of_piston(last.end), last.coefficients
-        size = max(np.abs(change.acceleration).max(), np.abs(carried).max(), 1e-300)
-        ends = []
-        for s in (1.0 / size, -1.0 / size):
-            a = s * change.acceleration
-            load = _carried_by(last.load, s * carried)._replace(
-                lateral=last.load.lateral + s * change.lateral,
-                axial=last.load.axial + s * change.axial,
-                moment=last.load.moment + s * change.moment,
-            )
-            moved = Motion(
-                now.position + c.to_position * a,
-                now.velocity + c.to_velocity * a,
-                now.acceleration + a,
-            )
-            ends.append(np.array(self._block_force(load, moved)))
-        up, down = ends
-        slope = (up - down) * size / 2  # Eq. (D20)
-        return dict(zip(names, slope.tolist()))
+        c = self._last.coefficients
+        return dict(zip(names, force_change(self._step_end(), c, change, carried)))
 
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
         """A stacked field of all surfaces as one of each, by name."""
@@ -631,8 +578,3 @@ class PistonInBore:
         return self._by_film(
             "film_thickness", seen(self.outside, surfaces, guided, bore_deflection)
         )
-
-
-def _carried_by(load: Load, change: np.ndarray) -> Load:
-    """A load with the block's motion changed."""
-    return load._replace(carrier=Carrier(*(np.array(load.carrier) + change).tolist()))

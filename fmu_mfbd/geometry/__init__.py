@@ -1,6 +1,7 @@
 """Skirt and bore as the film sees them.
 
 film         thickness, sliding, forces back
+surfaces     several films of a body, as a tuple or in one block of numbers
 pin          films of a pin in its shells
 pin_shapes   tilt and bending of that pin (J)
 space        shift along the pin, roll and yaw

@@ -26,16 +26,15 @@ from piston_cosim.fmu_mfbd.slave import Mfbd
 COUNTS = "residual_evaluations", "jacobian_evaluations"
 folder, changes = sys.argv[1], json.loads(sys.argv[2])
 python, machine = (Mfbd(instance_name="bodies", resources=folder) for _ in range(2))
-shape = tuple(python.options["grid"])
+films = python.built.film_grids()
+around, _ = python.built.grid
 rng = np.random.default_rng(0)
-bump = np.maximum(np.sin(np.arange(shape[0]) * 2 * np.pi / shape[0]), -0.3)[:, None] + 0.3
-push, drag = bump * rng.random(shape), rng.standard_normal(shape)
+bump = np.maximum(np.sin(np.arange(around) * 2 * np.pi / around), -0.3)[:, None] + 0.3
+loads = {f.prefix: (bump * rng.random(f.shape), rng.standard_normal(f.shape)) for f in films}
 
 def give(k):
     values = dict(
         changes,
-        nodal_pressure_force=5.0 * push * (1 + np.sin(0.4 * k)),
-        nodal_friction_force=0.1 * drag * np.cos(0.4 * k),
         gas_pressure=1e5 * k,
         land_pressure=2e5,
         ring_side_force=20.0 * np.sin(k),
@@ -43,6 +42,16 @@ def give(k):
         ring_moment=0.1 * np.cos(k),
         crank_speed=300.0 + 2 * k,
     )
+    for film, (push, drag) in loads.items():
+        values[f"{film}nodal_pressure_force"] = 5.0 * push * (1 + np.sin(0.4 * k))
+        values[f"{film}nodal_friction_force"] = 0.1 * drag * np.cos(0.4 * k)
+    if python.built.mounted:  # it shakes harder than any block on mounts
+        values |= dict(
+            block_acceleration_x=40.0 * np.cos(k),
+            block_acceleration_y=-25.0 * np.sin(k),
+            block_angular_acceleration=300.0 * np.sin(2 * k),
+            block_angular_velocity=0.7 * np.cos(3 * k),
+        )
     for name, value in values.items():
         python.views[name][...] = machine.views[name][...] = value
 
@@ -114,6 +123,9 @@ GAS = {
     "strokes": 4,
 }
 """Its first angle is not 0, its first stretch steep."""
+
+BANDS_OF_ROWS = [{"name": name, "rows": rows} for name, rows in (("low", [1, 4]), ("up", [6, 10]))]
+"""Two film surfaces of unequal size, a row between them without a film."""
 
 BANDS = [{"above": "0 Hz", "ratio": 0.01}, {"above": "20 kHz", "ratio": 0.4}]
 BEGIN = dict(
@@ -187,13 +199,16 @@ def told(coarse, kept_bodies, tmp_path_factory):
         (SHAPED | LOADED, {"gas": GAS}),
         (LOADED, {"damping_bands": BANDS}),
         (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
+        (SHAPED | LOADED, {"grid": [8, 10], "film_surfaces": BANDS_OF_ROWS}),
+        (SHAPED | LOADED | dict(crank_unbalance=0.05), {"mounted": True}),
+        (SHAPED, {"grid": [7, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
     ],
 )
 def test_the_step_is_that_of_the_model(told, changes, options):
     """Uneven steps of bodies with modes on a rough load, one redone, with derivatives."""
     off, moved = told(changes, **options)
     # a relative error of round-off differs with its own round-off
-    off.pop("interface_work_error", None)
+    off = {name: error for name, error in off.items() if "interface_work_error" not in name}
     assert max(off.values(), default=0.0) <= 1e-12
     assert moved > 1e-7
 
