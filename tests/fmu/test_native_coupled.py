@@ -16,6 +16,9 @@ from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.open import open_fmu
 
+from .films import PATH as DATA_SHEET
+from .films import one_film, several_films
+
 PATH = find_case("numerical_example")
 SMALL = [
     ("participants.bodies.build.grid", [12, 10]),
@@ -189,6 +192,67 @@ def test_longer_steps_are_cut_into_macro_steps_as_in_python(both):
     np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-300)
 
 
+# ---- other cases than one film on one body
+
+
+def exported_tree(tree, path, native):
+    """The coupled FMU of a case's tree that lies at a path, for its own start values."""
+    case = check_case(tree, path)
+    return export_fmu(case, path.parent, print, "2.0", ["linux64"] if native else ())
+
+
+def compared(paths, steps):
+    """As `side_by_side`, with inputs that no wire feeds and the case's own values."""
+    both = [started(path, {}) for path in paths]
+    names = [n for n in outputs_of(both[0]) if not n.endswith(ROUND_OFF_BY_ITSELF)]
+    largest, off = dict.fromkeys(names, 0.0), dict.fromkeys(names, 0.0)
+    for k in range(1, steps + 1):
+        for one in both:
+            step(one, k)
+        for name in names:
+            a, b = (float(one.get(name)) for one in both)
+            largest[name] = max(largest[name], abs(b))
+            off[name] = max(off[name], abs(a - b))
+    return largest, {name: e / largest[name] if e else 0.0 for name, e in off.items()}
+
+
+def test_two_films_on_one_body_are_those_of_the_fmu_in_python(native):
+    """Three participants, two of one library; bands of unequal size with a groove between them,
+    beside the axis, surfaces that touch.
+    """
+    tree = several_films((12, 12), "12 deg", [(1, 5), (7, 12)])
+    tree["participants"]["bodies"]["parameters"] |= {
+        "start_lateral_displacement": "45 um",
+        "start_rocking_angle": "0.3 mrad",
+        "crank_offset": "1 mm",
+    }
+    for film in ("film_1", "film_2"):
+        tree["participants"][film]["parameters"]["roughness_rms"] = "3 um"
+    largest, off = compared([exported_tree(tree, DATA_SHEET, native) for native in (1, 0)], 12)
+    for film in ("film_1", "film_2"):
+        assert largest[f"{film}.maximum_pressure"] > 1e4
+    assert max(largest[f"film_{k}.contact_area_fraction"] for k in (1, 2)) > 0.0
+    assert max(off.values()) <= ROUND_OFF
+
+
+def test_a_case_without_wires_steps_its_participants(native):
+    """Nothing is iterated: the bodies move by inertia and gas, the film stands as it started; the
+    same numbers as of the FMU in Python, and a step taken back is the same again.
+    """
+    tree = one_film((12, 10), "12 deg") | {"wires": []}
+    paths = [exported_tree(tree, DATA_SHEET, native) for native in (1, 0)]
+    largest, off = compared(paths, 6)
+    assert largest["lateral_displacement"] > 0.0
+    assert max(off.values()) <= ROUND_OFF
+    one = started(paths[0], {})
+    saved = one.save()
+    step(one, 1)
+    first = [one.get(name) for name in outputs_of(one) if name not in COUNTS]
+    one.restore(saved)
+    step(one, 1)
+    assert [one.get(name) for name in outputs_of(one) if name not in COUNTS] == first
+
+
 # ---- states
 
 
@@ -312,7 +376,7 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         ("coupling.method", "iqn_ils"),
         ("coupling.differences", True),
         ("wires.0.relative_tolerance", 1e-3),
-        ("participants.bodies.build.mounted", True),
+        ("participants.bodies.build.motion_in_space", {}),
     ]
     case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
     with pytest.raises(BadInput) as refusal:
@@ -323,7 +387,7 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         "coupling.method = iqn_ils: a native FMU covers newton",
         "coupling.differences = true: a native FMU covers false",
         "wire bodies.film_thickness -> ehd.film_thickness: relative_tolerance = 0.001",
-        "participants.bodies: mounted: a native FMU has no mounted block",
+        "participants.bodies: motion_in_space: a native FMU has no motion in space",
     ):
         assert words in said
 
