@@ -647,7 +647,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         pressure,
         rings_at(real, memory, OF_INPUTS + RINGS),
         number_at(real, memory, OF_INPUTS + LAND),
-        Carrier(ride[0], ride[1], ride[2], ride[3]),
+        carrier_from(ride),
     )
     now = end_of_step(
         system,

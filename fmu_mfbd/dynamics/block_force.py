@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from .carrier import FIXED, Carrier, carried, place
+from .carrier import ALPHA, AX, AY, FIXED, Carrier, W, carried, place
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Coefficients, Motion
 from .instant import Response
@@ -130,10 +130,10 @@ def force_at(at: StepEnd) -> BlockForce:
 def _carried_by(load, change, share):
     """A load with the block's motion changed by a share of a change, (4,)."""
     carrier = Carrier(
-        load.carrier.ax + share * change[0],
-        load.carrier.ay + share * change[1],
-        load.carrier.alpha + share * change[2],
-        load.carrier.w + share * change[3],
+        load.carrier.ax + share * change[AX],
+        load.carrier.ay + share * change[AY],
+        load.carrier.alpha + share * change[ALPHA],
+        load.carrier.w + share * change[W],
     )
     return Load(load.lateral, load.axial, load.moment, load.guided, load.modal, carrier)
 

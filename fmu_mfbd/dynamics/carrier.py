@@ -29,6 +29,9 @@ class Carrier(NamedTuple):
     w: float
 
 
+AX, AY, ALPHA, W = range(4)
+"""Numbers of a `Carrier` in an array."""
+
 FIXED = Carrier(0.0, 0.0, 0.0, 0.0)
 """A block that does not move."""
 

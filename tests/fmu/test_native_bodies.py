@@ -159,8 +159,8 @@ def test_fmi_3_says_the_same(native_bodies, rigid):
 BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]
 """Unequal, a row between them without a film."""
 DIFFERENCED = 1e-8
-"""Of the largest value. Derivatives of forces on the block are differences of forces of 10 kN over a
-change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N.
+"""Of the largest value. Derivatives of forces on the block are differences of forces of 10 kN over
+a change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N.
 """
 SHAKEN = (
     "block_acceleration_x",
