@@ -40,8 +40,10 @@ def factorise(gram: np.ndarray, noise: float):
             column[i] = factor[i, j]
         for i in range(j + 1, n):
             share = column[i]
-            for k in range(j + 1, i + 1):
-                factor[i, k] -= share * column[k]
+            rest = factor[i, j + 1 : i + 1]  # a slice: its indices are known to be no negative ones
+            other = column[j + 1 : i + 1]
+            for k in range(len(rest)):
+                rest[k] -= share * other[k]
     return factor
 
 
@@ -50,13 +52,15 @@ def solve_factored(factor, x):
     """x of F F' x = b, in the place of b; of a larger factor its first rows and columns."""
     n = len(x)
     for i in range(n):
+        rest = x[i]
         for k in range(i):
-            x[i] -= factor[i, k] * x[k]
-        x[i] /= factor[i, i]
+            rest -= factor[i, k] * x[k]
+        x[i] = rest / factor[i, i]
     for i in range(n - 1, -1, -1):
-        x[i] /= factor[i, i]
+        last = x[i] / factor[i, i]
+        x[i] = last
         for k in range(i):
-            x[k] -= factor[i, k] * x[i]
+            x[k] -= factor[i, k] * last
 
 
 @compiled
@@ -64,16 +68,19 @@ def length_of_inverse(factor):
     """Squared Frobenius norm of the inverse of a lower triangle."""
     n = len(factor)
     total = 0.0
-    column = np.empty(n)
-    for j in range(n):
-        column[j] = 1.0 / factor[j, j]
-        total += column[j] ** 2
-        for i in range(j + 1, n):
-            rest = 0.0
-            for k in range(j, i):
-                rest += factor[i, k] * column[k]
-            column[i] = -rest / factor[i, i]
-            total += column[i] ** 2
+    inverse = np.zeros((n, n))
+    for i in range(n):
+        row = inverse[i]
+        for k in range(i):
+            share = factor[i, k]
+            above = inverse[k]
+            for j in range(k + 1):
+                row[j] += share * above[j]
+        for j in range(i):
+            row[j] /= -factor[i, i]
+        row[i] = 1.0 / factor[i, i]
+        for j in range(i + 1):
+            total += row[j] ** 2
     return total
 
 

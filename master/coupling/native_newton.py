@@ -65,6 +65,7 @@ from .native_block import (
     WIRE_SEED,
     WIRE_SENTENCE,
     WORST,
+    clear,
     count,
     keep,
     note,
@@ -169,16 +170,19 @@ def is_fed_well(memory: np.ndarray, w: int, faults: np.ndarray):
     at = int(wire[TARGET_PLACE])
     columns = int(wire[COLUMNS])
     values = real_of(memory, int(wire[TARGET]))[at : at + int(wire[ELEMENTS])]
+    low = wire[LOW]
+    high = wire[HIGH]
     for k in range(len(values)):
         x = values[k]
+        if np.isfinite(x) and low <= x <= high:
+            continue
         i = float(k // columns + 1)
         j = float(k % columns + 1)
         if not np.isfinite(x):
             note(faults, wire[WIRE_SENTENCE] + MUST_BE_FINITE, (i, j, x, 0.0, 0.0))
-            return False
-        if not wire[LOW] <= x <= wire[HIGH]:
-            note(faults, wire[WIRE_SENTENCE] + OUT_OF_RANGE, (i, j, x, wire[LOW], wire[HIGH]))
-            return False
+        else:
+            note(faults, wire[WIRE_SENTENCE] + OUT_OF_RANGE, (i, j, x, low, high))
+        return False
     return True
 
 
@@ -255,8 +259,9 @@ def evaluate(memory: np.ndarray, x: np.ndarray, numbers: np.ndarray, outcome: np
     for w in range(wires):
         wire = wire_of(memory, w)
         first = int(wire[FIRST])
+        is_along = wire[UNKNOWN] == NOWHERE
         for k in range(first, first + int(wire[ELEMENTS])):
-            residual[k] = used[k] - x[k] if wire[UNKNOWN] == NOWHERE else y[k] - used[k]
+            residual[k] = used[k] - x[k] if is_along else y[k] - used[k]
     return True
 
 
@@ -270,9 +275,12 @@ def derivative(memory: np.ndarray, change: np.ndarray, result: np.ndarray):
     for w in range(wires):
         wire = wire_of(memory, w)
         first = int(wire[FIRST])
-        for k in range(first, first + int(wire[ELEMENTS])):
-            seen[k] = 0.0 if wire[UNKNOWN] == NOWHERE else change[k]
-            result[k] = 0.0
+        end = first + int(wire[ELEMENTS])
+        clear(result[first:end])
+        if wire[UNKNOWN] == NOWHERE:
+            clear(seen[first:end])
+        else:
+            keep(seen[first:end], change[first:end])
     part(memory, TRAIL)[PRODUCTS] += 1.0
     numbers = np.zeros(4)
     order = part(memory, ORDER)
@@ -281,8 +289,7 @@ def derivative(memory: np.ndarray, change: np.ndarray, result: np.ndarray):
         real = real_of(memory, p)
         reads = False
         writes = False
-        for i in range(int(row_of(memory, p)[VARIABLES]), len(real)):
-            real[i] = 0.0
+        clear(real[int(row_of(memory, p)[VARIABLES]) :])
         for w in range(wires):
             wire = wire_of(memory, w)
             first = int(wire[FIRST])
@@ -328,11 +335,14 @@ def measure(memory: np.ndarray, residual: np.ndarray):
         first = int(wire[FIRST])
         largest = 0.0
         for k in range(first, first + int(wire[ELEMENTS])):
-            share = abs(residual[k]) / wire[TOLERANCE]
-            if not share <= largest:
-                largest = share
+            size = abs(residual[k])
+            if not size <= largest:
+                largest = size
                 if largest != largest:
-                    return largest
+                    break
+        largest /= wire[TOLERANCE]
+        if largest != largest:
+            return largest
         trail[len(OF_TRAIL) + row * wires + w] = largest
         found = max(found, largest)
     return found
@@ -405,8 +415,9 @@ def scattered(memory: np.ndarray, reduced: np.ndarray, change: np.ndarray):
         if wire[UNKNOWN] != NOWHERE:
             first = int(wire[FIRST])
             at = int(wire[UNKNOWN])
+            nominal = wire[NOMINAL]
             for k in range(int(wire[ELEMENTS])):
-                change[first + k] = reduced[at + k] * wire[NOMINAL]
+                change[first + k] = reduced[at + k] * nominal
 
 
 @compiled
@@ -417,8 +428,9 @@ def gathered(memory: np.ndarray, whole: np.ndarray, reduced: np.ndarray):
         if wire[UNKNOWN] != NOWHERE:
             first = int(wire[FIRST])
             at = int(wire[UNKNOWN])
+            nominal = wire[NOMINAL]
             for k in range(int(wire[ELEMENTS])):
-                reduced[at + k] = whole[first + k] / wire[NOMINAL]
+                reduced[at + k] = whole[first + k] / nominal
 
 
 @compiled

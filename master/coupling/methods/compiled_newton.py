@@ -288,6 +288,7 @@ class Iteration:
                 "reals": one.inside - 1,
                 "memory": behind + one.inside - 1,
                 "memories": 1,
+                "variables": one.variables,
             }
             rows.append(row)
             behind += one.inside
