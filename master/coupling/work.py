@@ -95,11 +95,14 @@ class InterfaceWork:
             out = y[q] * step if pair.is_power else y[q] - y_before[q]
             into = used[q] * step if pair.is_power else used[q] - used_before[q]
             work += np.array([used[f] @ out, y[f] @ into])  # Eq. (W1)
-            exchanged += float(np.abs(used[f]) @ np.abs(out))
-            began = y_before[q] * step if pair.is_power else out
-            passed += float(np.abs(used[f]) @ np.abs(out)) / 2
-            passed += float(np.abs(used_before[f]) @ np.abs(began)) / 2
-            worth += span * pair.tolerance * float(np.abs(used[f]).sum())
+            force = np.abs(used[f])
+            ended = np.abs(out)
+            began = np.abs(y_before[q]) * step if pair.is_power else ended
+            across = float(force @ ended)
+            exchanged += across
+            passed += across / 2
+            passed += float(np.abs(used_before[f]) @ began) / 2
+            worth += span * pair.tolerance * float(force.sum())
         return Exchange(work, exchanged, passed, worth)
 
     def add(

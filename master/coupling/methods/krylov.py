@@ -97,7 +97,7 @@ class RecycledGmres:
     ----------
     images, differences : ndarray, shape (pairs, n)
         Z and V - Z by rows, as many as are kept at most, 0 where nothing is known yet. In single
-        precision they would cost 30 % more products.
+        precision round-off would grow to what two solves differ by.
     gram : ndarray, shape (pairs, pairs)
         Z' Z of those in use, 0 elsewhere.
     oldest : int

@@ -112,10 +112,11 @@ def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> floa
     for wire, part in zip(interface.wires, interface.parts):
         if wire.largest_decrease is None:
             continue
-        down = change[part] < 0
-        if not down.any():
+        values, moves = x[part], change[part]
+        down = np.flatnonzero(moves < 0.0)
+        if not len(down):
             continue
-        smallest = x[part].min()
+        smallest = values.min()
         floor = smallest - wire.largest_decrease * max(smallest, wire.nominal / 10)
-        share = min(share, float(np.min((x[part] - floor)[down] / -change[part][down])))
+        share = min(share, float(np.min((values[down] - floor) / -moves[down])))
     return share
