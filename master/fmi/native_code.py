@@ -6,6 +6,7 @@ the target. What numba hands out for calls from Python is left away. No fast mat
 `compiled`. It runs in a process of its own, for numba is told once and for all what to do.
 """
 
+import gc
 import gzip
 import os
 import re
@@ -342,6 +343,7 @@ def _machine(target: Target):
 
 def main(package: str, kept: str, folder: str, *platforms: str) -> None:
     """Write the object files into a folder; the module that they are made of is kept."""
+    gc.disable()  # numba makes millions of small objects, and the process ends with them
     part = import_part(f"{package}.native").PART
     if os.path.exists(kept):
         text = gzip.decompress(Path(kept).read_bytes()).decode()
