@@ -1,6 +1,7 @@
 """Meshes and matrices.
 
 mesh           reading, named surfaces, faults
+regions        surfaces that the file does not name
 point_cloud    nodes without elements
 element        ten-node tetrahedron by scikit-fem (M)
 faces          triangles and pressure on them (M)

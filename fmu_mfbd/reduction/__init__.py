@@ -2,6 +2,7 @@
 
 reduce         a mesh and a material in, a body out
 reduced_body   the body as its file holds it
+store          bodies kept by content: found without the code that reduces
 rigid          a data sheet in, a body without modes out (J)
 bases          which shapes a body keeps (J)
 geometry       whether a mesh lies as it should (M)
