@@ -13,6 +13,6 @@ fields        scalars of an FMU gathered to arrays
 quantities    units, at the edge alone
 errors        bad input, discard, fault
 checks        computed figures beside what they should be
-compiled      how kernels are compiled
+compiled      how kernels are compiled; callees: those in the code of others; kernel_cache: kept
 cache         where the user's cache lies
 """

@@ -59,11 +59,13 @@ def packed(kind: Any, *others: str):
 
 
 class Kernel:
-    """A function that is compiled at its first call; in the code of another kernel, and so to
-    numba, it is its `dispatcher`.
+    """A function that is compiled at its first call.
 
     py_func : the function as written; targetoptions : options of `numba.njit`.
     """
+
+    keeps = True
+    """Whether kernels of this process are kept on disk."""
 
     def __init__(self, function, options):
         update_wrapper(self, function)
@@ -75,21 +77,37 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """What numba makes of it."""
+        """What numba makes of it for calls from Python."""
+        from .callees import EntryCompiler
+
+        return self._made(self._kept, pipeline_class=EntryCompiler)
+
+    @cached_property
+    def callee(self) -> Any:
+        """What numba makes of it for the code of other kernels, in which it stands for this."""
+        from .callees import CalleeCompiler
+
+        alone = dict.fromkeys(("no_cpython_wrapper", "no_cfunc_wrapper"), True)
+        return self._made(self._kept_as("CalleeCache"), pipeline_class=CalleeCompiler, **alone)
+
+    def _made(self, kept, **options):
         from numba import njit
 
-        dispatcher: Any = njit(error_model="numpy", **self.targetoptions)(self.py_func)
-        if self._kept:
-            dispatcher._cache = self._kept
+        dispatcher: Any = njit(error_model="numpy", **options, **self.targetoptions)(self.py_func)
+        if kept:
+            dispatcher._cache = kept
         return dispatcher
 
     @cached_property
     def _kept(self):
+        return self._kept_as("KernelCache")
+
+    def _kept_as(self, kind):
         """What is kept of it on disk; None where there is nowhere to keep it."""
-        from .kernel_cache import KernelCache
+        from . import kernel_cache
 
         with suppress(RuntimeError):
-            return KernelCache(self.py_func)
+            return getattr(kernel_cache, kind)(self.py_func) if self.keeps else None
 
     @property
     def store(self) -> Path | None:
@@ -98,7 +116,7 @@ class Kernel:
 
     @property
     def _numba_type_(self):
-        return self.dispatcher._numba_type_
+        return self.callee._numba_type_
 
 
 class WithinKernels(Kernel):

@@ -7,11 +7,14 @@ from pathlib import Path
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
+from .callees import CalleeKept
 from .tree import reached
 
 
 class KernelCache(FunctionCache):
     """numba's cache on disk, stamped with the content of all that a kernel is made of."""
+
+    ending = ""
 
     def __init__(self, kernel):
         super().__init__(kernel)
@@ -22,7 +25,7 @@ class KernelCache(FunctionCache):
         """Made when a kernel is first called: the stamp reads many files."""
         return IndexDataCacheFile(
             self._cache_path,
-            self._impl.filename_base,
+            self._impl.filename_base + self.ending,
             stamp(self._py_func.__code__.co_filename),
         )
 
@@ -39,6 +42,13 @@ class KernelCache(FunctionCache):
         """Keep a kernel if the disk allows it."""
         with suppress(OSError):
             super().save_overload(signature, data)
+
+
+class CalleeCache(KernelCache):
+    """The same for kernels in the code of others."""
+
+    _impl_class = CalleeKept
+    ending = ".callee"
 
 
 @cache

@@ -152,15 +152,14 @@ def module_text(package: str, part: Any) -> str:
     from llvmlite import binding
     from numba import types
     from numba.core import compiler
+    from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
 
-    from .compiled import KERNELS
+    from .callees import CalleeCompiler
+    from .compiled import Kernel
 
     carray = numba.__dict__["carray"]
-    for kernel in KERNELS:
-        kernel.__dict__["_kept"] = None  # what others compile is optimised for this machine
-        kernel.targetoptions |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    _make_nothing_ready_to_run()
+    Kernel.keeps = False  # what others compile is for this machine
     numbers = types.CPointer(types.float64)
     counts = types.CPointer(types.int64)
     flags: Any = compiler.Flags()
@@ -171,7 +170,7 @@ def module_text(package: str, part: Any) -> str:
     whole = None
     names = []
     for entry in part.entries:
-        run = entry.kernel.dispatcher
+        run = entry.kernel.callee
 
         def call(real, integer, memory, numbers, lengths):
             n = carray(lengths, 4)
@@ -182,15 +181,17 @@ def module_text(package: str, part: Any) -> str:
                 carray(numbers, n[NUMBERS]),
             )
 
-        made: Any = compiler.compile_extra(
-            cpu_target.typing_context,
-            cpu_target.target_context,
-            call,
-            (numbers, counts, numbers, numbers, counts),
-            types.void,
-            flags,
-            {},
-        )
+        with global_compiler_lock:
+            made: Any = compiler.compile_extra(
+                cpu_target.typing_context,
+                cpu_target.target_context,
+                call,
+                (numbers, counts, numbers, numbers, counts),
+                types.void,
+                flags,
+                {},
+                pipeline_class=CalleeCompiler,
+            )
         module = binding.parse_assembly(str(made.library._final_module))
         name = entry.name(package)
         module.get_function(made.fndesc.llvm_func_name).name = name
@@ -208,19 +209,6 @@ def module_text(package: str, part: Any) -> str:
         if not symbol.is_declaration:
             symbol.linkage = "external" if symbol.name in names else "internal"
     return str(whole)
-
-
-def _make_nothing_ready_to_run():
-    """Keep numba in this process from translating each kernel for this machine, which is half of
-    its time here.
-    """
-    from numba.core import codegen
-
-    library: Any = codegen.JITCodeLibrary
-    library._finalize_specific = lambda self: None
-    library.get_pointer_to_function = lambda self, name: self._ensure_finalized() or 0
-    processor: Any = codegen.JITCPUCodegen
-    processor.set_env = lambda self, name, environment: None
 
 
 def in_two_versions(text: str) -> str:

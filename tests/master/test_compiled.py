@@ -21,6 +21,8 @@ from .leaf import leaf
 
 @compiled
 def middle(x):
+    if x < 0.0:
+        raise ValueError("negative", x)
     return leaf(x) + 1.0
 """
 TOP = """
@@ -32,6 +34,10 @@ inner = middle.middle
 @compiled
 def top(x):
     return 10.0 * inner(x)
+
+@compiled
+def other(x):
+    return inner(x) - 1.0
 """
 
 
@@ -47,16 +53,17 @@ class Package:
 
     def top(self):
         """(top(3), how many times the top kernel was read from disk), in a new process."""
-        code = (
-            "from kernels.top import top;"
-            "print(top(3.0), sum(top.dispatcher.stats.cache_hits.values()))"
-        )
+        value, hits = self.printed("top(3.0), sum(top.dispatcher.stats.cache_hits.values())")
+        return float(value), int(hits)
+
+    def printed(self, what):
+        """Words of an expression in `top`, `other` and `inner`, in a new process."""
+        code = f"from kernels.top import inner, other, top\nprint({what})"
         done = subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
         )
         assert done.returncode == 0, done.stderr
-        value, hits = done.stdout.split()
-        return float(value), int(hits)
+        return done.stdout.split()
 
     def kept(self, ending):
         """Files of kept kernels."""
@@ -87,6 +94,26 @@ def test_a_damaged_kernel_is_made_again(package, ending):
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     assert package.top() == (70.0, 0)
     assert package.top() == (70.0, 1)
+
+
+def test_a_kernel_in_the_code_of_others_is_lowered_once_and_never_made_ready(package):
+    """Another kernel that calls it, in another process, finds it kept."""
+    read = "sum(inner.callee.stats.cache_hits.values()), 'dispatcher' in vars(inner)"
+    assert package.printed(f"top(3.0), {read}") == ["70.0", "0", "False"]
+    assert package.printed(f"other(3.0), {read}") == ["6.0", "1", "False"]
+    assert package.printed("inner(3.0)") == ["7.0"]
+
+
+@pytest.mark.parametrize("start", ["first", "second"])
+def test_what_a_kernel_within_another_raises_reaches_python(package, start):
+    if start == "second":
+        package.top()
+    (package.home / "raises.py").write_text(
+        "from kernels.top import top\n"
+        "try:\n    top(-1.0)\nexcept ValueError as fault:\n    words = fault.args\n"
+    )
+    words = package.printed("*__import__('kernels.raises', fromlist=['']).words")
+    assert words == ["negative", "-1.0"]
 
 
 def test_a_kernel_is_compiled_where_nothing_can_be_kept(package):
