@@ -8,14 +8,16 @@ the same either way, for nothing is reordered or fused.
 
 from typing import Any
 
-from llvmlite import binding
 from numba import _dynfunc  # pyright: ignore[reportAttributeAccessIssue]
+from numba.core import codegen
 from numba.core.caching import CompileResultCacheImpl
-from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 
+LLVM: Any = vars(codegen)["ll"]
+"""llvmlite, as numba has it."""
 
-class CalleeLibrary(JITCodeLibrary):
+
+class CalleeLibrary(codegen.JITCodeLibrary):
     """Code to be linked into that of others."""
 
     def _optimize_final_module(self):
@@ -69,7 +71,7 @@ class CalleeKept(CompileResultCacheImpl):
         for again in reload_init:
             again()
         library = CalleeLibrary(target_context.codegen(), name)
-        library._final_module = library._shared_module = binding.parse_bitcode(code)
+        library._final_module = library._shared_module = LLVM.parse_bitcode(code)
         library._finalize_final_module()
         unknown = dict.fromkeys(CompileResult._fields)
         known = dict(
