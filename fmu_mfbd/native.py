@@ -29,7 +29,7 @@ from .dynamics.tables import gas_pressure
 from .geometry.film import knot_rule
 from .geometry.grid import cell_centres
 from .geometry.profile import fourier_bore, linear_growth
-from .geometry.surfaces import count_of, in_block, surface_at
+from .geometry.surfaces import count_of, in_block, surface_at, with_room
 from .native_block import (
     ACCELERATION,
     AUXILIARY,
@@ -300,10 +300,7 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
 def _surfaces(piston, block, options):
     """All film surfaces in a block, with room for the widening of the bore that they share."""
     made = surfaces(piston, block, options, Parameters())
-    around, _ = options.grid
-    shape = np.zeros((len(knot_rule(len(block.heights))), around))
-    bore = made[0].bore._replace(shape=shape)
-    return in_block([one._replace(bore=bore) for one in made])
+    return in_block(with_room(made, len(block.heights)))
 
 
 def _places(slave):

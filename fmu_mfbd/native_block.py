@@ -5,7 +5,6 @@ them is a block of film surfaces by itself, as many as there are (`geometry.surf
 
 from collections import namedtuple
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 
@@ -326,7 +325,6 @@ def system_of(memory: np.ndarray) -> System:
     lowest = part(memory, HEIGHTS)[0]
     none = part(memory, NONE)
     static = StaticModes(none, none.reshape((2, 0)), none, none)
-    surfaces: Any = part(memory, SURFACES)
     return System(
         FlexibleBody(
             x[MASS],
@@ -344,7 +342,7 @@ def system_of(memory: np.ndarray) -> System:
         Block(part(memory, BLOCK_STIFFNESS), part(memory, BLOCK_DAMPING)),
         static,
         mechanism(x[PISTON_RADIUS], x[PIN_OFFSET], settings),
-        surfaces,
+        part(memory, SURFACES),
         x[PIN_OFFSET],
         part(memory, GAS_FORCE),
         BoreWall(

@@ -21,6 +21,7 @@ from ..geometry.profile import (
     table_shape,
     tilt_about_x,
 )
+from ..geometry.surfaces import in_block, with_room
 from ..reduction.reduced_body import (
     ReducedBlock,
     ReducedBody,
@@ -107,13 +108,16 @@ def assemble(
     """
     piston_parts = parted_piston(piston, modal_damping(piston, options, parameters), parameters)
     block_parts = parted_block(block, modal_damping(block, options, parameters), parameters)
+    films = surfaces(piston, block, options, parameters)
+    if options.block.bore_from_outside:
+        films = with_room(films, len(block.heights))
     system = System(
         piston=piston_parts.moving,
         piston_static=piston_parts.static,
         block=block_parts.moving,
         block_static=block_parts.static,
         mechanism=mechanism(piston.radius, options.piston.pin_offset, parameters),
-        surfaces=surfaces(piston, block, options, parameters),
+        surfaces=in_block(films),
         pin_offset=options.piston.pin_offset,
         gas_force=np.ascontiguousarray(piston.gas_force),
         wall=bore_wall(

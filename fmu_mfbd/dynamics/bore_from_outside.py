@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.film import Bore, FilmSurface, by_rows, knot_rule, on_knots, on_rows
+from ..geometry.film import FilmSurface, by_rows, knot_rule, on_knots, on_rows
 from ..geometry.grid import cell_centres
+from ..geometry.surfaces import surface_at
 from .gas_on_bore import BoreWall, WallPressures, bore_wall, wall_forces
 from .instant import System, window_of
 
@@ -108,15 +109,10 @@ def periodic_rule(given: int, wanted: int) -> np.ndarray:
 
 def deflected(system: System, bore: OutsideBore, field: np.ndarray) -> System:
     """The system with its bore widened by a field (n, s) [m], besides what widens it anyway."""
-    widening = bore.knots(field)
-    return system._replace(
-        surfaces=tuple(one._replace(bore=_widened(one.bore, widening)) for one in system.surfaces)
-    )
-
-
-def _widened(bore: Bore, widening: np.ndarray) -> Bore:
-    shape = bore.shape + widening if len(bore.shape) else widening
-    return bore._replace(shape=shape)
+    surfaces = system.surfaces.copy()
+    widening = surface_at(surfaces, 0).bore.shape  # of the one bore that all share
+    widening += bore.knots(field)
+    return system._replace(surfaces=surfaces)
 
 
 def seen(

@@ -68,8 +68,8 @@ class System(NamedTuple):
 
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
     s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
-    skirt's axis [m]. Surfaces are a tuple, to machine code a block (`geometry.surfaces`). Fields of
-    all of them are stacked: the cells of the first, (c, a) in C order, then those of the second.
+    skirt's axis [m]. All film surfaces are one block (`geometry.surfaces`). Fields of all of them
+    are stacked: the cells of the first, (c, a) in C order, then those of the second.
     """
 
     piston: FlexibleBody
@@ -77,7 +77,7 @@ class System(NamedTuple):
     block: Block
     block_static: StaticModes
     mechanism: Mechanism
-    surfaces: tuple[FilmSurface, ...]
+    surfaces: np.ndarray
     pin_offset: float
     gas_force: np.ndarray
     wall: BoreWall

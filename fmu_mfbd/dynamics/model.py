@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.pin import PinForces
+from ..geometry.surfaces import each_of
 from .account import account
 from .block_force import StepEnd, by_carrier, carried_force, force_at, force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
@@ -229,6 +230,7 @@ class PistonInBore:
         self.spectral_radius = spectral_radius
         self.gas_table = gas_table
         self.films = films
+        self.film_surfaces = each_of(system.surfaces)
         self.crank_unbalance = crank_unbalance
         self.outside = outside
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
@@ -433,7 +435,7 @@ class PistonInBore:
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Forces of all films on the bore's grid at the end of the last step [N]."""
-        surfaces, guided = self.system.surfaces, self._last.guided
+        surfaces, guided = self.film_surfaces, self._last.guided
         return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
 
     def _taken_by_bore(self, outside: OutsideBore, before: State, inputs: Inputs) -> float:
@@ -574,7 +576,7 @@ class PistonInBore:
         output: at the end of the last step; nothing else changes with it there.
         """
         assert self.outside
-        surfaces, guided = self.system.surfaces, self._last.guided
+        surfaces, guided = self.film_surfaces, self._last.guided
         return self._by_film(
             "film_thickness", seen(self.outside, surfaces, guided, bore_deflection)
         )

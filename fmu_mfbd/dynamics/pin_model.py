@@ -263,7 +263,7 @@ class PistonOnFloatingPin(PistonInBore):
         errors = []
         on_slopes = 0.0  # axial force of pressure on bores that are not straight
         first = 0
-        for k, surface in enumerate(system.surfaces):
+        for k, surface in enumerate(self.film_surfaces):
             shape = surface.skirt.gap.shape
             last = first + surface.skirt.gap.size
             film = film_now(
@@ -698,7 +698,7 @@ class PistonOnFloatingPin(PistonInBore):
         none = np.zeros(0)
         gaps = []
         velocities = []
-        for surface in system.surfaces:
+        for surface in self.film_surfaces:
             window = window_of(surface, last.guided)
             sides = (surface.skirt, surface.bore, window)
             bent, bending = (self.bodies.modal(one) for one in (place, speed))

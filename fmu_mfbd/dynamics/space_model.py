@@ -85,7 +85,7 @@ class PistonInSpace(PistonInBore):
         vars(self).update(vars(planar))
         self.coordinates = COORDINATES
         self.bodies = bodies
-        self.around = tuple(slope_around(one.bore) for one in self.system.surfaces)
+        self.around = tuple(slope_around(one.bore) for one in self.film_surfaces)
         self.inertia = inertia(bodies)
         self.with_rod = inertia_with_rod(bodies)
 
@@ -132,7 +132,7 @@ class PistonInSpace(PistonInBore):
         velocities = []
         errors = []
         on_slopes = 0.0  # axial force of pressure on bores that are not straight
-        for k, surface in enumerate(system.surfaces):
+        for k, surface in enumerate(self.film_surfaces):
             side, forces = sides[k], nodal[k]
             film = film_now(
                 surface.skirt,
@@ -199,8 +199,8 @@ class PistonInSpace(PistonInBore):
 
     def _nodal(self, push: np.ndarray, drag: np.ndarray) -> list[NodalForces]:
         """Stacked forces by surface, on its grid."""
-        ends = np.cumsum([one.skirt.gap.size for one in self.system.surfaces])[:-1]
-        shapes = [one.skirt.gap.shape for one in self.system.surfaces]
+        ends = np.cumsum([one.skirt.gap.size for one in self.film_surfaces])[:-1]
+        shapes = [one.skirt.gap.shape for one in self.film_surfaces]
         fields = (np.split(one, ends) for one in (push, drag))
         return [
             NodalForces(one.reshape(shape), other.reshape(shape))
@@ -211,7 +211,7 @@ class PistonInSpace(PistonInBore):
         """Of all surfaces, A where it stands when x_A = 0 [m]."""
         return tuple(
             levers(surface, around, window_of(surface, guided))
-            for surface, around in zip(self.system.surfaces, self.around)
+            for surface, around in zip(self.film_surfaces, self.around)
         )
 
     def _solved(
@@ -354,7 +354,7 @@ class PistonInSpace(PistonInBore):
         rising = link.slope * speed[LATERAL] + link.axial_by_velocity / 2 * place[LATERAL]
         gaps = []
         velocities = []
-        for surface, side in zip(system.surfaces, sides):
+        for surface, side in zip(self.film_surfaces, sides):
             window = window_of(surface, guided)
             parts = surface.skirt, surface.bore, window
             gap = opening(*parts, place[LATERAL], place[ROCKING], NO_MODES, NO_MODES)

@@ -1,20 +1,19 @@
-"""Film surfaces of a body: a tuple of them, or one block of float64 numbers that holds them all.
-How many a tuple has kernels know when they are compiled, how many a block has when they run.
+"""All film surfaces of a body in one block of float64 numbers. How many there are, kernels are told
+when they run; of a tuple they know it when they are compiled, and are compiled for each number.
 
-Tables of single precision and whole numbers lie in a block by their bits.
+Tables of single precision and whole numbers lie in the block by their bits.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
-from .film import Bore, FilmSurface, Skirt
+from ...master.fmi.compiled import compilable
+from .film import Bore, FilmSurface, Skirt, knot_rule
 from .modal_field import ModalField
 
 HEAD = 1
-"""A block begins with the number of surfaces; for each part of each then first and last place."""
+"""The block begins with the number of surfaces; for each part of each then first and last place."""
 OF_FIELD = ("sizes", "table", "mode", "kind", "image", "share")
 SIZES, TABLE, MODE, KIND, IMAGE, SHARE = range(len(OF_FIELD))
 LINES, LENGTH, MODES, CLASSES, WIDTH = range(5)  # sizes of a modal field
@@ -52,6 +51,18 @@ def in_block(surfaces: Sequence[FilmSurface]) -> np.ndarray:
     return np.concatenate([[len(surfaces)], places, *pieces])
 
 
+def with_room(surfaces: Sequence[FilmSurface], stations: int) -> Sequence[FilmSurface]:
+    """The same, with room for what widens the bore that they share at its stations where nothing
+    does.
+    """
+    bore = surfaces[0].bore
+    if len(bore.shape):
+        return surfaces
+    none = np.zeros((len(knot_rule(stations)), bore.shape.shape[1]))
+    roomy = bore._replace(shape=none)
+    return [one._replace(bore=roomy) for one in surfaces]
+
+
 def _of_skirt(skirt: Skirt) -> Iterator[np.ndarray]:
     """Parts of a skirt in their order."""
     yield np.array([skirt.radius, skirt.pin_offset])
@@ -82,35 +93,30 @@ def _of_field(field: ModalField) -> Iterator[np.ndarray]:
     yield field.share
 
 
-# ---- in kernels
+def each_of(block: np.ndarray) -> tuple[FilmSurface, ...]:
+    """All of them, their arrays the block's own numbers."""
+    return tuple(surface_at(block, k) for k in range(count_of(block)))
 
 
-@compiled
-def count_of(surfaces: Any) -> int:
-    """How many there are, in a tuple or a block."""
-    if isinstance(surfaces, tuple):
-        return len(surfaces)
-    return int(surfaces[0])
+# ---- in kernels and in Python
 
 
-@compiled
-def surface_at(surfaces: Any, k: int) -> FilmSurface:
-    """The k-th of a tuple or a block."""
-    if isinstance(surfaces, tuple):
-        return surfaces[k]
-    return _from_block(surfaces, k)
+@compilable
+def count_of(block: np.ndarray) -> int:
+    """How many there are."""
+    return int(block[0])
 
 
-@compiled
+@compilable
 def _part(block, k, which):
     """A part of the k-th surface."""
     at = HEAD + 2 * (PARTS * k + which)
     return block[int(block[at]) : int(block[at + 1])]
 
 
-@compiled
-def _from_block(block, k):
-    """The k-th surface, its arrays the block's own numbers."""
+@compilable
+def surface_at(block: np.ndarray, k: int) -> FilmSurface:
+    """The k-th of them, its arrays the block's own numbers."""
     angle = _part(block, k, ANGLE)
     height = _part(block, k, HEIGHT)
     shape = _part(block, k, SHAPE)
@@ -135,7 +141,7 @@ def _from_block(block, k):
     return FilmSurface(skirt, bore)
 
 
-@compiled
+@compilable
 def _field(block, k, first):
     """The modal field whose parts of the k-th surface begin with `first`."""
     sizes = _part(block, k, first + SIZES)

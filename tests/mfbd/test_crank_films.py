@@ -344,7 +344,7 @@ class Bushes:
         self.model = model
         self.per_cell = [2 * stiffness / np.prod(one.shape) for one in model.grids]
         self.skirt = skirt / np.prod(GRID)
-        film = model.system.surfaces[0].skirt
+        film = model.film_surfaces[0].skirt
         sine = np.sin(film.angle)[:, None] + np.zeros(GRID)
         none = [np.zeros(one.shape) for one in model.grids]
         self.seeds = [(sine, none), (film.height[None, :] * sine, none)]

@@ -444,8 +444,8 @@ def coupled(model, springs, steps, gas=6e5):
     state, out = model.start(0.3, 2e-6, 1e-4, Inputs(SPEED, gas, push, none, pins=tuple(pins)))
     way = []
     e = np.array([model.pins[0].outward[k][:, None] + np.zeros(PIN_GRID) for k in (0, 1)])
-    sine = np.sin(model.system.surfaces[0].skirt.angle)[:, None] + np.zeros(GRID)
-    height = model.system.surfaces[0].skirt.height[None, :] * sine
+    sine = np.sin(model.film_surfaces[0].skirt.angle)[:, None] + np.zeros(GRID)
+    height = model.film_surfaces[0].skirt.height[None, :] * sine
     for _ in range(steps):
         for _ in range(12):
             end, out = step_with(state, push, pins)
@@ -502,8 +502,8 @@ def tied_way(springs, steps, gas=6e5):
     model = tied_model()
     push, none = np.zeros(GRID), np.zeros(GRID)
     state, out = model.start(0.3, 2e-6, 1e-4, Inputs(SPEED, gas, push, none))
-    sine = np.sin(model.system.surfaces[0].skirt.angle)[:, None] + np.zeros(GRID)
-    height = model.system.surfaces[0].skirt.height[None, :] * sine
+    sine = np.sin(model.film_surfaces[0].skirt.angle)[:, None] + np.zeros(GRID)
+    height = model.film_surfaces[0].skirt.height[None, :] * sine
     way = []
     for _ in range(steps):
         for _ in range(12):

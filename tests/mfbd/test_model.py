@@ -20,9 +20,9 @@ STEP = np.pi / 180 / SPEED
 def forces(model, seed=0, size=2.0):
     """A rough, one-sided pressure force and a friction force."""
     rng = np.random.default_rng(seed)
-    bump = np.maximum(
-        np.sin(model.system.surfaces[0].skirt.angle)[:, None] + 0.3, 0.0
-    ) * rng.random(model.system.surfaces[0].skirt.gap.shape)
+    bump = np.maximum(np.sin(model.film_surfaces[0].skirt.angle)[:, None] + 0.3, 0.0) * rng.random(
+        model.film_surfaces[0].skirt.gap.shape
+    )
     return size * bump, -0.1 * size * bump
 
 
@@ -38,9 +38,9 @@ def run(model, steps=12, **given):
 
 
 def test_start_is_concentric_and_at_rest(model):
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     state, out = model.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
-    np.testing.assert_array_equal(out["film_thickness"], model.system.surfaces[0].skirt.gap)
+    np.testing.assert_array_equal(out["film_thickness"], model.film_surfaces[0].skirt.gap)
     assert not state.velocity.any() and not state.position.any()
     assert out["sliding_velocity"] == pytest.approx(out["piston_velocity"])
 
@@ -104,7 +104,7 @@ def test_directional_derivative_against_differences(which, request):
     base = inputs(model, 50)
     base = dataclasses.replace(base, rings=RingForce(40.0, -60.0, 0.3))
     rng = np.random.default_rng(1)
-    dF, df = rng.standard_normal((2, *model.system.surfaces[0].skirt.gap.shape))
+    dF, df = rng.standard_normal((2, *model.film_surfaces[0].skirt.gap.shape))
     dring = np.array([0.3, -0.2, 0.005])
     ends = [
         model.advance(
@@ -179,9 +179,9 @@ def test_equations_hold_at_the_end_of_the_step(model):
     state, out = run(model, gas=0.0)
     F, f = forces(model, 11)
     assert out["side_force"] == pytest.approx(
-        np.sum(F * np.sin(model.system.surfaces[0].skirt.angle)[:, None]), rel=1e-12
+        np.sum(F * np.sin(model.film_surfaces[0].skirt.angle)[:, None]), rel=1e-12
     )
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     _, free = model.advance(state, Inputs(SPEED, 0.0, nothing, nothing), STEP)
     assert free["side_force"] == 0.0
 
@@ -189,7 +189,7 @@ def test_equations_hold_at_the_end_of_the_step(model):
 def test_film_opens_where_a_force_pushes(model):
     """Both surfaces give way: film thickness grows at a loaded point."""
     state, _ = run(model)
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     base = Inputs(SPEED, 0.0, nothing, nothing)
     model.advance(state, base, STEP)
     for point in ((0, 0), (3, 5), (9, 11)):
@@ -203,7 +203,7 @@ def test_the_step_map_is_symmetric(model):
     from a force at a.
     """
     state, _ = run(model, size=0.0)
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     model.advance(
         dataclasses.replace(state, velocity=0 * state.velocity, crank_speed=0.0),
         Inputs(0.0, 0.0, nothing, nothing),
@@ -228,7 +228,7 @@ def film_forces(model, state, at):
     """Generalised forces of the film, all coordinates [N], [N m], [kg^-1/2 N]."""
     system = model.system
     lever = height(system.mechanism, 0.0, state.crank_angle)
-    (surface,) = system.surfaces
+    (surface,) = model.film_surfaces
     skirt, bore = surface
     window = window_at(bore.lowest, bore.spacing, lever.height, skirt.height)
     nodal = NodalForces(at.pressure_force, at.friction_force)
@@ -266,7 +266,7 @@ def test_a_push_on_the_skirt_is_none_of_the_other_forces(reduced):
     options, piston, block = reduced
     heavy = Parameters(rod_mass=0.8, rod_inertia=5e-3, pin_friction_coefficient=0.0)
     rigid = assemble(*without_modes(piston, block), options, heavy)
-    nothing = np.zeros(rigid.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(rigid.film_surfaces[0].skirt.gap.shape)
     begun, _ = rigid.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
     push, _ = forces(rigid, size=100.0)
     free, _ = rigid.advance(begun, Inputs(SPEED, 0.0, nothing, nothing), STEP)
@@ -278,7 +278,7 @@ def test_a_push_on_the_skirt_is_none_of_the_other_forces(reduced):
 
 def test_what_nothing_moves_stays_at_rest(model):
     """All accelerations are zero, and so is what they are compared with."""
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     state, _ = model.start(0.0, 0.0, 0.0, Inputs(0.0, 0.0, nothing, nothing))
     for _ in range(2):
         state, _ = model.advance(state, Inputs(0.0, 0.0, nothing, nothing), STEP)
@@ -290,10 +290,10 @@ def test_rigid_bodies_run(reduced):
     options, piston, block = reduced
     rigid = assemble(*without_modes(piston, block), options, Parameters())
     state, out = run(rigid)
-    opening = out["film_thickness"] - rigid.system.surfaces[0].skirt.gap
+    opening = out["film_thickness"] - rigid.film_surfaces[0].skirt.gap
     lateral, angle = state.position
-    moved = (angle * rigid.system.surfaces[0].skirt.height - lateral) * np.sin(
-        rigid.system.surfaces[0].skirt.angle
+    moved = (angle * rigid.film_surfaces[0].skirt.height - lateral) * np.sin(
+        rigid.film_surfaces[0].skirt.angle
     )[:, None]
     np.testing.assert_allclose(opening, moved, rtol=0, atol=1e-18)
     assert "modal_coordinate" not in out and out["interface_work_error"] <= 1e-13
@@ -303,7 +303,7 @@ def test_crank_at_varying_given_speed(model):
     """Speed linear in the step: angle is the mean speed times the step, and the piston's velocity
     is the rate of its position.
     """
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     state, before = model.start(0.3, 0.0, 0.0, Inputs(300.0, 0.0, nothing, nothing))
     state, out = model.advance(state, Inputs(302.0, 0.0, nothing, nothing), 1e-5)
     assert out["crank_angle"] == pytest.approx(0.3 + 301e-5, rel=1e-14)
@@ -329,7 +329,7 @@ def test_free_crank_keeps_the_energy(reduced, coefficient):
         pin_friction_coefficient=coefficient,
     )
     model = assemble(dataclasses.replace(rigid, S=0 * piston.S), block, options, parameters)
-    nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     drift, swing = [], []
     for step in (2e-5, 1e-5):
         state, out = model.start(0.0, 0.0, 0.0, Inputs(200.0, 0.0, nothing, nothing))
@@ -379,7 +379,7 @@ def test_a_seized_pin_turns_the_piston_with_the_rod(reduced):
 
 def test_free_crank_turns_against_its_load(reduced):
     free = assembled(reduced, crank_free=1, crank_inertia=10.0, load_torque=50.0)
-    nothing = np.zeros(free.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(free.film_surfaces[0].skirt.gap.shape)
     state, out = free.start(0.0, 0.0, 0.0, Inputs(200.0, 0.0, nothing, nothing))
     for _ in range(100):
         state, out = free.advance(state, Inputs(0.0, 0.0, nothing, nothing), 1e-4)
@@ -476,12 +476,12 @@ def test_short_steps_at_rest_converge_within_the_round_off_of_positions(model, s
     squeezed = Inputs(
         1e-6 * SPEED,
         0.0,
-        np.full(model.system.surfaces[0].skirt.gap.shape, 10.0),
-        np.zeros(model.system.surfaces[0].skirt.gap.shape),
+        np.full(model.film_surfaces[0].skirt.gap.shape, 10.0),
+        np.zeros(model.film_surfaces[0].skirt.gap.shape),
     )
     state, _ = model.start(1.0, 0.0, 0.0, squeezed)
     for _ in range(300):
         state, _ = model.advance(state, squeezed, 1e-4)  # long steps calm the modes
     for _ in range(30):
         state, out = model.advance(state, squeezed, step)
-    assert abs(out["film_thickness"] - model.system.surfaces[0].skirt.gap).max() > 1e-7
+    assert abs(out["film_thickness"] - model.film_surfaces[0].skirt.gap).max() > 1e-7

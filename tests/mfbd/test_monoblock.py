@@ -433,7 +433,7 @@ def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
     first = Inputs(SPEED, 1e6, zero, zero, bore_deflection=np.zeros(grid))
     a, _ = own.start(-0.3, 0.0, 0.0, first)
     b, told = other.start(-0.3, 0.0, 0.0, first)
-    sine = np.maximum(np.sin(own.system.surfaces[0].skirt.angle), 0.0)[:, None] ** 4
+    sine = np.maximum(np.sin(own.film_surfaces[0].skirt.angle), 0.0)[:, None] ** 4
     for n in range(5):
         push = (20.0 + 5 * n) * sine * np.linspace(1.0, 2.0, FILM[1])
         inputs = Inputs(SPEED, (1 + n) * 1e6, push, -0.1 * push)

@@ -157,7 +157,7 @@ def test_forces_are_the_transpose_of_gap_and_sliding():
     way = rng.standard_normal(3)
     power = (push * side.opening(way) + drag * side.sliding * way[1]).sum()
     assert side.forces(NodalForces(push, drag)) @ way == pytest.approx(power, rel=1e-12)
-    assert window_of(model.system.surfaces[0], 0.28).knots > 4
+    assert window_of(model.film_surfaces[0], 0.28).knots > 4
 
 
 # ---- stops

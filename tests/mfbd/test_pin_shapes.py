@@ -297,7 +297,7 @@ def split(stacked):
 
 def directions(model):
     """All fields of force that springs can answer with: two of the skirt, two of every row."""
-    skirt = model.system.surfaces[0].skirt
+    skirt = model.film_surfaces[0].skirt
     sine = np.sin(skirt.angle)[:, None] * np.ones(GRID)
     rows = [(0, one) for one in (sine, sine * skirt.height[None, :])]
     for k, surface in enumerate(model.pins, start=1):

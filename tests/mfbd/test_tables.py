@@ -214,7 +214,7 @@ def test_shapes_enter_the_film_and_its_work(shaped):
     times force lifts the piston.
     """
     rng = np.random.default_rng(2)
-    push, drag = rng.random((2, *shaped.system.surfaces[0].skirt.gap.shape))
+    push, drag = rng.random((2, *shaped.film_surfaces[0].skirt.gap.shape))
     state, out = shaped.start(0.7, 0.0, 0.0, Inputs(314.0, 0.0, push, drag))
     assert out["interface_work_error"] <= 1e-13
     for _ in range(5):
@@ -224,10 +224,10 @@ def test_shapes_enter_the_film_and_its_work(shaped):
     assert before.crank_angle < state.crank_angle
     # the film thickness belongs to the shape at the skirt's height now
     expected = (
-        shaped.system.surfaces[0].skirt.gap
-        + 2e-6 * np.cos(4 * (shaped.system.surfaces[0].skirt.angle - 10 * DEG))[:, None]
+        shaped.film_surfaces[0].skirt.gap
+        + 2e-6 * np.cos(4 * (shaped.film_surfaces[0].skirt.angle - 10 * DEG))[:, None]
     )
-    height = out["piston_position"] + shaped.system.surfaces[0].skirt.height
+    height = out["piston_position"] + shaped.film_surfaces[0].skirt.height
     expected = (
         expected
         + np.polyval(np.polyfit([0.05, 0.1, 0.155], [30e-6, 5e-6, 0.0], 2), height)
@@ -242,7 +242,7 @@ def test_shapes_enter_the_film_and_its_work(shaped):
 
 
 def test_speed_table_takes_the_place_of_the_input(shaped):
-    nothing = np.zeros(shaped.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(shaped.film_surfaces[0].skirt.gap.shape)
     state, _ = shaped.start(0.2, 0.0, 0.0, Inputs(77.0, 0.0, nothing, nothing))
     for _ in range(20):
         state, out = shaped.advance(state, Inputs(77.0, 0.0, nothing, nothing), 1e-4)
@@ -280,7 +280,7 @@ def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
     for more in (0.0, SIZE):
         values = Parameters(**{name: getattr(Parameters(), name) + more})
         model = assemble(piston, block, options, values)
-        nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+        nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
         out = model.start(
             0.5,
             values.start_lateral_displacement,
@@ -288,7 +288,7 @@ def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
             Inputs(314.0, 0.0, nothing, nothing),
         )[1]
         films.append(out["film_thickness"])
-    angle, y = model.system.surfaces[0].skirt.angle[:, None], model.system.surfaces[0].skirt.height
+    angle, y = model.film_surfaces[0].skirt.angle[:, None], model.film_surfaces[0].skirt.height
     expected = EFFECTS[name](angle, y, out["piston_position"]) + 0 * angle
     # round-off of films of 100 um
     np.testing.assert_allclose(films[1] - films[0], expected, rtol=0, atol=1e-18)
@@ -307,7 +307,7 @@ def test_two_profiles_and_two_orders_add_up(reduced):
             block=replace(options.block, orders=tuple(orders)),
         )
         model = assemble(piston, block, shaped, Parameters())
-        nothing = np.zeros(model.system.surfaces[0].skirt.gap.shape)
+        nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
         return model.start(0.5, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[1]["film_thickness"]
 
     plain, apart = (
@@ -329,7 +329,7 @@ def test_a_free_crank_has_no_table(reduced):
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
-    nothing = np.zeros(shaped.system.surfaces[0].skirt.gap.shape)
+    nothing = np.zeros(shaped.film_surfaces[0].skirt.gap.shape)
     tabled = [
         shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0]
         for angle in (0.5, 3.0)
