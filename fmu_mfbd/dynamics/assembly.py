@@ -224,10 +224,11 @@ def yielding_eye(
 
 def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
     """The crank with the films that the build table gives it."""
+    big_end = "big_end" in options.crank_surfaces()
     main = crank.get("main_bearing")
     if not isinstance(main, MainBearingParameters):
-        return RIGID_CRANK._replace(surfaces=options.crank_surfaces())
-    return Crankshaft(options.crank_surfaces(), main.crank_mass, parameters.crank_unbalance)
+        return RIGID_CRANK._replace(big_end=big_end)
+    return Crankshaft(big_end, True, main.crank_mass, parameters.crank_unbalance)
 
 
 def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface:

@@ -7,8 +7,8 @@ last two where they have films.
 Bosses and eye hold the pin by their films alone. Where the films are thin the pin moves by
 micrometres in them: relative coordinates keep these digits, and the rod stays on the crank without
 a constraint to drift from; with a film in its big end it has two coordinates more, and so has a
-crank on a film. Plain numpy but for the piston's frame: seven equations, one a mode, two a shape
-and two a film of the crank, whatever the films' grids.
+crank on a film. Seven equations, one a mode, two a shape and two a film of the crank, whatever the
+films' grids. Python runs them as written, a step and a native FMU compile them.
 
 The eye's modes stand in the rod's axes and have the inertia of their own motion alone (Eq. (D40)):
 what they push the rod by and what its acceleration bends them by is left out. The eye's mass is
@@ -16,18 +16,20 @@ the rod's already; what it weighs at 6700 m/s2 bends that of `yielding_bosses` b
 under 25 kN by 20 to 60 (`tests/bench/small_end.py`).
 """
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.pin import PinResultants, across, turned
+from ...master.fmi.compiled import compilable, compiled
+from ..geometry.pin import PinResultants, across, in_axes, in_space, pair, turned
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .floating_frame import RIGID as FRAME
 from .floating_frame import (
     TURN,
     FlexibleBody,
     FrameMotion,
+    X,
+    Y,
     frame_arrow,
     frame_force,
     mode_coupling,
@@ -50,24 +52,13 @@ BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
 x and y in space; its angle about +z [rad]."""
 
 COORDINATES = 7
-"""Without modes, shapes of the pin and others, which follow in blocks (`Bodies.blocks`)."""
+"""Without modes, shapes of the pin and others, which follow in blocks (`layout`)."""
 
 NO_MODES = np.zeros(0)
 """Modal coordinates or forces of a rigid piston."""
 
-PLAY = np.array([BOSS_X, BOSS_Y, EYE_X, EYE_Y])
-"""Coordinates that films hold within a clearance."""
-
-
-@cache
-def _blocks(sizes: tuple[tuple[str, int], ...]) -> dict[str, slice]:
-    """Where each block of coordinates stands, from names and sizes in their order."""
-    blocks = {}
-    first = 0
-    for name, size in sizes:
-        blocks[name] = slice(first, first + size)
-        first += size
-    return blocks
+NOWHERE = -1
+"""Where a block of coordinates begins that there is none of."""
 
 
 class EyeModes(NamedTuple):
@@ -79,11 +70,6 @@ class EyeModes(NamedTuple):
     stiffness: np.ndarray
     damping: np.ndarray
 
-    def needed(self, now: Motion) -> np.ndarray:
-        """Forces that their motion needs of the film, (m,) [kg^-1/2 N]."""
-        # Eq. (D40)
-        return now.acceleration + self.damping * now.velocity + self.stiffness * now.position
-
 
 RIGID_EYE = EyeModes(np.zeros(0), np.zeros(0))
 """Of a rigid eye."""
@@ -94,7 +80,7 @@ class Crankshaft(NamedTuple):
 
     Parameters
     ----------
-    surfaces : tuple of str
+    big_end, main_bearing : bool
         Which of `CRANK_SURFACES` have a film.
     mass : float
         That moves with the journal in the main bearing [kg].
@@ -102,7 +88,8 @@ class Crankshaft(NamedTuple):
         Mass times distance towards the crank pin [kg m].
     """
 
-    surfaces: tuple[str, ...] = ()
+    big_end: bool = False
+    main_bearing: bool = False
     mass: float = 0.0
     unbalance: float = 0.0
 
@@ -123,54 +110,93 @@ class Bodies(NamedTuple):
     eye: EyeModes = RIGID_EYE
     crank: Crankshaft = RIGID_CRANK
 
-    def blocks(self) -> dict[str, slice]:
-        """Where each block of coordinates stands; the one list of them."""
-        sizes = (
-            ("rigid", COORDINATES),
-            ("modes", len(self.piston.stiffness)),
-            ("shapes", 2 * len(self.shapes.mass)),
-            ("eye", len(self.eye.stiffness)),
-            *((name, 2) for name in self.crank.surfaces),
-        )
-        return _blocks(sizes)
-
-    def stacked(self, **parts: np.ndarray) -> np.ndarray:
-        """Rows of every block by its name, in the order of `blocks`; others are left out."""
-        return np.concatenate([parts[name] for name in self.blocks()])
-
-    def play(self, name: str, coordinates: np.ndarray) -> np.ndarray:
-        """Those of a film of the crank, (2,) or of several columns (2, ..); 0 without it."""
-        block = self.blocks().get(name)
-        if block is None:
-            return np.zeros((2, *coordinates.shape[1:]))
-        return coordinates[block]
-
-    def shift(self, coordinates: np.ndarray) -> np.ndarray:
-        """By which the rod's big end lies beside its place on a crank without play (Eq. (K25)), or
-        its change.
-        """
-        return self.play("main_bearing", coordinates) - self.play("big_end", coordinates)
-
-    def modal(self, coordinates: np.ndarray) -> np.ndarray:
-        """Those of the piston's modes, (k,)."""
-        return coordinates[self.blocks()["modes"]]
-
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the pin's shapes, (n, 2)."""
-        return coordinates[self.blocks()["shapes"]].reshape(2, -1).T
+        return of_shapes(self, coordinates)
 
     def in_eye(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the eye's modes, (m,)."""
-        return coordinates[self.blocks()["eye"]]
+        return of_eye(self, coordinates)
 
-    def size(self) -> int:
-        """Number of coordinates."""
-        return max(block.stop for block in self.blocks().values())
 
-    def held(self) -> np.ndarray:
-        """Those held so stiffly that a step sees none of their inertia: play and what yields."""
-        rigid = self.blocks()["rigid"]
-        return np.append(PLAY, np.arange(rigid.stop, self.size()))
+class Layout(NamedTuple):
+    """Number of the first coordinate of each block, `NOWHERE` of films that the crank has not, and
+    of coordinates in all.
+    """
+
+    modes: int
+    shapes: int
+    eye: int
+    big_end: int
+    main_bearing: int
+    size: int
+
+
+@compilable
+def layout(bodies: Bodies) -> Layout:
+    """Where each block of coordinates begins; the one list of them."""
+    shapes = COORDINATES + len(bodies.piston.stiffness)
+    eye = shapes + 2 * len(bodies.shapes.mass)
+    end = eye + len(bodies.eye.stiffness)
+    big_end = NOWHERE
+    main_bearing = NOWHERE
+    if bodies.crank.big_end:
+        big_end = end
+        end += 2
+    if bodies.crank.main_bearing:
+        main_bearing = end
+        end += 2
+    return Layout(COORDINATES, shapes, eye, big_end, main_bearing, end)
+
+
+@compilable
+def of_modes(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the piston's modes, (k,)."""
+    return coordinates[COORDINATES : COORDINATES + len(bodies.piston.stiffness)]
+
+
+@compilable
+def of_shapes(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the pin's shapes, (n, 2)."""
+    first = layout(bodies).shapes
+    n = len(bodies.shapes.mass)
+    out = np.empty((n, 2))
+    for k in range(n):
+        out[k, 0] = coordinates[first + k]
+        out[k, 1] = coordinates[first + n + k]
+    return out
+
+
+@compilable
+def of_eye(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the eye's modes, (m,)."""
+    first = layout(bodies).eye
+    return coordinates[first : first + len(bodies.eye.stiffness)]
+
+
+@compilable
+def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
+    """Those of a film of the crank that begin there, (2,); 0 without it."""
+    if first < 0:
+        return np.zeros(2)
+    return pair(coordinates[first], coordinates[first + 1])
+
+
+@compilable
+def shift_of(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+    """By which the rod's big end lies beside its place on a crank without play (Eq. (K25)), or its
+    change, (2,).
+    """
+    at = layout(bodies)
+    journal = play_at(at.main_bearing, coordinates)
+    crank_pin = play_at(at.big_end, coordinates)
+    return pair(journal[0] - crank_pin[0], journal[1] - crank_pin[1])
+
+
+@compilable
+def is_held(coordinate: int) -> bool:
+    """Whether it is held so stiffly that a step sees none of its inertia: play and what yields."""
+    return BOSS_X <= coordinate <= EYE_Y or coordinate >= COORDINATES
 
 
 NO_FILM = PinResultants(np.zeros(2), 0.0, 0.0)
@@ -200,9 +226,11 @@ class PinFilms(NamedTuple):
     big_end: PinResultants = NO_FILM
     main_bearing: PinResultants = NO_FILM
 
-    def on_rod(self) -> float:
-        """Moments of the films on the rod about the axes of its shells [N m]."""
-        return self.eye.on_shell + self.big_end.on_shell
+
+@compilable
+def on_rod(films: PinFilms) -> float:
+    """Moments of the films on the rod about the axes of its shells [N m]."""
+    return films.eye.on_shell + films.big_end.on_shell
 
 
 class Place(NamedTuple):
@@ -254,33 +282,46 @@ class Lack(NamedTuple):
     torque: float
 
 
+@compilable
 def small_end(bodies: Bodies, coordinates: np.ndarray) -> float:
     """x of the rod's eye from its concentric place, less that of its big end from the place on a
     crank without play, or its change in time, by the coordinates'.
     """
-    x = coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X]
-    aside, _ = bodies.shift(coordinates)
-    return float(x - aside)
+    aside = shift_of(bodies, coordinates)
+    return coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X] - aside[0]
 
 
+@compilable
 def eye_motion(bodies: Bodies, now: Motion) -> LateralMotion:
     """How the rod's eye moves across the bore, seen from its big end."""
-    return LateralMotion(*(small_end(bodies, one) for one in now))
+    return LateralMotion(
+        small_end(bodies, now.position),
+        small_end(bodies, now.velocity),
+        small_end(bodies, now.acceleration),
+    )
 
 
+@compilable
 def towards_crank_pin(angle: float) -> np.ndarray:
     """Unit vector from the crank's axis to its pin, (2,)."""
-    return np.array([-np.sin(angle), np.cos(angle)])
+    return pair(-np.sin(angle), np.cos(angle))
 
 
+@compilable
 def turning(vector: np.ndarray, crank: CrankMotion) -> np.ndarray:
     """Acceleration of what turns with the crank, (2,) [m/s2].
 
     Eq. (K26):  u'' = Z u w' - u w^2      Z: a quarter about +z
     """
-    return across(vector) * crank.acceleration - vector * crank.speed**2  # Eq. (K26)
+    onward = across(vector)
+    # Eq. (K26)
+    return pair(
+        onward[0] * crank.acceleration - vector[0] * crank.speed**2,
+        onward[1] * crank.acceleration - vector[1] * crank.speed**2,
+    )
 
 
+@compilable
 def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     """Where everything stands.
 
@@ -307,30 +348,34 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     axes = turned(now.position[ROCKING])
     a = now.acceleration
     # Eq. (K25)
-    shift = bodies.shift(a)
+    shift = shift_of(bodies, a)
     k = mechanism.rod_centre
-    crank_pin = turning(mechanism.crank_radius * towards_crank_pin(crank.angle), crank)
-    from_big_end = np.array([eye.acceleration, link.axial_acceleration])
-    rod_centre = shift + (1 - k) * crank_pin + k * from_big_end
-    # Eq. (K16)
-    _, lifted = shift
-    high = link.axial_acceleration + lifted + a[EYE_Y]
-    piston = np.array([a[LATERAL], high - a[BOSS_Y]])
-    along, up = (axes.T @ piston).tolist()
-    frame = FrameMotion(
-        ax=along,
-        ay=up,
-        alpha=float(a[ROCKING]),
-        w=float(now.velocity[ROCKING]),
-        q=bodies.modal(now.position),
-        dq=bodies.modal(now.velocity),
-        ddq=bodies.modal(a),
+    r = mechanism.crank_radius
+    towards = towards_crank_pin(crank.angle)
+    crank_pin = turning(pair(r * towards[0], r * towards[1]), crank)
+    rod_centre = pair(
+        shift[0] + (1 - k) * crank_pin[0] + k * eye.acceleration,
+        shift[1] + (1 - k) * crank_pin[1] + k * link.axial_acceleration,
     )
-    pin = np.array([a[LATERAL] + a[BOSS_X], high])
-    journal = bodies.play("main_bearing", a)
+    # Eq. (K16)
+    high = link.axial_acceleration + shift[1] + a[EYE_Y]
+    piston = pair(a[LATERAL], high - a[BOSS_Y])
+    of_A = in_axes(axes, piston)
+    frame = FrameMotion(
+        of_A[0],
+        of_A[1],
+        a[ROCKING],
+        now.velocity[ROCKING],
+        of_modes(bodies, now.position),
+        of_modes(bodies, now.velocity),
+        of_modes(bodies, a),
+    )
+    pin = pair(a[LATERAL] + a[BOSS_X], high)
+    journal = play_at(layout(bodies).main_bearing, a)
     return Place(link, rod, axes, piston, pin, shift, rod_centre, journal, frame)
 
 
+@compilable
 def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms) -> Lack:
     """Residual of the equations of motion, by virtual work.
 
@@ -367,67 +412,75 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
     films : PinFilms
     """
     at = place_of(bodies, now, crank)
+    first = layout(bodies)
     mechanism = bodies.mechanism
     link = at.link
     force = frame_force(bodies.piston, at.frame)
     # Eq. (D21)
-    on_piston = at.axes @ [force.x, force.y] - [load.lateral, load.axial]
+    needed = in_space(at.axes, pair(force.x, force.y))
+    on_piston = pair(needed[0] - load.lateral, needed[1] - load.axial)
     rocking = force.moment - (load.moment + load.guided * now.position[LATERAL])
-    pin_x, pin_y = mechanism.pin_mass * at.pin
-    piston_x, piston_y = on_piston
-    above_eye = piston_y + pin_y
-    shift_x, shift_y = at.shift
+    pin_x = mechanism.pin_mass * at.pin[0]
+    pin_y = mechanism.pin_mass * at.pin[1]
+    above_eye = on_piston[1] + pin_y
     carried = mechanism.rod_centre * mechanism.rod_mass
-    sideways = link.slope * above_eye + link.rod_force - at.rod.slope * films.on_rod()
-    sideways += carried * (shift_x + link.slope * shift_y)
-    boss_x, boss_y = films.bosses.force
-    eye_x, eye_y = films.eye.force
-    at_big_end = np.array([sideways, -above_eye]) - mechanism.rod_mass * at.rod_centre
-    towards = towards_crank_pin(crank.angle)
-    thrown = bodies.crank.mass * at.crank + bodies.crank.unbalance * turning(towards, crank)
-    on_pin = films.bosses.on_pin + films.eye.on_pin
-    rigid = [
-        piston_x + pin_x + sideways,
-        rocking - films.bosses.on_shell,
-        pin_x + sideways - boss_x,
-        -piston_y - boss_y,
-        -sideways - eye_x,
-        above_eye - eye_y,
-        bodies.spin_inertia * now.acceleration[SPIN] - on_pin,
-    ]
-    residual = bodies.stacked(
-        rigid=np.array(rigid),
-        modes=force.modal - load.modal,
-        shapes=_bending(bodies, now, films),
-        eye=bodies.eye.needed(Motion(*(bodies.in_eye(one) for one in now))) - films.on_eye,
-        big_end=at_big_end - films.big_end.force,
-        main_bearing=thrown - at_big_end - films.main_bearing.force,
+    sideways = link.slope * above_eye + link.rod_force - at.rod.slope * on_rod(films)
+    sideways += carried * (at.shift[0] + link.slope * at.shift[1])
+    boss = films.bosses.force
+    in_eye = films.eye.force
+    at_big_end = pair(
+        sideways - mechanism.rod_mass * at.rod_centre[0],
+        -above_eye - mechanism.rod_mass * at.rod_centre[1],
     )
+    towards = towards_crank_pin(crank.angle)
+    flung = turning(towards, crank)
+    thrown = pair(
+        bodies.crank.mass * at.crank[0] + bodies.crank.unbalance * flung[0],
+        bodies.crank.mass * at.crank[1] + bodies.crank.unbalance * flung[1],
+    )
+    on_pin = films.bosses.on_pin + films.eye.on_pin
+    residual = np.empty(first.size)
+    residual[LATERAL] = on_piston[0] + pin_x + sideways
+    residual[ROCKING] = rocking - films.bosses.on_shell
+    residual[BOSS_X] = pin_x + sideways - boss[0]
+    residual[BOSS_Y] = -on_piston[1] - boss[1]
+    residual[EYE_X] = -sideways - in_eye[0]
+    residual[EYE_Y] = above_eye - in_eye[1]
+    residual[SPIN] = bodies.spin_inertia * now.acceleration[SPIN] - on_pin
+    for k in range(len(bodies.piston.stiffness)):
+        residual[first.modes + k] = force.modal[k] - load.modal[k]
+    shapes = bodies.shapes
+    n = len(shapes.mass)
+    for k in range(n):
+        for way in range(2):
+            m = first.shapes + way * n + k
+            held = shapes.damping[k] * now.velocity[m] + shapes.stiffness[k] * now.position[m]
+            push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
+            residual[m] = shapes.mass[k] * now.acceleration[m] + held - push
+    for k in range(len(bodies.eye.stiffness)):
+        # Eq. (D40)
+        m = first.eye + k
+        held = bodies.eye.damping[k] * now.velocity[m] + bodies.eye.stiffness[k] * now.position[m]
+        residual[m] = now.acceleration[m] + held - films.on_eye[k]
+    for way in range(2):
+        if first.big_end >= 0:
+            residual[first.big_end + way] = at_big_end[way] - films.big_end.force[way]
+        if first.main_bearing >= 0:
+            journal = thrown[way] - at_big_end[way] - films.main_bearing.force[way]
+            residual[first.main_bearing + way] = journal
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
-    torque = above_eye * lever + link.rod_moment - films.on_rod() * at.rod.lever
+    torque = above_eye * lever + link.rod_moment - on_rod(films) * at.rod.lever
     onward = across(towards)
-    by_centre = (1 - mechanism.rod_centre) * mechanism.crank_radius * onward
-    by_centre = by_centre + [0.0, mechanism.rod_centre * lever]
-    torque += mechanism.rod_mass * (by_centre @ at.shift)
-    torque += bodies.crank.unbalance * (onward @ at.crank)
+    behind = (1 - mechanism.rod_centre) * mechanism.crank_radius
+    by_centre = pair(behind * onward[0], behind * onward[1] + mechanism.rod_centre * lever)
+    torque += mechanism.rod_mass * (by_centre[0] * at.shift[0] + by_centre[1] * at.shift[1])
+    torque += bodies.crank.unbalance * (onward[0] * at.crank[0] + onward[1] * at.crank[1])
     torque -= films.big_end.on_pin + films.main_bearing.on_pin
-    return Lack(residual, on_piston, float(above_eye), float(torque))
+    return Lack(residual, on_piston, above_eye, torque)
 
 
-def _bending(bodies: Bodies, now: Motion, films: PinFilms) -> np.ndarray:
-    """Rows of the pin's shapes (Eq. (D21)), (2 n,)."""
-    position, velocity, acceleration = (bodies.bent(one).T for one in now)
-    shapes = bodies.shapes
-    held = shapes.damping * velocity + shapes.stiffness * position
-    return (shapes.mass * acceleration + held - on_shapes(films)).ravel()
-
-
-def on_shapes(films: PinFilms) -> np.ndarray:
-    """Forces of all films on the pin's shapes along x and y, (2, n) [N]."""
-    return (films.bosses.on_shapes + films.eye.on_shapes).T
-
-
+@compilable
 def tangent(
     bodies: Bodies,
     load: Load,
@@ -438,7 +491,7 @@ def tangent(
     to_position: np.ndarray,
 ) -> np.ndarray:
     """Derivative of the residual (Eq. (D21)) when each end acceleration moves its velocity and its
-    position by what the time integrator has them move.
+    position by what the time integrator has them move. A column says what one of them changes.
 
     Parameters
     ----------
@@ -452,117 +505,136 @@ def tangent(
     ndarray, shape (7 + k + 2 n, 7 + k + 2 n)
     """
     at = place_of(bodies, now, crank)
+    first = layout(bodies)
+    mechanism = bodies.mechanism
     link = at.link
     rod = at.rod
     c1 = to_velocity
     c2 = to_position
-    unit = np.eye(len(now.position))
-    angle = unit[ROCKING]
-    modes = bodies.modal(unit)
-    force = frame_force(bodies.piston, at.frame)
-    above_eye = imbalance(bodies, load, now, crank, films).above_eye
-
-    shift_x, shift_y = bodies.shift(unit)
-    eye = unit[LATERAL] + unit[BOSS_X] - unit[EYE_X] - shift_x
-    eye_position = eye * c2
-    eye_velocity = eye * c1
-    high = link.axial_by_acceleration * eye
-    high = high + link.axial_by_velocity * eye_velocity + link.axial_by_position * eye_position
-    by_rod = bodies.mechanism.rod_centre * np.array([eye, high]) + [shift_x, shift_y]
-    high = high + shift_y
-    by_piston = np.array([unit[LATERAL], high + unit[EYE_Y] - unit[BOSS_Y]])
-    by_pin = np.array([unit[LATERAL] + unit[BOSS_X], high + unit[EYE_Y]])
-    # A's acceleration in the body's axes, which turn, then the angle and the modes
-    by_frame = at.axes.T @ by_piston - np.outer(across(at.axes.T @ at.piston), angle * c2)
-    rows = _frame_tangent(bodies, at.frame, c1, c2) @ np.vstack([by_frame, angle, modes])
-    on_piston = at.axes @ rows[:TURN]
-    on_piston = on_piston + np.outer(across(at.axes @ [force.x, force.y]), angle * c2)
-    slope_push = films.slope_push @ modes * c2 if len(films.slope_push) else 0.0
-    rocking = rows[TURN] - c2[LATERAL] * load.guided * unit[LATERAL] + slope_push
-    in_eye_slope = films.eye_slope_push @ bodies.in_eye(unit) * c2 if len(films.on_eye) else 0.0
-    on_pin = bodies.mechanism.pin_mass * by_pin
-    lifting = on_piston[1] + on_pin[1]
-    carried = bodies.mechanism.rod_centre * bodies.mechanism.rod_mass
-    _, shifting = at.shift
-    bent = link.curvature * above_eye - rod.curvature * films.on_rod()
-    bent += link.rod_force_by_position + carried * link.curvature * shifting
-    sideways = link.slope * lifting + link.rod_force_by_acceleration * eye
-    sideways = sideways + link.rod_force_by_velocity * eye_velocity + bent * eye_position
-    sideways = sideways + rod.slope * in_eye_slope
-    sideways = sideways + carried * (shift_x + link.slope * shift_y)
-    at_big_end = np.array([sideways, -lifting]) - bodies.mechanism.rod_mass * by_rod
-
-    boss_turn = angle * c2[ROCKING]
-    eye_turn = rod.slope * eye_position
-    boss = np.outer(across(films.bosses.force), boss_turn)
-    in_eye = np.outer(across(films.eye.force), eye_turn)
-    in_big_end = np.outer(across(films.big_end.force), eye_turn)
-    thrown = bodies.crank.mass * bodies.play("main_bearing", unit)
-    boss_x, boss_y = films.bosses.force
-    eye_x, eye_y = films.eye.force
-    from_boss = now.position[BOSS_X : BOSS_Y + 1]
-    from_eye = now.position[EYE_X : EYE_Y + 1]
-    levers = boss_y * c2[BOSS_X] * unit[BOSS_X] - boss_x * c2[BOSS_Y] * unit[BOSS_Y]
-    levers = levers + float(from_boss @ films.bosses.force) * boss_turn
-    levers = levers + eye_y * c2[EYE_X] * unit[EYE_X] - eye_x * c2[EYE_Y] * unit[EYE_Y]
-    levers = levers + float(from_eye @ films.eye.force) * eye_turn
-    bent, bending = _bending_tangent(bodies, now, films, (boss_turn, eye_turn), (c1, c2))
-    levers = levers + bent
-    rigid = [
-        on_piston[0] + on_pin[0] + sideways,
-        rocking,
-        on_pin[0] + sideways - boss[0],
-        -on_piston[1] - boss[1],
-        -sideways - in_eye[0],
-        lifting - in_eye[1],
-        bodies.spin_inertia * unit[SPIN] + levers - slope_push - in_eye_slope,
-    ]
-    of_eye = Motion(*(bodies.in_eye(one) for one in (c2, c1, np.ones_like(c1))))
-    return bodies.stacked(
-        rigid=np.array(rigid),
-        modes=rows[FRAME:],
-        shapes=bending,
-        eye=bodies.eye.needed(of_eye)[:, None] * bodies.in_eye(unit),
-        big_end=at_big_end - in_big_end,
-        main_bearing=thrown - at_big_end,
-    )
-
-
-def _bending_tangent(
-    bodies: Bodies,
-    now: Motion,
-    films: PinFilms,
-    turns: tuple[np.ndarray, np.ndarray],
-    reach: tuple[np.ndarray, np.ndarray],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives of the moment of the shapes' levers (Eq. (G8)), by all coordinates, and of the
-    shapes' rows, (2 n, 7 + k + 2 n); `turns`: of bosses and eye, by all coordinates.
-    """
+    size = first.size
+    modes = len(bodies.piston.stiffness)
     shapes = bodies.shapes
-    count = len(shapes.mass)
-    size = len(now.position)
-    lever = np.zeros(size)
-    rows = np.zeros((2 * count, size))
-    if not count:
-        return lever, rows
-    to_velocity, to_position = reach
-    own = np.arange(size)[bodies.blocks()["shapes"]]
-    along_x, along_y = own.reshape(2, count)
-    twice = (np.tile(one, 2) for one in (shapes.mass, shapes.damping, shapes.stiffness))
-    mass, damping, stiffness = twice
-    rows[:, own] = np.diag(mass + damping * to_velocity[own] + stiffness * to_position[own])
-    push_x, push_y = on_shapes(films)
-    lever[along_x] = push_y * to_position[along_x]
-    lever[along_y] = -push_x * to_position[along_y]
-    position = bodies.bent(now.position)
-    for one, turn in zip((films.bosses, films.eye), turns):
-        # the film's force turns with its shell
-        x, y = one.on_shapes.T
-        rows -= np.outer(np.concatenate([-y, x]), turn)
-        lever += float(np.sum(position * one.on_shapes)) * turn
-    return lever, rows
+    n = len(shapes.mass)
+    force = frame_force(bodies.piston, at.frame)
+    needed = in_space(at.axes, pair(force.x, force.y))
+    above_eye = imbalance(bodies, load, now, crank, films).above_eye
+    frame = _frame_tangent(bodies, at.frame, c1, c2)
+    rows = np.empty(FRAME + modes)
+    carried = mechanism.rod_centre * mechanism.rod_mass
+    swung = link.curvature * above_eye - rod.curvature * on_rod(films)
+    swung += link.rod_force_by_position + carried * link.curvature * at.shift[1]
+    boss = films.bosses.force
+    in_eye = films.eye.force
+    in_big_end = films.big_end.force
+    from_boss = now.position[BOSS_X] * boss[0] + now.position[BOSS_Y] * boss[1]
+    from_eye = now.position[EYE_X] * in_eye[0] + now.position[EYE_Y] * in_eye[1]
+    bent_in_boss = 0.0
+    bent_in_eye = 0.0
+    for k in range(n):
+        for way in range(2):
+            s = now.position[first.shapes + way * n + k]
+            bent_in_boss += s * films.bosses.on_shapes[k, way]
+            bent_in_eye += s * films.eye.on_shapes[k, way]
+    out = np.zeros((size, size))
+    for j in range(size):
+        # what coordinate j is: 1 or 0 of each
+        lateral = 1.0 if j == LATERAL else 0.0
+        angle = 1.0 if j == ROCKING else 0.0
+        boss_x = 1.0 if j == BOSS_X else 0.0
+        boss_y = 1.0 if j == BOSS_Y else 0.0
+        eye_x = 1.0 if j == EYE_X else 0.0
+        eye_y = 1.0 if j == EYE_Y else 0.0
+        crank_pin_x = 1.0 if j == first.big_end else 0.0
+        crank_pin_y = 1.0 if first.big_end >= 0 and j == first.big_end + 1 else 0.0
+        journal_x = 1.0 if j == first.main_bearing else 0.0
+        journal_y = 1.0 if first.main_bearing >= 0 and j == first.main_bearing + 1 else 0.0
+        shift_x = journal_x - crank_pin_x
+        shift_y = journal_y - crank_pin_y
+        eye = lateral + boss_x - eye_x - shift_x
+        eye_position = eye * c2[j]
+        eye_velocity = eye * c1[j]
+        high = link.axial_by_acceleration * eye
+        high += link.axial_by_velocity * eye_velocity + link.axial_by_position * eye_position
+        by_rod = pair(mechanism.rod_centre * eye + shift_x, mechanism.rod_centre * high + shift_y)
+        high += shift_y
+        boss_turn = angle * c2[ROCKING]
+        # A's acceleration in the body's axes, which turn, then the angle and the modes
+        by_frame = in_axes(at.axes, pair(lateral, high + eye_y - boss_y))
+        turned_by = across(in_axes(at.axes, at.piston))
+        along = by_frame[0] - turned_by[0] * boss_turn
+        up = by_frame[1] - turned_by[1] * boss_turn
+        mode = j - first.modes if first.modes <= j < first.shapes else NOWHERE
+        for m in range(FRAME + modes):
+            rows[m] = frame[m, X] * along + frame[m, Y] * up + frame[m, TURN] * angle
+            if mode >= 0:
+                rows[m] += frame[m, FRAME + mode]
+        on_piston = in_space(at.axes, pair(rows[X], rows[Y]))
+        turned_force = across(needed)
+        on_piston_x = on_piston[0] + turned_force[0] * boss_turn
+        on_piston_y = on_piston[1] + turned_force[1] * boss_turn
+        slope_push = films.slope_push[mode] * c2[j] if mode >= 0 else 0.0
+        rocking = rows[TURN] - c2[LATERAL] * load.guided * lateral + slope_push
+        of_eye_mode = j - first.eye
+        in_eye_slope = 0.0
+        if 0 <= of_eye_mode < len(bodies.eye.stiffness):
+            in_eye_slope = films.eye_slope_push[of_eye_mode] * c2[j]
+        on_pin_x = mechanism.pin_mass * (lateral + boss_x)
+        on_pin_y = mechanism.pin_mass * (high + eye_y)
+        lifting = on_piston_y + on_pin_y
+        sideways = link.slope * lifting + link.rod_force_by_acceleration * eye
+        sideways += link.rod_force_by_velocity * eye_velocity + swung * eye_position
+        sideways = sideways + rod.slope * in_eye_slope
+        sideways += carried * (shift_x + link.slope * shift_y)
+        at_big_end = pair(
+            sideways - mechanism.rod_mass * by_rod[0], -lifting - mechanism.rod_mass * by_rod[1]
+        )
+        # films' forces turn with their shells
+        eye_turn = rod.slope * eye_position
+        levers = boss[1] * c2[BOSS_X] * boss_x - boss[0] * c2[BOSS_Y] * boss_y
+        levers += (from_boss + bent_in_boss) * boss_turn
+        levers += in_eye[1] * c2[EYE_X] * eye_x - in_eye[0] * c2[EYE_Y] * eye_y
+        levers += (from_eye + bent_in_eye) * eye_turn
+        shape = j - first.shapes
+        if 0 <= shape < n:
+            pushed_y = films.bosses.on_shapes[shape, 1] + films.eye.on_shapes[shape, 1]
+            levers += pushed_y * c2[j]
+        elif n <= shape < 2 * n:
+            pushed_x = films.bosses.on_shapes[shape - n, 0] + films.eye.on_shapes[shape - n, 0]
+            levers -= pushed_x * c2[j]
+        out[LATERAL, j] = on_piston_x + on_pin_x + sideways
+        out[ROCKING, j] = rocking
+        out[BOSS_X, j] = on_pin_x + sideways + boss[1] * boss_turn
+        out[BOSS_Y, j] = -on_piston_y - boss[0] * boss_turn
+        out[EYE_X, j] = -sideways + in_eye[1] * eye_turn
+        out[EYE_Y, j] = lifting - in_eye[0] * eye_turn
+        out[SPIN, j] = levers - slope_push - in_eye_slope
+        for m in range(modes):
+            out[first.modes + m, j] = rows[FRAME + m]
+        for k in range(n):
+            on_boss = films.bosses.on_shapes[k]
+            on_eye = films.eye.on_shapes[k]
+            out[first.shapes + k, j] = on_boss[1] * boss_turn + on_eye[1] * eye_turn
+            out[first.shapes + n + k, j] = -on_boss[0] * boss_turn - on_eye[0] * eye_turn
+        if first.big_end >= 0:
+            out[first.big_end, j] = at_big_end[0] + in_big_end[1] * eye_turn
+            out[first.big_end + 1, j] = at_big_end[1] - in_big_end[0] * eye_turn
+        if first.main_bearing >= 0:
+            out[first.main_bearing, j] = bodies.crank.mass * journal_x - at_big_end[0]
+            out[first.main_bearing + 1, j] = bodies.crank.mass * journal_y - at_big_end[1]
+    out[SPIN, SPIN] += bodies.spin_inertia
+    for k in range(n):
+        for way in range(2):
+            m = first.shapes + way * n + k
+            held = shapes.damping[k] * c1[m] + shapes.stiffness[k] * c2[m]
+            out[m, m] += shapes.mass[k] + held
+    for k in range(len(bodies.eye.stiffness)):
+        m = first.eye + k
+        # Eq. (D40)
+        out[m, m] += 1.0 + bodies.eye.damping[k] * c1[m] + bodies.eye.stiffness[k] * c2[m]
+    return out
 
 
+@compilable
 def _frame_tangent(
     bodies: Bodies, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
 ) -> np.ndarray:
@@ -571,23 +643,41 @@ def _frame_tangent(
     way.
     """
     piston = bodies.piston
+    k = len(frame.q)
+    out = np.empty((FRAME + k, FRAME + k))
     arrow = frame_arrow(piston, frame, c1[ROCKING], c2[ROCKING])
-    if not len(frame.q):
-        return arrow.top
-    of_modes = bodies.modal(c1)[0], bodies.modal(c2)[0]
-    modal = frame_arrow(piston, frame, *of_modes)
-    coupling = mode_coupling(piston, frame.alpha, frame.w, *of_modes)
-    top = np.hstack([arrow.top[:, :FRAME], modal.top[:, FRAME:]])
-    return np.vstack([top, np.hstack([arrow.left, np.diag(modal.diagonal) + coupling])])
+    for i in range(FRAME):
+        for j in range(FRAME):
+            out[i, j] = arrow.top[i, j]
+    if k == 0:
+        return out
+    c1_modes = c1[COORDINATES]
+    c2_modes = c2[COORDINATES]
+    modal = frame_arrow(piston, frame, c1_modes, c2_modes)
+    coupling = mode_coupling(piston, frame.alpha, frame.w, c1_modes, c2_modes)
+    for i in range(k):
+        for j in range(FRAME):
+            out[j, FRAME + i] = modal.top[j, FRAME + i]
+            out[FRAME + i, j] = arrow.left[i, j]
+        for j in range(k):
+            out[FRAME + i, FRAME + j] = coupling[i, j]
+        out[FRAME + i, FRAME + i] += modal.diagonal[i]
+    return out
 
 
-def pushed(
-    bodies: Bodies,
-    at: Place,
-    films: PinFilms,
-    skirt: tuple[float, float, float],
-    modal: np.ndarray = NO_MODES,
-) -> np.ndarray:
+class Pushes(NamedTuple):
+    """Changes of what acts on the piston beside the pin: along x and y [N], about A [N m], on its
+    modes (k,) [kg^-1/2 N].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+    modal: np.ndarray
+
+
+@compilable
+def pushed(bodies: Bodies, at: Place, films: PinFilms, on_piston: Pushes) -> np.ndarray:
     """What changes of the forces add to the residual (Eq. (D21)), shape (7 + k + 2 n,).
 
     Parameters
@@ -596,35 +686,110 @@ def pushed(
     at : Place
     films : PinFilms
         Changes.
-    skirt : (float, float, float)
-        Changes of what acts on the piston beside the pin: along x and y [N], about A [N m].
-    modal : ndarray, shape (k,)
-        Changes of all modal forces on it [kg^-1/2 N].
+    on_piston : Pushes
     """
-    lateral, axial, moment = skirt
-    sideways = -at.link.slope * axial - at.rod.slope * films.on_rod()
-    at_big_end = np.array([sideways, axial])
-    boss_x, boss_y = films.bosses.force
-    eye_x, eye_y = films.eye.force
-    rigid = [
-        sideways - lateral,
-        -moment - films.bosses.on_shell,
-        sideways - boss_x,
-        axial - boss_y,
-        -sideways - eye_x,
-        -axial - eye_y,
-        -films.bosses.on_pin - films.eye.on_pin,
-    ]
-    return bodies.stacked(
-        rigid=np.array(rigid),
-        modes=-modal,
-        shapes=-on_shapes(films).ravel(),
-        eye=-films.on_eye,
-        big_end=at_big_end - films.big_end.force,
-        main_bearing=-at_big_end - films.main_bearing.force,
+    first = layout(bodies)
+    axial = on_piston.axial
+    sideways = -at.link.slope * axial - at.rod.slope * on_rod(films)
+    out = np.empty(first.size)
+    out[LATERAL] = sideways - on_piston.lateral
+    out[ROCKING] = -on_piston.moment - films.bosses.on_shell
+    out[BOSS_X] = sideways - films.bosses.force[0]
+    out[BOSS_Y] = axial - films.bosses.force[1]
+    out[EYE_X] = -sideways - films.eye.force[0]
+    out[EYE_Y] = -axial - films.eye.force[1]
+    out[SPIN] = -films.bosses.on_pin - films.eye.on_pin
+    for k in range(len(bodies.piston.stiffness)):
+        out[first.modes + k] = -on_piston.modal[k]
+    n = len(bodies.shapes.mass)
+    for k in range(n):
+        for way in range(2):
+            push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
+            out[first.shapes + way * n + k] = -push
+    for k in range(len(bodies.eye.stiffness)):
+        out[first.eye + k] = -films.on_eye[k]
+    if first.big_end >= 0:
+        out[first.big_end] = sideways - films.big_end.force[0]
+        out[first.big_end + 1] = axial - films.big_end.force[1]
+    if first.main_bearing >= 0:
+        out[first.main_bearing] = -sideways - films.main_bearing.force[0]
+        out[first.main_bearing + 1] = -axial - films.main_bearing.force[1]
+    return out
+
+
+@compilable
+def elastic_energy(bodies: Bodies, position: np.ndarray) -> float:
+    """Of the modes of piston and eye and of the pin's shapes [J]."""
+    first = layout(bodies)
+    total = 0.0
+    for k in range(len(bodies.piston.stiffness)):
+        total += bodies.piston.stiffness[k] * position[first.modes + k] ** 2 / 2
+    for k in range(len(bodies.eye.stiffness)):
+        total += bodies.eye.stiffness[k] * position[first.eye + k] ** 2 / 2
+    n = len(bodies.shapes.mass)
+    for k in range(n):
+        for way in range(2):
+            s = position[first.shapes + way * n + k]
+            total += bodies.shapes.stiffness[k] * s**2 / 2
+    return total
+
+
+class Way(NamedTuple):
+    """How a coordinate alone moves A, the pin's axis, the eye from its big end, the big end from
+    its place without play, the crank's journal; the rocking angle; number of the piston's mode.
+    """
+
+    x: float
+    y: float
+    pin_x: float
+    pin_y: float
+    eye: float
+    shift_x: float
+    shift_y: float
+    journal_x: float
+    journal_y: float
+    rocking: float
+    mode: int
+
+
+@compilable
+def _way(first, j):
+    """Of coordinate j."""
+    lateral = 1.0 if j == LATERAL else 0.0
+    boss_x = 1.0 if j == BOSS_X else 0.0
+    boss_y = 1.0 if j == BOSS_Y else 0.0
+    eye_x = 1.0 if j == EYE_X else 0.0
+    eye_y = 1.0 if j == EYE_Y else 0.0
+    journal_x = 1.0 if j == first.main_bearing else 0.0
+    journal_y = 1.0 if first.main_bearing >= 0 and j == first.main_bearing + 1 else 0.0
+    shift_x = journal_x - (1.0 if j == first.big_end else 0.0)
+    shift_y = journal_y - (1.0 if first.big_end >= 0 and j == first.big_end + 1 else 0.0)
+    return Way(
+        x=lateral,
+        y=eye_y - boss_y + shift_y,
+        pin_x=lateral + boss_x,
+        pin_y=eye_y + shift_y,
+        eye=lateral + boss_x - eye_x - shift_x,
+        shift_x=shift_x,
+        shift_y=shift_y,
+        journal_x=journal_x,
+        journal_y=journal_y,
+        rocking=1.0 if j == ROCKING else 0.0,
+        mode=j - first.modes if first.modes <= j < first.shapes else NOWHERE,
     )
 
 
+@compilable
+def _coupled(piston, a, b):
+    """Rows of turning and modes of Eq. (D22) for a pair of coordinates' ways."""
+    total = a.rocking * (piston.S[X] * b.y - piston.S[Y] * b.x)
+    if b.mode >= 0:
+        total += a.rocking * piston.g[b.mode]
+        total += a.x * piston.T[X, b.mode] + a.y * piston.T[Y, b.mode]
+    return total
+
+
+@compiled
 def inertia(bodies: Bodies) -> np.ndarray:
     """M, (7 + k + 2 n, 7 + k + 2 n), of the motion across the bore and of the pin in its shells.
 
@@ -635,39 +800,50 @@ def inertia(bodies: Bodies) -> np.ndarray:
     Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
     """
     piston = bodies.piston
-    unit = np.eye(bodies.size())
-    modes = bodies.modal(unit)
-    _, lifted = bodies.shift(unit)
-    a = np.array([unit[LATERAL], unit[EYE_Y] - unit[BOSS_Y] + lifted])
-    pin = np.array([unit[LATERAL] + unit[BOSS_X], unit[EYE_Y] + lifted])
-    coupled = np.outer(unit[ROCKING], across(piston.S) @ a + piston.g @ modes)
-    coupled = coupled + a.T @ piston.T @ modes
-    # Eq. (D22)
-    M = piston.mass * a.T @ a + coupled + coupled.T + bodies.mechanism.pin_mass * pin.T @ pin
-    M[ROCKING, ROCKING] += piston.I0
-    M[SPIN, SPIN] += bodies.spin_inertia
-    own = np.arange(len(M))[bodies.blocks()["shapes"]]
-    M[own, own] += np.tile(bodies.shapes.mass, 2)
-    own = np.arange(len(M))[bodies.blocks()["eye"]]
-    M[own, own] += 1.0
-    return M + modes.T @ modes
+    first = layout(bodies)
+    out = np.empty((first.size, first.size))
+    for i in range(first.size):
+        a = _way(first, i)
+        for j in range(first.size):
+            b = _way(first, j)
+            # Eq. (D22)
+            both = _coupled(piston, a, b) + _coupled(piston, b, a)
+            out[i, j] = piston.mass * (a.x * b.x + a.y * b.y) + both
+            out[i, j] += bodies.mechanism.pin_mass * (a.pin_x * b.pin_x + a.pin_y * b.pin_y)
+    out[ROCKING, ROCKING] += piston.I0
+    out[SPIN, SPIN] += bodies.spin_inertia
+    for k in range(first.modes, first.shapes):
+        out[k, k] += 1.0
+    n = len(bodies.shapes.mass)
+    for k in range(n):
+        for way in range(2):
+            m = first.shapes + way * n + k
+            out[m, m] += bodies.shapes.mass[k]
+    for k in range(first.eye, first.eye + len(bodies.eye.stiffness)):
+        out[k, k] += 1.0
+    return out
 
 
+@compiled
 def inertia_with_rod(bodies: Bodies) -> np.ndarray:
     """M of `inertia`, of the rod that swings with its eye (Eqs. (K12), (K16)), and of what play
     at the crank moves of rod and crank.
 
     Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
     """
-    M = inertia(bodies)
+    out = inertia(bodies)
     mechanism = bodies.mechanism
-    unit = np.eye(len(M))
-    shift = bodies.shift(unit)
-    aside, _ = shift
-    eye = unit[LATERAL] + unit[BOSS_X] - unit[EYE_X] - aside
-    M = M + carried_mass(mechanism) * np.outer(eye, eye)
-    # Eq. (D35)
-    both = mechanism.rod_centre * np.outer(eye, aside)
-    M = M + mechanism.rod_mass * (shift.T @ shift + both + both.T)
-    journal = bodies.play("main_bearing", unit)
-    return M + bodies.crank.mass * journal.T @ journal
+    first = layout(bodies)
+    swung = carried_mass(mechanism)
+    for i in range(first.size):
+        a = _way(first, i)
+        for j in range(first.size):
+            b = _way(first, j)
+            out[i, j] += swung * (a.eye * b.eye)
+            # Eq. (D35)
+            both = mechanism.rod_centre * (a.eye * b.shift_x + b.eye * a.shift_x)
+            shifted = a.shift_x * b.shift_x + a.shift_y * b.shift_y
+            out[i, j] += mechanism.rod_mass * (shifted + both)
+            thrown = a.journal_x * b.journal_x + a.journal_y * b.journal_y
+            out[i, j] += bodies.crank.mass * thrown
+    return out

@@ -287,8 +287,8 @@ def end_of_step(
             end.position,
             end.velocity,
         )
-        _stack(thickness, first, film.film_thickness)
-        _stack(sliding_velocity, first, film.sliding_velocity)
+        stack(thickness, first, film.film_thickness)
+        stack(sliding_velocity, first, film.sliding_velocity)
         transfer_error[k] = work_error(
             part_of(system, parts, k), film, axial_velocity, guided_velocity, end.velocity
         )
@@ -342,7 +342,7 @@ def _nodal(surface, pressure_force, friction_force):
 
 
 @compiled
-def _stack(stacked, first, field):
+def stack(stacked, first, field):
     """Put a field at its place among those of all surfaces, in a loop."""
     rows, columns = field.shape
     for i in range(rows):
@@ -755,8 +755,8 @@ def response(
             piston.velocity[RIGID:],
             block.velocity,
         )
-        _stack(thickness, first, opened)
-        _stack(sliding_velocity, first, slid)
+        stack(thickness, first, opened)
+        stack(sliding_velocity, first, slid)
         first += surface.skirt.gap.size
     return Response(
         thickness,

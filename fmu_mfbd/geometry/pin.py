@@ -10,6 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
+from .film import subtract
+
 PIN_SURFACES = ("boss_left", "boss_right", "small_end")
 """Film surfaces of a floating pin: bosses, then the rod's eye."""
 
@@ -20,7 +23,7 @@ the block; each a `PinSurface` likewise.
 
 
 class ShellModes(NamedTuple):
-    """How a shell yields, by k modes of its body.
+    """How a shell yields, by k modes of its body; k = 0: it is rigid.
 
     Parameters
     ----------
@@ -56,7 +59,7 @@ PARALLEL = np.zeros((0, 2))
 
 
 class PinSurface(NamedTuple):
-    """A pin in a shell.
+    """A pin in a shell, on a grid of (c, a) cells around and along it.
 
     Parameters
     ----------
@@ -64,23 +67,21 @@ class PinSurface(NamedTuple):
         Across the film and along it, in the shell's axes: (cos a, sin a), (-sin a, cos a).
     radius : float
         Of the pin [m].
-    clearance : float or ndarray, shape (a,)
-        Radius of the shell minus that of the pin [m]; by row of a relieved shell.
-    shape : (int, int)
-        (c, a), cells around and along the shell.
-    modes : ShellModes, optional
-        None: a rigid shell.
-    axis : ndarray, shape (a, n), optional
-        Values psi of the pin's shapes at the grid's rows [-]; None: it stays parallel to the shell.
+    clearance : ndarray, shape (a,)
+        Radius of the shell minus that of the pin, by row [m].
+    modes : ShellModes
+        None of a rigid shell.
+    axis : ndarray, shape (a, n)
+        Values psi of the pin's shapes at the grid's rows [-]; none where it stays parallel to the
+        shell.
     """
 
     outward: np.ndarray
     onward: np.ndarray
     radius: float
-    clearance: float | np.ndarray
-    shape: tuple[int, int]
-    modes: ShellModes | None = None
-    axis: np.ndarray | None = None
+    clearance: np.ndarray
+    modes: ShellModes
+    axis: np.ndarray
 
 
 class PinForces(NamedTuple):
@@ -110,9 +111,12 @@ class PinResultants(NamedTuple):
     on_shell: float
     on_shapes: np.ndarray = PARALLEL
 
-    def with_slopes(self, moment: float) -> "PinResultants":
-        """With the moment of pressure by the slopes of a yielding shell (Eq. (G5)) [N m]."""
-        return self._replace(on_pin=self.on_pin + moment, on_shell=self.on_shell - moment)
+
+class FilmPower(NamedTuple):
+    """Power of a film, and the sum of the absolute values of its terms [W]."""
+
+    power: float
+    size: float
 
 
 def shell_angles(around: int) -> np.ndarray:
@@ -125,7 +129,8 @@ def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
     around, along, k = outward.shape
     step = 2 * np.pi / around
     slope = (np.roll(outward, -1, axis=0) - np.roll(outward, 1, axis=0)) / (2 * step)
-    return ShellModes(*(one.reshape(around * along, k) for one in (outward, onward, slope)))
+    flat = (one.reshape(around * along, k) for one in (outward, onward, slope))
+    return ShellModes(*(np.ascontiguousarray(one) for one in flat))
 
 
 def pin_surface(
@@ -135,12 +140,19 @@ def pin_surface(
     modes: ShellModes | None = None,
     axis: np.ndarray | None = None,
 ) -> PinSurface:
-    """Film surface on a grid (c, a)."""
-    around, _ = shape
+    """Film surface on a grid (c, a); `clearance` even or by row, no modes: a rigid shell, no axis:
+    the pin stays parallel to it.
+    """
+    around, along = shape
     angle = shell_angles(around)
     outward = np.array([np.cos(angle), np.sin(angle)])
     onward = np.array([-np.sin(angle), np.cos(angle)])
-    return PinSurface(outward, onward, radius, clearance, shape, modes, axis)
+    if modes is None:
+        modes = ShellModes(*[np.zeros((around * along, 0))] * 3)
+    if axis is None:
+        axis = np.zeros((along, 0))
+    by_row = np.broadcast_to(np.asarray(clearance, dtype=float), along).copy()
+    return PinSurface(outward, onward, float(radius), by_row, modes, np.ascontiguousarray(axis))
 
 
 def relieved(clearance: float, relief: float, rows: np.ndarray, length: float) -> np.ndarray:
@@ -165,24 +177,63 @@ def relieved(clearance: float, relief: float, rows: np.ndarray, length: float) -
     return clearance + relief * (2 * (rows - rows.mean()) / length) ** 2  # Eq. (H12)
 
 
+@compilable
 def turned(angle: float) -> np.ndarray:
     """Matrix, (2, 2), that takes components in axes turned by an angle [rad] to space."""
-    c = np.cos(angle)
-    s = np.sin(angle)
-    return np.array([[c, -s], [s, c]])
+    return axes_of(np.cos(angle), np.sin(angle))
 
 
+@compilable
+def axes_of(cosine: float, sine: float) -> np.ndarray:
+    """The matrix of `turned`, of an angle's cosine and sine."""
+    out = np.empty((2, 2))
+    out[0, 0] = cosine
+    out[0, 1] = -sine
+    out[1, 0] = sine
+    out[1, 1] = cosine
+    return out
+
+
+@compilable
+def pair(x: float, y: float) -> np.ndarray:
+    """A vector in the plane, (2,)."""
+    out = np.empty(2)
+    out[0] = x
+    out[1] = y
+    return out
+
+
+@compilable
 def across(vector: np.ndarray) -> np.ndarray:
     """Z v, a vector turned by a quarter about +z."""
-    x, y = vector
-    return np.array([-y, x])
+    return pair(-vector[1], vector[0])
 
 
+@compilable
 def cross(a: np.ndarray, b: np.ndarray) -> float:
     """a x b about +z."""
-    return float(across(a) @ b)
+    return a[0] * b[1] - a[1] * b[0]
 
 
+@compilable
+def in_space(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """R v: from axes of `turned` to space."""
+    return pair(
+        axes[0, 0] * vector[0] + axes[0, 1] * vector[1],
+        axes[1, 0] * vector[0] + axes[1, 1] * vector[1],
+    )
+
+
+@compilable
+def in_axes(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """R^T v: from space into axes of `turned`."""
+    return pair(
+        axes[0, 0] * vector[0] + axes[1, 0] * vector[1],
+        axes[0, 1] * vector[0] + axes[1, 1] * vector[1],
+    )
+
+
+@compilable
 def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
     """What the pin's place adds to the film thickness.
 
@@ -205,14 +256,29 @@ def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
     ndarray, shape (c, a)
         h - c [m].
     """
-    return _lines(surface, -(place @ surface.outward))  # Eq. (H6)
+    around = surface.outward.shape[1]
+    along = len(surface.clearance)
+    out = np.empty((around, along))
+    for i in range(around):
+        # Eq. (H6)
+        opened = -(place[0] * surface.outward[0, i] + place[1] * surface.outward[1, i])
+        for j in range(along):
+            out[i, j] = opened
+    return out
 
 
-def _lines(surface, values):
-    """A value of each line along the shell on the grid."""
-    return np.repeat(values[:, None], surface.shape[1], axis=1)
+@compilable
+def row_of(surface: PinSurface, shapes: np.ndarray, j: int) -> np.ndarray:
+    """sum_k psi_kj s_k of the shapes' coordinates (n, 2) at row j, (2,)."""
+    x = 0.0
+    y = 0.0
+    for k in range(surface.axis.shape[1]):
+        x += surface.axis[j, k] * shapes[k, 0]
+        y += surface.axis[j, k] * shapes[k, 1]
+    return pair(x, y)
 
 
+@compilable
 def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
     """What the pin's tilt and bending add to the film thickness, or to its change in time.
 
@@ -229,11 +295,20 @@ def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
     ndarray, shape (c, a)
         [m]
     """
-    if surface.axis is None:
-        return np.zeros(surface.shape)
-    return -(surface.axis @ shapes @ surface.outward).T  # Eq. (H11)
+    around = surface.outward.shape[1]
+    along = len(surface.clearance)
+    out = np.zeros((around, along))
+    if surface.axis.shape[1] == 0:
+        return out
+    for j in range(along):
+        aside = row_of(surface, shapes, j)
+        for i in range(around):
+            # Eq. (H11)
+            out[i, j] = -(aside[0] * surface.outward[0, i] + aside[1] * surface.outward[1, i])
+    return out
 
 
+@compilable
 def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
     """What the shell's yielding adds to the film thickness, or to its change in time.
 
@@ -243,28 +318,36 @@ def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
     ----------
     surface : PinSurface
     modal : ndarray, shape (k,)
-        q [kg^1/2 m], or its change.
+        q [kg^1/2 m], or its change; not looked at for a rigid shell.
 
     Returns
     -------
     ndarray, shape (c, a)
         [m]
     """
-    if surface.modes is None:
-        return np.zeros(surface.shape)
-    return (surface.modes.outward @ modal).reshape(surface.shape)  # Eq. (H8)
+    around = surface.outward.shape[1]
+    along = len(surface.clearance)
+    if surface.modes.outward.shape[1] == 0:
+        return np.zeros((around, along))
+    return (surface.modes.outward @ modal).reshape((around, along))  # Eq. (H8)
 
 
+@compilable
 def modal_push(surface: PinSurface, forces: PinForces) -> np.ndarray:
     """Forces of a film on its shell's modes by virtual work, (k,) [kg^-1/2 N].
 
     Eq. (G6):  Q_k = sum p Phi_ek - sum f Phi_tk
     """
-    assert surface.modes
-    push = np.ravel(forces.pressure) @ surface.modes.outward
-    return push - np.ravel(forces.circumferential) @ surface.modes.onward  # Eq. (G6)
+    cells, k = surface.modes.outward.shape
+    if k == 0:
+        return np.zeros(0)
+    # Eq. (G6)
+    push = forces.pressure.reshape(cells) @ surface.modes.outward
+    subtract(push, forces.circumferential.reshape(cells) @ surface.modes.onward)
+    return push
 
 
+@compilable
 def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
     """Moment of pressure on the pin about +z, by modal coordinate, (k,) [kg^-1/2 N].
 
@@ -273,10 +356,20 @@ def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
     Pressure stands upright on a shell that is not round any more, and so has a moment about its
     axis; what is left of the film's balance about it acts on the pin, as in Eq. (G3).
     """
-    assert surface.modes
-    return np.ravel(pressure) @ surface.modes.slope  # Eq. (G5)
+    cells, k = surface.modes.slope.shape
+    if k == 0:
+        return np.zeros(0)
+    return pressure.reshape(cells) @ surface.modes.slope  # Eq. (G5)
 
 
+@compilable
+def with_slopes(found: PinResultants, moment: float) -> PinResultants:
+    """Resultants with the moment of pressure by the slopes of a yielding shell (Eq. (G5)) [N m]."""
+    on_pin = found.on_pin + moment
+    return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
+
+
+@compilable
 def resultants_on(
     surface: PinSurface,
     forces: PinForces,
@@ -305,20 +398,43 @@ def resultants_on(
     shapes : ndarray, shape (n, 2)
         s_k in space [m].
     """
-    shape = surface.shape
-    pushes = forces.pressure.reshape(shape)
-    drags = forces.circumferential.reshape(shape)
-    push = pushes.sum(axis=1)
-    drag = drags.sum(axis=1)
+    around = surface.outward.shape[1]
+    along = len(surface.clearance)
+    n = surface.axis.shape[1]
+    pushes = forces.pressure.reshape((around, along))
+    drags = forces.circumferential.reshape((around, along))
+    x = 0.0
+    y = 0.0
+    around_all = 0.0
+    for i in range(around):
+        push = 0.0
+        drag = 0.0
+        for j in range(along):
+            push += pushes[i, j]
+            drag += drags[i, j]
+        x += surface.onward[0, i] * drag - surface.outward[0, i] * push
+        y += surface.onward[1, i] * drag - surface.outward[1, i] * push
+        around_all += drag
     # Eq. (G3)
-    force = axes @ (surface.onward @ drag - surface.outward @ push)
-    on_shell = -surface.radius * float(drag.sum())
+    force = in_space(axes, pair(x, y))
+    on_shell = -surface.radius * around_all
     on_pin = -on_shell - cross(place, force)
-    if surface.axis is None:
-        return PinResultants(force, on_pin, on_shell)
-    rows = axes @ (surface.onward @ drags - surface.outward @ pushes)
-    on_shapes = (rows @ surface.axis).T  # Eq. (G8)
-    lever = sum(cross(*pair) for pair in zip(shapes, on_shapes))
+    on_shapes = np.zeros((n, 2))
+    lever = 0.0
+    if n > 0:
+        for j in range(along):
+            x = 0.0
+            y = 0.0
+            for i in range(around):
+                x += surface.onward[0, i] * drags[i, j] - surface.outward[0, i] * pushes[i, j]
+                y += surface.onward[1, i] * drags[i, j] - surface.outward[1, i] * pushes[i, j]
+            row = in_space(axes, pair(x, y))
+            for k in range(n):
+                # Eq. (G8)
+                on_shapes[k, 0] += surface.axis[j, k] * row[0]
+                on_shapes[k, 1] += surface.axis[j, k] * row[1]
+        for k in range(n):
+            lever += cross(shapes[k], on_shapes[k])
     return PinResultants(force, on_pin - lever, on_shell, on_shapes)
 
 
@@ -330,9 +446,26 @@ def grid_power(
     turning: float,
     yielding: Yielding | None = None,
     bent: Bent | None = None,
-) -> tuple[float, float]:
-    """Power of the film on pin and shell, from what every cell sees, and the sum of the absolute
-    values of its terms.
+) -> FilmPower:
+    """`power_on_grid`; without `yielding` or `bent` the shell does not yield, the pin not bend."""
+    if yielding is None:
+        yielding = Yielding(*[np.zeros(surface.modes.outward.shape[1])] * 2)
+    if bent is None:
+        bent = Bent(*[np.zeros((surface.axis.shape[1], 2))] * 2)
+    return power_on_grid(surface, forces, place, velocity, turning, yielding, bent)
+
+
+@compilable
+def power_on_grid(
+    surface: PinSurface,
+    forces: PinForces,
+    place: np.ndarray,
+    velocity: np.ndarray,
+    turning: float,
+    yielding: Yielding,
+    bent: Bent,
+) -> FilmPower:
+    """Power of the film on pin and shell, from what every cell sees.
 
     Eq. (G4):  P = sum p (dh/dt + w dh/da) + sum f ((R - d . e) w + t . d' - u_t')
                w = phi' - chi'
@@ -348,31 +481,88 @@ def grid_power(
         d and d' in the axes of the shell [m], [m/s].
     turning : float
         w [rad/s].
-    yielding : Yielding, optional
+    yielding : Yielding
         Of a shell with modes.
-    bent : Bent, optional
+    bent : Bent
         Of a pin with shapes, in the axes of the shell; d is d_j then (Eq. (H11)).
 
     Returns
     -------
-    float, float
-        [W], [W]
+    FilmPower
     """
-    push = forces.pressure.reshape(surface.shape)
-    drag = forces.circumferential.reshape(surface.shape)
+    around = surface.outward.shape[1]
+    along = len(surface.clearance)
+    pushes = forces.pressure.reshape((around, along))
+    drags = forces.circumferential.reshape((around, along))
+    power = 0.0
+    size = 0.0
     # Eq. (G4)
-    closing = -(velocity @ surface.outward) - turning * (place @ surface.onward)
-    arm = surface.radius - place @ surface.outward
-    onward = turning * arm + velocity @ surface.onward
-    terms = push.sum(axis=1) * closing, drag.sum(axis=1) * onward
-    if surface.modes is not None and yielding is not None:
-        outward = surface.modes.outward @ yielding.velocity
-        outward += turning * (surface.modes.slope @ yielding.position)
-        along = surface.modes.onward @ yielding.velocity
-        terms = (*terms, push.ravel() * outward, -drag.ravel() * along)
-    if surface.axis is not None and bent is not None:
-        aside, moving = (surface.axis @ one for one in bent)
-        closing = -(moving @ surface.outward) - turning * (aside @ surface.onward)
-        onward = moving @ surface.onward - turning * (aside @ surface.outward)
-        terms = (*terms, push.T * closing, drag.T * onward)
-    return sum(float(one.sum()) for one in terms), sum(float(np.abs(one).sum()) for one in terms)
+    for i in range(around):
+        push = 0.0
+        drag = 0.0
+        for j in range(along):
+            push += pushes[i, j]
+            drag += drags[i, j]
+        e_x = surface.outward[0, i]
+        e_y = surface.outward[1, i]
+        t_x = surface.onward[0, i]
+        t_y = surface.onward[1, i]
+        closing = -(velocity[0] * e_x + velocity[1] * e_y)
+        closing -= turning * (place[0] * t_x + place[1] * t_y)
+        arm = surface.radius - (place[0] * e_x + place[1] * e_y)
+        onward = turning * arm + velocity[0] * t_x + velocity[1] * t_y
+        power += push * closing + drag * onward
+        size += abs(push * closing) + abs(drag * onward)
+    if surface.modes.outward.shape[1] > 0:
+        opening = surface.modes.outward @ yielding.velocity
+        slope = surface.modes.slope @ yielding.position
+        moved = surface.modes.onward @ yielding.velocity
+        for i in range(around):
+            for j in range(along):
+                m = i * along + j
+                normal = pushes[i, j] * (opening[m] + turning * slope[m])
+                tangential = -drags[i, j] * moved[m]
+                power += normal + tangential
+                size += abs(normal) + abs(tangential)
+    if surface.axis.shape[1] > 0:
+        for j in range(along):
+            aside = row_of(surface, bent.position, j)
+            moving = row_of(surface, bent.velocity, j)
+            for i in range(around):
+                e_x = surface.outward[0, i]
+                e_y = surface.outward[1, i]
+                t_x = surface.onward[0, i]
+                t_y = surface.onward[1, i]
+                closing = -(moving[0] * e_x + moving[1] * e_y)
+                closing -= turning * (aside[0] * t_x + aside[1] * t_y)
+                onward = moving[0] * t_x + moving[1] * t_y
+                onward -= turning * (aside[0] * e_x + aside[1] * e_y)
+                power += pushes[i, j] * closing + drags[i, j] * onward
+                size += abs(pushes[i, j] * closing) + abs(drags[i, j] * onward)
+    return FilmPower(power, size)
+
+
+@compilable
+def diameters(opened: np.ndarray) -> tuple[float, float]:
+    """By how much a shell is wider along its own x and y, amid its length, from what it yields by,
+    (c, a).
+
+    Eq. (H13):  D(a) = u(a) + u(a + pi),   u linear between the grid's lines and rows
+    """
+    east = _amid(opened, 0.0)
+    north = _amid(opened, 0.25)
+    west = _amid(opened, 0.5)
+    south = _amid(opened, 0.75)
+    return east + west, north + south  # Eq. (H13)
+
+
+@compilable
+def _amid(opened, turn):
+    """Value amid the length, at a share of a turn."""
+    around, along = opened.shape
+    line = int(np.floor(turn * around))
+    share = turn * around - line
+    one = (opened[line, (along - 1) // 2] + opened[line, along // 2]) / 2
+    after = (line + 1) % around
+    other = (opened[after, (along - 1) // 2] + opened[after, along // 2]) / 2
+    return (1 - share) * one + share * other

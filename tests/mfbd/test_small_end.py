@@ -19,13 +19,18 @@ from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_model import _diameters
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
-from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants, opening_of, shell_angles
+from piston_cosim.fmu_mfbd.geometry.pin import (
+    PinForces,
+    PinResultants,
+    diameters,
+    opening_of,
+    shell_angles,
+)
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.reduced_body import EyeFilm, ReducedSmallEnd
 from piston_cosim.fmu_mfbd.reduction.small_end import (
@@ -270,10 +275,10 @@ def test_widening_of_an_eye_by_hand():
     a = 2 * np.pi * np.arange(8) / 8
     rows = np.array([-2.5, -1.5, -0.5, 0.5, 1.5, 2.5])
     opened = 3 * np.cos(2 * a)[:, None] + 2 + rows
-    np.testing.assert_allclose(_diameters(opened), [10.0, -2.0], rtol=1e-12)
+    np.testing.assert_allclose(diameters(opened), [10.0, -2.0], rtol=1e-12)
     # six cells: +y lies amid two lines, at 60 and 120 deg, where cos a is 1/2 and -1/2
     six = np.cos(2 * np.pi * np.arange(6) / 6)[:, None] + np.array([0.0, 1.0, 5.0])
-    np.testing.assert_allclose(_diameters(six), [2.0, 2.0], rtol=1e-12)
+    np.testing.assert_allclose(diameters(six), [2.0, 2.0], rtol=1e-12)
 
 
 def test_modes_of_a_standing_eye_yield_by_their_springs():
