@@ -12,22 +12,50 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.account import account
-from .dynamics.assembly import TURN, damping_at, machined_gap, measured, pin_height, surfaces
+from .dynamics.assembly import (
+    BESIDE_BOSSES,
+    BESIDE_EYE,
+    NO_PIN_MASS,
+    NO_ROD,
+    OTHER_FRICTION,
+    TURN,
+    damping_at,
+    lies_beside,
+    machined_gap,
+    measured,
+    modes_beside_pin,
+    pin_height,
+    pin_radius,
+    pin_surfaces,
+    surfaces,
+)
 from .dynamics.block_force import StepEnd, by_carrier, carried_force, force_at, force_change
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.drive import demand_of, others_of, scalars_of
+from .dynamics.elimination import Factors
 from .dynamics.first_steps import FIRST_STEPS, first_steps
 from .dynamics.floating_frame import Arrow
+from .dynamics.floating_pin import (
+    COORDINATES,
+    inertia,
+    inertia_with_rod,
+    of_eye,
+)
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
-from .dynamics.parameters import Parameters
+from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
+from .dynamics.pin_instant import EYE, end_of_pin_step, linearise_pin, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
-from .geometry.film import knot_rule
+from .geometry import pin_surfaces as pin_block
+from .geometry.film import NodalForces, knot_rule
 from .geometry.grid import cell_centres
+from .geometry.pin import PinForces
+from .geometry.pin_surfaces import CLEARANCE, part_of_pin
+from .geometry.pin_surfaces import NUMBERS as PIN_NUMBERS
 from .geometry.profile import fourier_bore, linear_growth
 from .geometry.surfaces import count_of, in_block, surface_at, with_room
 from .native_block import (
@@ -37,10 +65,12 @@ from .native_block import (
     BAND_RATIO,
     BANDS_GIVEN,
     BLOCK_DAMPING,
+    BLOCK_MODES,
     BLOCK_OMEGA,
     BLOCK_PRODUCTS,
     BLOCK_STIFFNESS,
     BORE_RADIUS,
+    BOSS_RADIUS,
     CARRIED,
     CARRIED_SEEDS,
     CELLS,
@@ -58,6 +88,13 @@ from .native_block import (
     ENERGY_GAIN,
     ENERGY_SIZE,
     EVALUATIONS,
+    EYE_COORDINATE,
+    EYE_DAMPING,
+    EYE_OMEGA,
+    EYE_RADIUS,
+    EYE_STIFFNESS,
+    EYE_VELOCITY,
+    FACTORS,
     FAULT,
     FAULT_A,
     FAULT_B,
@@ -75,7 +112,10 @@ from .native_block import (
     GAS_CYCLE,
     GAS_PRESSURE,
     GUIDED,
+    HAS_BIG_END,
+    HAS_MAIN_BEARING,
     HEIGHTS,
+    INERTIA_MATRIX,
     INPUTS,
     INVERSE,
     IS_LINEAR,
@@ -83,12 +123,14 @@ from .native_block import (
     KINETIC,
     LAND,
     LAST_ACCELERATION,
+    LAST_AROUND,
     LAST_CARRIER,
     LAST_COEFFICIENTS,
     LAST_CRANK,
     LAST_LOAD,
     LAST_NUMBERS,
     LAST_POSITION,
+    LAST_PRESSURE,
     LAST_VELOCITY,
     LEFT,
     LINEAR_NUMBERS,
@@ -104,17 +146,25 @@ from .native_block import (
     OF_INPUTS,
     OF_LAST,
     OF_OUTPUTS,
+    OF_PIN_OUTPUTS,
     OF_PRODUCTS,
     OF_SEEDS,
     OF_STATE,
     ON_BLOCK,
+    ON_PIN,
+    ORDER,
     OTHER_FORCES,
     OUTPUTS,
     PARTS,
     PARTS_FROM,
+    PIN_CELLS,
     PIN_OFFSET,
+    PIN_OUTPUTS,
+    PIN_SURFACES_AT,
     PISTON_DAMPING,
+    PISTON_MODES,
     PISTON_OMEGA,
+    PISTON_RADIUS,
     PISTON_STIFFNESS,
     POSITION,
     PRODUCED,
@@ -146,6 +196,7 @@ from .native_block import (
     WALL_AT,
     WALL_AT_NOW,
     WIDENING,
+    WITH_ROD,
     WORK_ERROR,
     carrier_from,
     coefficients_from,
@@ -156,6 +207,8 @@ from .native_block import (
     linear_from,
     load_from,
     part,
+    pin_films,
+    pin_system_of,
     place,
     put_carrier,
     put_coefficients,
@@ -165,7 +218,13 @@ from .native_block import (
     settings_of,
     system_of,
 )
-from .reduction.reduced_body import ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import (
+    ReducedBlock,
+    ReducedBosses,
+    ReducedPiston,
+    ReducedSmallEnd,
+    load,
+)
 
 
 class GasAtAngle(NamedTuple):
@@ -189,12 +248,37 @@ FAULTS = (
     "piston motion at crank angle {a} rad: Newton's method finds no accelerations; their last "
     "relative change is {b} (nan: diverged)",
     "crank angle = {a} rad: must be finite",
+    BESIDE_BOSSES,
+    BESIDE_EYE,
+    NO_PIN_MASS,
+    *OTHER_FRICTION.values(),
+    *NO_ROD.values(),
 )
-ROD_TOO_SHORT, CENTRE_BEYOND, RINGS_REVERSED, OUT_OF_BORE, NOT_SOLVED, NO_ANGLE = range(len(FAULTS))
+(
+    ROD_TOO_SHORT,
+    CENTRE_BEYOND,
+    RINGS_REVERSED,
+    OUT_OF_BORE,
+    NOT_SOLVED,
+    NO_ANGLE,
+    NOT_OF_BOSSES,
+    NOT_OF_EYE,
+    WITHOUT_PIN_MASS,
+    FRICTION_OF_PIN,
+) = range(10)
+FRICTION_SPEED = FRICTION_OF_PIN + 1
+FRICTION_DAMPING = FRICTION_OF_PIN + 2
+ROD_IN_BIG_END = FRICTION_OF_PIN + len(OTHER_FRICTION)
+ROD_IN_BEARING = ROD_IN_BIG_END + 2
+ROD_IN_BOTH = ROD_IN_BIG_END + 4
+"""Without mass of the rod, and without inertia one further."""
+USUAL = Parameters()
+USUAL_FRICTION = float(USUAL.pin_friction_coefficient)
+USUAL_SPEED = float(USUAL.pin_friction_speed)
+USUAL_DAMPING = float(USUAL.pin_friction_damping)
 
 OPTIONS = {
     "speed": "a table of crank speed",
-    "floating_pin": "a floating pin",
     "motion_in_space": "a motion in space",
     "in_space": "a motion in space",
 }
@@ -210,6 +294,8 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
             yield f"{name}: a native FMU has no {what.split(' ', 1)[1]}"
     if (options.get("block") or {}).get("bore_from_outside"):
         yield "block.bore_from_outside: a native FMU has no bore that deflects from outside"
+    if dict(options.get("floating_pin") or {}).get("pin_shapes"):
+        yield "floating_pin.pin_shapes: a native FMU has no pin that tilts or bends"
 
 
 # ---- what the memory begins with
@@ -231,8 +317,10 @@ def given(slave: Any) -> np.ndarray:
             f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
             f"{block.radius:g} m"
         )
-    contents = _contents(piston, block, options)
+    contents = _contents(piston, block, options) | _of_pin(slave, piston, block)
     contents |= {"places": _places(slave), "film_places": _film_places(slave)}
+    contents["counts"] = np.append(contents["counts"], _pin_cells(options))
+    contents["constants"] = np.append(contents["constants"], contents.pop("pin_constants"))
     lengths = {name: np.size(value) for name, value in contents.items()}
     lengths |= _lengths(lengths, options)
     begins = np.cumsum([PARTS_FROM + len(PARTS) + 1, *(lengths[name] for name in PARTS)])
@@ -268,6 +356,7 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
         begin.crank_angle if begin else 0.0,
     ]
     bands = options.damping_bands
+    n = coordinates(options, k, m)
     contents = {
         "counts": [sum(map(len, of_films)), k, m, len(block.heights)],
         "constants": constants,
@@ -280,8 +369,8 @@ def _contents(piston: ReducedPiston, block: ReducedBlock, options: BuildOptions)
         "band_ratio": [band.ratio for band in bands] or np.zeros(2),
         "gas_angle": gas.angle if gas else [],
         "gas_pressure": gas.pressure if gas else [],
-        "start_position": begin.position() if begin else np.zeros(RIGID + k + m),
-        "start_velocity": begin.velocity() if begin else np.zeros(RIGID + k + m),
+        "start_position": begin.position() if begin else np.zeros(n),
+        "start_velocity": begin.velocity() if begin else np.zeros(n),
         "first_moment": piston.S,
         "T": piston.T,
         "b": piston.b,
@@ -303,26 +392,69 @@ def _surfaces(piston, block, options):
     return in_block(with_room(made, len(block.heights)))
 
 
+def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> int:
+    """How many the bodies have."""
+    pin = options.floating_pin
+    if pin is None:
+        return RIGID + piston_modes + block_modes
+    return COORDINATES + piston_modes + pin.small_end_modes + 2 * len(options.crank_bearings)
+
+
+def _pin_cells(options):
+    """Cells of all films of pin and crank."""
+    return sum(int(np.prod(film.shape)) for film in options.pin_grids())
+
+
+def _of_pin(slave, piston, block):
+    """Parts of a floating pin that are given."""
+    options = slave.built
+    pin = options.floating_pin
+    if pin is None:
+        return {"pin_surfaces": np.zeros(1), "eye_omega": np.zeros(0), "pin_constants": np.zeros(4)}
+    bosses = load(ReducedBosses, slave.resources / pin.bosses) if pin.bosses else None
+    eye = load(ReducedSmallEnd, slave.resources / pin.small_end) if pin.small_end else None
+    if wrong := modes_beside_pin(piston, block, bosses):
+        raise BadInput(wrong)
+    crank = {name: CRANK_PARAMETERS[name]() for name in options.crank_surfaces()}
+    films = pin_surfaces(options, 1.0, PinParameters(), crank, bosses, eye)
+    return {
+        "pin_surfaces": pin_block.in_block(films),
+        "eye_omega": eye.eye_omega if eye else np.zeros(0),
+        "pin_constants": np.array(
+            [
+                "big_end" in crank,
+                "main_bearing" in crank,
+                bosses.boss_radius if bosses else 0.0,
+                eye.eye_radius if eye else 0.0,
+            ],
+            dtype=float,
+        ),
+    }
+
+
 def _places(slave):
     """Where the numbers lie among a slave's variables."""
     places = [slave.references.get(name, NOWHERE) for name in (*SETTING, *INPUTS, *OUTPUTS)]
     places += _reserved(slave, SEED, SEEDED) + _reserved(slave, PRODUCT, PRODUCED)
+    places += [slave.references.get(name, NOWHERE) for name in PIN_OUTPUTS]
     places[SETTING.index("crank_free")] = NOWHERE  # no real number; 0 is all that is covered
     return np.array(places, dtype=float)
 
 
 def _film_places(slave):
     """Where the fields of all surfaces begin among a slave's variables."""
-    return np.array(
-        [
-            [slave.references[f"{film.prefix}{name}"] for name in OF_FILM]
-            + _reserved(slave, SEED, [f"{film.prefix}{name}" for name in FILM_SEEDS])
-            + _reserved(slave, PRODUCT, [f"{film.prefix}{name}" for name in FILM_PRODUCTS])
-            + [np.prod(film.shape)]
-            for film in slave.built.film_grids()
-        ],
-        dtype=float,
-    ).ravel()
+    films = [(film, {}) for film in slave.built.film_grids()]
+    films += [(film, ON_PIN) for film in slave.built.pin_grids()]
+    rows = []
+    for film, others in films:
+        fields, seeds, products = (
+            [f"{film.prefix}{others.get(name, name)}" for name in names]
+            for names in (OF_FILM, FILM_SEEDS, FILM_PRODUCTS)
+        )
+        rows += [slave.references[name] for name in fields]
+        rows += _reserved(slave, SEED, seeds) + _reserved(slave, PRODUCT, products)
+        rows.append(np.prod(film.shape))
+    return np.array(rows, dtype=float)
 
 
 def _reserved(slave, kind, names):
@@ -333,8 +465,11 @@ def _reserved(slave, kind, names):
 def _lengths(given, options):
     """Lengths of the parts that are made later, from those that are given."""
     k, m = given["piston_omega"], given["block_omega"]
-    n = RIGID + k + m
-    of_motion = RIGID + k
+    n = coordinates(options, k, m)
+    floats = options.floating_pin is not None
+    of_motion = n if floats else RIGID + k
+    of_tangent = 0 if floats else k
+    of_pin = n if floats else 0
     return {
         "settings": SETTING_COUNT,
         "wall_above_now": given["wall_above"],
@@ -343,6 +478,10 @@ def _lengths(given, options):
         "piston_damping": k,
         "block_stiffness": m,
         "block_damping": m,
+        "eye_stiffness": given["eye_omega"],
+        "eye_damping": given["eye_omega"],
+        "inertia": of_pin * of_pin,
+        "with_rod": of_pin * of_pin,
         "none": 0,
         "numbers": len(OF_STATE),
         **dict.fromkeys(STATE[1:], n),
@@ -356,11 +495,15 @@ def _lengths(given, options):
         "last_acceleration": of_motion,
         "modal_load": k,
         "linear_numbers": len(Linear._fields),
-        "top": RIGID * of_motion,
-        "left": RIGID * k,
-        "diagonal": k,
-        "coupling": k * k,
+        "top": 0 if floats else RIGID * of_motion,
+        "left": RIGID * of_tangent,
+        "diagonal": of_tangent,
+        "coupling": of_tangent * of_tangent,
         "columns": len(Carrier._fields) * of_motion if options.mounted else 0,
+        "last_pressure": _pin_cells(options),
+        "last_around": _pin_cells(options),
+        "factors": of_pin * of_pin,
+        "order": of_pin,
         "faults": 1 + OF_A_FAULT * MOST_FAULTS,
     }
 
@@ -390,6 +533,37 @@ def refused(memory):
 
 
 @compiled
+def check_pin(memory, p):
+    """Note what does not go with a floating pin, as `assembly.floating_faults`, `eye_faults` and
+    `crank_faults`.
+    """
+    x = part(memory, CONSTANTS)
+    radius = pin_radius(x[PISTON_RADIUS], p)
+    if x[BOSS_RADIUS] > 0.0 and lies_beside(radius, x[BOSS_RADIUS]):
+        refuse(memory, NOT_OF_BOSSES, 1e3 * radius, 1e3 * x[BOSS_RADIUS], 0.0, 0.0)
+    if p.pin_mass == 0.0:
+        refuse(memory, WITHOUT_PIN_MASS, 0.0, 0.0, 0.0, 0.0)
+    if p.pin_friction_coefficient != 0.0 and p.pin_friction_coefficient != USUAL_FRICTION:
+        refuse(memory, FRICTION_OF_PIN, p.pin_friction_coefficient, 0.0, 0.0, 0.0)
+    if p.pin_friction_speed != 0.0 and p.pin_friction_speed != USUAL_SPEED:
+        refuse(memory, FRICTION_SPEED, p.pin_friction_speed, 0.0, 0.0, 0.0)
+    if p.pin_friction_damping != 0.0 and p.pin_friction_damping != USUAL_DAMPING:
+        refuse(memory, FRICTION_DAMPING, p.pin_friction_damping, 0.0, 0.0, 0.0)
+    if x[EYE_RADIUS] > 0.0 and lies_beside(radius, x[EYE_RADIUS]):
+        refuse(memory, NOT_OF_EYE, 1e3 * radius, 1e3 * x[EYE_RADIUS], 0.0, 0.0)
+    has_big_end = x[HAS_BIG_END] > 0.0
+    has_bearing = x[HAS_MAIN_BEARING] > 0.0
+    if has_big_end or has_bearing:
+        sentence = ROD_IN_BIG_END
+        if has_bearing:
+            sentence = ROD_IN_BOTH if has_big_end else ROD_IN_BEARING
+        if p.rod_mass == 0.0:
+            refuse(memory, sentence, 0.0, 0.0, 0.0, 0.0)
+        if p.rod_inertia == 0.0:
+            refuse(memory, sentence + 1, 0.0, 0.0, 0.0, 0.0)
+
+
+@compiled
 def check(memory):
     """Note parameters that do not fit each other, as `assembly.faults`."""
     x = part(memory, CONSTANTS)
@@ -405,6 +579,8 @@ def check(memory):
     second = p.second_ring_height
     if p.top_ring_height > 0.0 and not upper <= second <= p.top_ring_height:
         refuse(memory, RINGS_REVERSED, second, upper, p.top_ring_height, 0.0)
+    if pin_films(memory) > 0:
+        check_pin(memory, p)
     lowest = np.inf
     highest = -np.inf
     for k in range(TURN):
@@ -453,6 +629,31 @@ def machine(memory, p):
 
 
 @compiled
+def machine_pins(memory, p):
+    """Radii and clearances of pin and crank, as `assembly.pin_surfaces`; what has inertia."""
+    x = part(memory, CONSTANTS)
+    block = part(memory, PIN_SURFACES_AT)
+    for k in range(pin_films(memory)):
+        radius = pin_radius(x[PISTON_RADIUS], p)
+        clearance = p.boss_clearance if k < EYE else p.small_end_clearance
+        if k == EYE + 1 and x[HAS_BIG_END] > 0.0:
+            radius = p.big_end_radius
+            clearance = p.big_end_clearance
+        elif k > EYE:
+            radius = p.main_bearing_radius
+            clearance = p.main_bearing_clearance
+        part_of_pin(block, k, PIN_NUMBERS)[0] = radius
+        rows = part_of_pin(block, k, CLEARANCE)
+        for j in range(len(rows)):
+            rows[j] = clearance
+    bodies = pin_system_of(memory, system_of(memory)).bodies
+    moving = inertia(bodies)
+    keep(part(memory, INERTIA_MATRIX), moving.reshape(moving.size))
+    with_rod = inertia_with_rod(bodies)
+    keep(part(memory, WITH_ROD), with_rod.reshape(with_rod.size))
+
+
+@compiled
 def widen(memory, p):
     """The bore's widening, as `assembly.bore_shape`: of the one bore of all surfaces."""
     heights = part(memory, HEIGHTS)
@@ -496,11 +697,14 @@ def prepare(real, memory):
     for of_omega, stiffness, damping in (
         (PISTON_OMEGA, PISTON_STIFFNESS, PISTON_DAMPING),
         (BLOCK_OMEGA, BLOCK_STIFFNESS, BLOCK_DAMPING),
+        (EYE_OMEGA, EYE_STIFFNESS, EYE_DAMPING),
     ):
         omega = part(memory, of_omega)
         damp(memory, p, omega, part(memory, damping))
         for k in range(len(omega)):
             part(memory, stiffness)[k] = omega[k] ** 2
+    if pin_films(memory) > 0:
+        machine_pins(memory, p)
 
 
 # ---- a step
@@ -514,11 +718,15 @@ def stacked(real, memory, which, cells):
 
 
 @compiled
-def gathered(real, memory, which):
-    """A field of all film surfaces, their cells one after another."""
-    field = np.empty(count(memory, CELLS))
+def gathered(real, memory, which, of_pin):
+    """A field of all film surfaces of the skirt, or of pin and crank, their cells one after
+    another.
+    """
+    field = np.empty(count(memory, PIN_CELLS if of_pin else CELLS))
+    begin = films(memory) if of_pin else 0
+    end = films(memory) + (pin_films(memory) if of_pin else 0)
     first = 0
-    for s in range(films(memory)):
+    for s in range(begin, end):
         cells = film_place(memory, s, FILM_CELLS)
         at = film_place(memory, s, which)
         for k in range(cells):
@@ -528,10 +736,12 @@ def gathered(real, memory, which):
 
 
 @compiled
-def scatter(real, memory, which, field):
+def scatter(real, memory, which, field, of_pin):
     """The opposite: a stacked field into the variables of all film surfaces."""
+    begin = films(memory) if of_pin else 0
+    end = films(memory) + (pin_films(memory) if of_pin else 0)
     first = 0
-    for s in range(films(memory)):
+    for s in range(begin, end):
         cells = film_place(memory, s, FILM_CELLS)
         at = film_place(memory, s, which)
         for k in range(cells):
@@ -583,19 +793,42 @@ def publish(real, integer, memory, now, scalars):
     """Outputs into the variables, and how much work there was so far."""
     for k in range(len(scalars)):
         real[place(memory, OF_OUTPUTS + k)] = scalars[k]
-    scatter(real, memory, FILM_THICKNESS, now.film_thickness)
-    scatter(real, memory, SLIDING_VELOCITY, now.sliding_velocity)
+    scatter(real, memory, FILM_THICKNESS, now.film_thickness, False)
+    scatter(real, memory, SLIDING_VELOCITY, now.sliding_velocity, False)
     for s in range(len(now.work_error)):
         real[film_place(memory, s, WORK_ERROR)] = now.work_error[s]
-    modes = len(now.position) - RIGID
+    modes = count(memory, PISTON_MODES) + count(memory, BLOCK_MODES)
     if modes:
-        keep(stacked(real, memory, OF_OUTPUTS + MODAL_COORDINATE, modes), now.position[RIGID:])
-        keep(stacked(real, memory, OF_OUTPUTS + MODAL_VELOCITY, modes), now.kept_velocity[RIGID:])
+        first = COORDINATES if pin_films(memory) > 0 else RIGID
+        keep(stacked(real, memory, OF_OUTPUTS + MODAL_COORDINATE, modes), now.position[first:])
+        keep(stacked(real, memory, OF_OUTPUTS + MODAL_VELOCITY, modes), now.kept_velocity[first:])
     last = part(memory, LAST_NUMBERS)
     last[EVALUATIONS] += now.evaluations
     last[TANGENTS] += now.tangents
     integer[place(memory, OF_OUTPUTS + RESIDUAL_EVALUATIONS)] = int(last[EVALUATIONS])
     integer[place(memory, OF_OUTPUTS + JACOBIAN_EVALUATIONS)] = int(last[TANGENTS])
+
+
+@compiled
+def publish_pin(real, memory, bodies, found, forces):
+    """Outputs of pin and crank into the variables; forces that a derivative starts from."""
+    scatter(real, memory, FILM_THICKNESS, found.film_thickness, True)
+    scatter(real, memory, SLIDING_VELOCITY, found.circumferential_velocity, True)
+    for s in range(len(found.work_error)):
+        real[film_place(memory, films(memory) + s, WORK_ERROR)] = found.work_error[s]
+    scalars = found.scalars
+    for k in range(len(scalars)):
+        at = place(memory, OF_PIN_OUTPUTS + k)
+        if at >= 0:
+            real[at] = scalars[k]
+    modes = len(bodies.eye.stiffness)
+    if modes:
+        own = of_eye(bodies, found.now.position)
+        keep(stacked(real, memory, OF_PIN_OUTPUTS + EYE_COORDINATE, modes), own)
+        own = of_eye(bodies, found.now.kept_velocity)
+        keep(stacked(real, memory, OF_PIN_OUTPUTS + EYE_VELOCITY, modes), own)
+    keep(part(memory, LAST_PRESSURE), forces.pressure)
+    keep(part(memory, LAST_AROUND), forces.circumferential)
 
 
 @compiled
@@ -646,16 +879,18 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         number_at(real, memory, OF_INPUTS + LAND),
         carrier_from(ride),
     )
-    now = end_of_step(
-        system,
-        c,
-        before,
-        auxiliary,
-        crank,
-        others,
-        gathered(real, memory, FORCE),
-        gathered(real, memory, DRAG),
-    )
+    push = gathered(real, memory, FORCE, False)
+    drag = gathered(real, memory, DRAG, False)
+    if pin_films(memory) > 0:
+        of = pin_system_of(memory, system)
+        forces = PinForces(gathered(real, memory, FORCE, True), gathered(real, memory, DRAG, True))
+        skirt = NodalForces(push, drag)
+        found_with_pin = end_of_pin_step(of, c, before, auxiliary, crank, others, skirt, forces)
+        now = found_with_pin.now
+        if now.evaluations > 0:
+            publish_pin(real, memory, of.bodies, found_with_pin, forces)
+    else:
+        now = end_of_step(system, c, before, auxiliary, crank, others, push, drag)
     if now.evaluations == 0:
         refuse(memory, NOT_SOLVED, crank.angle, now.change, 0.0, 0.0)
         return
@@ -740,6 +975,21 @@ def end_of(memory, system):
 def make_linear(memory, system):
     """Derivatives of the last step that every direction shares, into the memory."""
     end = end_of(memory, system)
+    last = part(memory, LAST_NUMBERS)
+    last[IS_LINEAR] = 1.0
+    last[TANGENTS] += 1.0
+    if pin_films(memory) > 0:
+        factors = linearise_pin(
+            pin_system_of(memory, system),
+            coefficients_from(part(memory, LAST_COEFFICIENTS)),
+            end.load,
+            end.now,
+            end.crank,
+            PinForces(part(memory, LAST_PRESSURE), part(memory, LAST_AROUND)),
+        )
+        keep(part(memory, FACTORS), factors.both.reshape(factors.both.size))
+        keep(part(memory, ORDER), factors.order)
+        return
     found = linearise(
         system,
         coefficients_from(part(memory, LAST_COEFFICIENTS)),
@@ -755,9 +1005,52 @@ def make_linear(memory, system):
     keep(part(memory, LEFT), found.arrow.left.reshape(found.arrow.left.size))
     keep(part(memory, DIAGONAL), found.arrow.diagonal)
     keep(part(memory, COUPLING), found.coupling.reshape(found.coupling.size))
-    last = part(memory, LAST_NUMBERS)
-    last[IS_LINEAR] = 1.0
-    last[TANGENTS] += 1.0
+
+
+@compiled
+def change_of_tied(real, memory, system):
+    """Answer of a tied pin to the seeds."""
+    modes = len(part(memory, PISTON_OMEGA))
+    moving = RIGID + modes
+    carried = carried_at(real, memory, OF_SEEDS + CARRIED_SEEDS)
+    on_piston = np.zeros(moving)
+    if is_mounted(memory):
+        columns = part(memory, COLUMNS).reshape((len(FIXED), moving))
+        keep(on_piston, carried_force(columns, carried))
+    return response(
+        system,
+        part(memory, LAST_NUMBERS)[GUIDED],
+        linear_of(memory, modes),
+        gathered(real, memory, FORCE_SEED, False),
+        gathered(real, memory, DRAG_SEED, False),
+        rings_at(real, memory, OF_SEEDS),
+        on_piston,
+    )
+
+
+@compiled
+def change_with_pin(real, memory, system):
+    """Answer of a floating pin to the seeds, that of its films into the variables."""
+    end = end_of(memory, system)
+    n = len(part(memory, ORDER))
+    found = respond_pin(
+        pin_system_of(memory, system),
+        coefficients_from(part(memory, LAST_COEFFICIENTS)),
+        part(memory, LAST_NUMBERS)[GUIDED],
+        end.now,
+        end.crank,
+        Factors(part(memory, FACTORS).reshape((n, n)), part(memory, ORDER)),
+        NodalForces(
+            gathered(real, memory, FORCE_SEED, False), gathered(real, memory, DRAG_SEED, False)
+        ),
+        rings_at(real, memory, OF_SEEDS),
+        PinForces(
+            gathered(real, memory, FORCE_SEED, True), gathered(real, memory, DRAG_SEED, True)
+        ),
+    )
+    scatter(real, memory, THICKNESS_PRODUCT, found.film_thickness, True)
+    scatter(real, memory, SLIDING_PRODUCT, found.circumferential_velocity, True)
+    return found.change
 
 
 # ---- entries
@@ -817,31 +1110,20 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """Products of the seeds among the variables (Eq. (D7)); `numbers` unused."""
     part(memory, FAULTS_AT)[0] = 0.0
     system = system_of(memory)
-    modes = len(part(memory, PISTON_OMEGA))
     last = part(memory, LAST_NUMBERS)
     if last[IS_LINEAR] == 0.0:
         make_linear(memory, system)
-    moving = RIGID + modes
-    carried = carried_at(real, memory, OF_SEEDS + CARRIED_SEEDS)
-    on_piston = np.zeros(moving)
-    if is_mounted(memory):
-        columns = part(memory, COLUMNS).reshape((len(FIXED), moving))
-        keep(on_piston, carried_force(columns, carried))
-    change = response(
-        system,
-        last[GUIDED],
-        linear_of(memory, modes),
-        gathered(real, memory, FORCE_SEED),
-        gathered(real, memory, DRAG_SEED),
-        rings_at(real, memory, OF_SEEDS),
-        on_piston,
-    )
-    scatter(real, memory, THICKNESS_PRODUCT, change.film_thickness)
-    scatter(real, memory, SLIDING_PRODUCT, change.sliding_velocity)
+    if pin_films(memory) > 0:
+        change = change_with_pin(real, memory, system)
+    else:
+        change = change_of_tied(real, memory, system)
+    scatter(real, memory, THICKNESS_PRODUCT, change.film_thickness, False)
+    scatter(real, memory, SLIDING_PRODUCT, change.sliding_velocity, False)
     real[place(memory, OF_PRODUCTS)] = change.lateral_velocity
     real[place(memory, OF_PRODUCTS + 1)] = change.rocking_velocity
     real[place(memory, OF_PRODUCTS + 2)] = change.piston_velocity
     if is_mounted(memory):
+        carried = carried_at(real, memory, OF_SEEDS + CARRIED_SEEDS)
         c = coefficients_from(part(memory, LAST_COEFFICIENTS))
         force = force_change(end_of(memory, system), c, change, carried)
         real[place(memory, OF_PRODUCTS + BLOCK_PRODUCTS)] = force.x

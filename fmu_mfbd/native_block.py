@@ -9,17 +9,22 @@ from dataclasses import fields
 import numpy as np
 
 from ..master.fmi.compiled import compiled, packed
-from .dynamics.assembly import mechanism
+from .dynamics.assembly import mechanism, pin_radius, pin_spin_inertia
 from .dynamics.carrier import Carrier
 from .dynamics.drive import Scalars
 from .dynamics.floating_frame import FlexibleBody
+from .dynamics.floating_pin import Bodies, Crankshaft, EyeModes
 from .dynamics.gas_on_bore import BoreWall
 from .dynamics.generalised_alpha import Coefficients
 from .dynamics.instant import Block, Linear, System
-from .dynamics.parameters import Parameters
+from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
+from .dynamics.pin_instant import PinScalars, PinSystem
 from .dynamics.piston_motion import Load
 from .dynamics.quasi_static import StaticModes
 from .dynamics.slider_crank import CrankMotion
+from .geometry.pin_shapes import AxisShapes
+from .geometry.pin_surfaces import pins_of
+from .geometry.surfaces import count_of
 
 WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
 """The head: lengths that `native_size` tells, then where parts begin."""
@@ -51,6 +56,8 @@ GIVEN = (
     "block_omega",
     "wall_above",
     "wall_at",
+    "pin_surfaces",
+    "eye_omega",
 )
 MADE = (
     "settings",
@@ -60,6 +67,10 @@ MADE = (
     "piston_damping",
     "block_stiffness",
     "block_damping",
+    "eye_stiffness",
+    "eye_damping",
+    "inertia",
+    "with_rod",
     "none",
 )
 """At the start, from the parameters; gaps and the bore's shape besides, in the surfaces."""
@@ -81,8 +92,14 @@ LAST = (
     "diagonal",
     "coupling",
     "columns",
+    "last_pressure",
+    "last_around",
+    "factors",
+    "order",
 )
-"""What a derivative at the end of the last step asks for."""
+"""What a derivative at the end of the last step asks for; the last four of a floating pin: forces
+of its films, and the tangent, factorised.
+"""
 PARTS = (*GIVEN, *MADE, *STATE, *LAST, "faults")
 (
     COUNTS,
@@ -111,6 +128,8 @@ PARTS = (*GIVEN, *MADE, *STATE, *LAST, "faults")
     BLOCK_OMEGA,
     WALL_ABOVE,
     WALL_AT,
+    PIN_SURFACES_AT,
+    EYE_OMEGA,
 ) = range(len(GIVEN))
 (
     SETTINGS,
@@ -120,6 +139,10 @@ PARTS = (*GIVEN, *MADE, *STATE, *LAST, "faults")
     PISTON_DAMPING,
     BLOCK_STIFFNESS,
     BLOCK_DAMPING,
+    EYE_STIFFNESS,
+    EYE_DAMPING,
+    INERTIA_MATRIX,
+    WITH_ROD,
     NONE,
 ) = (len(GIVEN) + k for k in range(len(MADE)))
 NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
@@ -141,12 +164,16 @@ NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
     DIAGONAL,
     COUPLING,
     COLUMNS,
+    LAST_PRESSURE,
+    LAST_AROUND,
+    FACTORS,
+    ORDER,
 ) = (OTHER_FORCES + 1 + k for k in range(len(LAST)))
 FAULTS_AT = len(PARTS) - 1
 
-COUNTED = ("cells", "piston_modes", "block_modes", "stations")
-CELLS, PISTON_MODES, BLOCK_MODES, STATIONS = range(len(COUNTED))
-"""Cells of all surfaces together."""
+COUNTED = ("cells", "piston_modes", "block_modes", "stations", "pin_cells")
+CELLS, PISTON_MODES, BLOCK_MODES, STATIONS, PIN_CELLS = range(len(COUNTED))
+"""Cells of all surfaces of the skirt together, of pin and crank."""
 
 CONSTANT = (
     "mass",
@@ -161,6 +188,10 @@ CONSTANT = (
     "bands_given",
     "start_given",
     "start_angle",
+    "has_big_end",
+    "has_main_bearing",
+    "boss_radius",
+    "eye_radius",
 )
 (
     MASS,
@@ -175,7 +206,12 @@ CONSTANT = (
     BANDS_GIVEN,
     START_GIVEN,
     START_ANGLE,
+    HAS_BIG_END,
+    HAS_MAIN_BEARING,
+    BOSS_RADIUS,
+    EYE_RADIUS,
 ) = range(len(CONSTANT))
+"""The last two in the meshes of what yields; 0 of rigid ones."""
 
 # ---- numbers of the state, and of the last step
 
@@ -186,10 +222,11 @@ GUIDED, IS_LINEAR, EVALUATIONS, TANGENTS = range(len(OF_LAST))
 
 # ---- where numbers lie among the variables
 
-SETTING = tuple(one.name for one in fields(Parameters))
+DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values())
+SETTING = tuple(one.name for kind in DECLARED for one in fields(kind))
 SETTING_COUNT = len(SETTING)
 Settings = namedtuple("Settings", SETTING)
-"""`Parameters`, as kernels know them: floats."""
+"""`Parameters` and those of pin and crank, as kernels know them: floats, 0 of what is not there."""
 INPUTS = (
     "gas_pressure",
     "land_pressure",
@@ -245,9 +282,19 @@ OF_INPUTS = len(SETTING)
 OF_OUTPUTS = OF_INPUTS + len(INPUTS)
 OF_SEEDS = OF_OUTPUTS + len(OUTPUTS)
 OF_PRODUCTS = OF_SEEDS + len(SEEDED)
+PIN_OUTPUTS = (
+    *PinScalars._fields,
+    "small_end_modal_coordinate",
+    "small_end_modal_velocity",
+)
+"""Further outputs of a floating pin."""
+OF_PIN_OUTPUTS = OF_PRODUCTS + len(PRODUCED)
+EYE_COORDINATE = len(PinScalars._fields)
+EYE_VELOCITY = EYE_COORDINATE + 1
 NOWHERE = -1.0
 
-# ---- where fields begin among the variables, a row of `film_places` for each surface
+# ---- where fields begin among the variables, a row of `film_places` for each surface of the skirt,
+# ---- then for each film of pin and crank
 
 OF_FILM = (
     "nodal_pressure_force",
@@ -257,6 +304,11 @@ OF_FILM = (
     "interface_work_error",
 )
 FORCE, DRAG, FILM_THICKNESS, SLIDING_VELOCITY, WORK_ERROR = range(len(OF_FILM))
+ON_PIN = {
+    "nodal_friction_force": "nodal_circumferential_force",
+    "sliding_velocity": "circumferential_velocity",
+}
+"""What stands in their place for films of pin and crank."""
 FILM_SEEDS = OF_FILM[FORCE : DRAG + 1]
 FILM_PRODUCTS = OF_FILM[FILM_THICKNESS : SLIDING_VELOCITY + 1]
 FORCE_SEED, DRAG_SEED, THICKNESS_PRODUCT, SLIDING_PRODUCT, FILM_CELLS = range(
@@ -290,8 +342,14 @@ def film_place(memory, surface, k):
 
 @compiled
 def films(memory):
-    """Number of film surfaces."""
-    return len(part(memory, FILM_PLACES)) // FILM_ROW
+    """Number of film surfaces of the skirt."""
+    return count_of(part(memory, SURFACES))
+
+
+@compiled
+def pin_films(memory):
+    """Number of films of pin and crank, 0 of a tied pin."""
+    return pins_of(part(memory, PIN_SURFACES_AT))
 
 
 @compiled
@@ -354,4 +412,35 @@ def system_of(memory: np.ndarray) -> System:
             settings.second_ring_height,
             settings.land_pressure_share,
         ),
+    )
+
+
+@compiled
+def pin_system_of(memory: np.ndarray, system: System) -> PinSystem:
+    """The same with a floating pin, as `assembly.assemble_floating` makes it."""
+    x = part(memory, CONSTANTS)
+    settings = settings_of(memory)
+    none = part(memory, NONE)
+    n = len(part(memory, ORDER))
+    has_bearing = x[HAS_MAIN_BEARING] > 0.0
+    radius = pin_radius(x[PISTON_RADIUS], settings)
+    bodies = Bodies(
+        system.piston,
+        system.mechanism,
+        pin_spin_inertia(settings.pin_mass, radius, settings.pin_inertia),
+        AxisShapes(none, none, none, none, none),
+        EyeModes(part(memory, EYE_STIFFNESS), part(memory, EYE_DAMPING)),
+        Crankshaft(
+            x[HAS_BIG_END] > 0.0,
+            has_bearing,
+            settings.crank_mass if has_bearing else 0.0,
+            settings.crank_unbalance if has_bearing else 0.0,
+        ),
+    )
+    return PinSystem(
+        system,
+        bodies,
+        part(memory, PIN_SURFACES_AT),
+        part(memory, INERTIA_MATRIX).reshape((n, n)),
+        part(memory, WITH_ROD).reshape((n, n)),
     )

@@ -11,7 +11,7 @@ from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
-from ..geometry.pin_shapes import Beam, HollowPin, free_beam
+from ..geometry.pin_shapes import STRAIGHT, Beam, HollowPin, free_beam
 from ..geometry.profile import (
     MeasuredShape,
     barrel,
@@ -170,42 +170,75 @@ def assemble_floating(
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
+    crank = crank or {}
+    eye = yielding_eye(small_end, options, parameters) if small_end else RIGID_EYE
+    spin = pin_spin_inertia(parameters.pin_mass, radius, pin.pin_inertia)
+    shapes = STRAIGHT
+    films = pin_surfaces(options, radius, pin, crank, bosses, small_end)
+    if axis:
+        beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
+        own_damping = damping(
+            beam.omega,
+            damping_bands(options, parameters),
+            parameters.rayleigh_mass_factor,
+            parameters.rayleigh_stiffness_factor,
+        )
+        spin = pin.pin_inertia or beam.pin.spin_inertia()
+        shapes = beam.shapes(own_damping)
+        films = with_shapes(films, options.floating_pin, bosses, beam, axis)
+    return PistonOnFloatingPin(
+        assemble(piston, block, options, parameters),
+        films,
+        options.pin_grids(),
+        spin,
+        shapes,
+        eye,
+        crankshaft(options, parameters, crank),
+    )
+
+
+def pin_surfaces(
+    options: BuildOptions,
+    radius: float,
+    pin: PinParameters,
+    crank: CrankParameters,
+    bosses: ReducedBosses | None,
+    small_end: ReducedSmallEnd | None,
+) -> tuple[PinSurface, ...]:
+    """Films of a pin of a radius [m] that stays parallel to its shells, and those of the crank."""
     clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
-    grids = options.pin_grids()
     shells: list[ShellModes | None] = [None, None]
     if bosses:
         shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
-    eye = RIGID_EYE
     if small_end:
         shells.append(shell_modes(small_end.eye_outward, small_end.eye_onward))
-        eye = yielding_eye(small_end, options, parameters)
-    films = list(zip_longest(clearances, grids[: len(clearances)], shells))
-    tied = assemble(piston, block, options, parameters)
-    crank = crank or {}
-    shaft = crankshaft(options, parameters, crank)
-    journals = tuple(journal_surface(one, crank) for one in options.crank_bearings)
-    if axis is None:
-        surfaces = tuple(pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
-        solid = parameters.pin_mass * radius**2 / 2
-        spin = pin.pin_inertia or solid
-        return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, eye=eye, crank=shaft)
-    beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
-    rows = pin_rows(options.floating_pin, bosses)
+    grids = options.pin_grids()
+    films = zip_longest(clearances, grids[: len(clearances)], shells)
+    of_pin = (pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
+    return (*of_pin, *(journal_surface(one, crank) for one in options.crank_bearings))
+
+
+def with_shapes(
+    films: tuple[PinSurface, ...],
+    pin: FloatingPin,
+    bosses: ReducedBosses | None,
+    beam: Beam,
+    axis: AxisParameters,
+) -> tuple[PinSurface, ...]:
+    """The same films for a pin that tilts and bends, their shells relieved."""
     reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
-    wider = zip(reliefs, options.floating_pin.lengths().values())
-    surfaces = tuple(
-        pin_surface(radius, relieved(one, relief, z, long), grid.shape, shell, beam.at(z))
-        for (one, grid, shell), z, (relief, long) in zip(films, rows, wider)
-    )
-    own_damping = damping(
-        beam.omega,
-        damping_bands(options, parameters),
-        parameters.rayleigh_mass_factor,
-        parameters.rayleigh_stiffness_factor,
-    )
-    spin = pin.pin_inertia or beam.pin.spin_inertia()
-    shapes = beam.shapes(own_damping)
-    return PistonOnFloatingPin(tied, (*surfaces, *journals), grids, spin, shapes, eye, crank=shaft)
+    each = zip(films, pin_rows(pin, bosses), reliefs, pin.lengths().values())
+    of_pin = [
+        one._replace(clearance=relieved(one.clearance, relief, z, long), axis=beam.at(z))
+        for one, z, relief, long in each
+    ]
+    return (*of_pin, *films[len(of_pin) :])
+
+
+@compilable
+def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
+    """Of a pin about its axis [kg m2]: what is given, else that of a solid cylinder."""
+    return given if given > 0.0 else mass * radius**2 / 2
 
 
 def yielding_eye(
@@ -441,6 +474,34 @@ PIN_TO_BOSS = 0.02
 choice.
 """
 
+BESIDE = "pin_radius: {a} mm lies more than 2% beside the radius of the {of} in {its} mesh, {b} mm"
+BESIDE_BOSSES = BESIDE.replace("{of}", "bosses").replace("{its}", "the")
+BESIDE_EYE = BESIDE.replace("{of}", "eye").replace("{its}", "its")
+NO_PIN_MASS = "pin_mass = 0 kg: must exceed 0 with a floating pin"
+OTHER_FRICTION = {
+    name: name + " = {a}: the friction of a floating pin is that of its films"
+    for name in ("pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping")
+}
+NO_ROD = {
+    (name, films): f"{name} = 0 {unit}: must exceed 0 with a film in {films}"
+    for films in ("big_end", "main_bearing", "big_end and main_bearing")
+    for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2"))
+}
+"""Sentences about a floating pin and films of the crank, {a} and {b} numbers: of the slave in
+Python and of a native one.
+"""
+
+
+def told(sentence: str, a: float, b: float = 0.0) -> str:
+    """A sentence with its numbers."""
+    return sentence.replace("{a}", f"{a:g}").replace("{b}", f"{b:g}")
+
+
+@compilable
+def lies_beside(radius: float, other: float) -> bool:
+    """Whether the radius of a pin is another than that of its shell in a mesh."""
+    return abs(radius - other) > PIN_TO_BOSS * other
+
 
 @compilable
 def pin_height(turn, offset, crank_radius, rod_length):
@@ -456,13 +517,7 @@ def floating_faults(
     bosses: ReducedBosses | None,
 ) -> list[str]:
     """Sentences about what does not go with a floating pin."""
-    out = []
-    modes = len(block.omega) + (0 if bosses else len(piston.omega))
-    if modes:
-        out.append(
-            "floating_pin: bodies must be rigid beside it but for a piston with modes for its "
-            f"bosses, these have {modes} modes"
-        )
+    out = modes_beside_pin(piston, block, bosses)
     fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
     if fastest > parameters.quasi_static_frequency:
         out.append(
@@ -470,42 +525,46 @@ def floating_faults(
             f"all modes with a floating pin, {fastest:.4g} Hz: its steps follow fast ones anyway"
         )
     radius = pin_radius(piston.radius, parameters)
-    if bosses and abs(radius - bosses.boss_radius) > PIN_TO_BOSS * bosses.boss_radius:
-        out.append(
-            f"pin_radius: {1e3 * radius:.4g} mm lies more than {PIN_TO_BOSS:.0%} beside the radius "
-            f"of the bosses in the mesh, {1e3 * bosses.boss_radius:.4g} mm"
-        )
+    if bosses and lies_beside(radius, bosses.boss_radius):
+        out.append(told(BESIDE_BOSSES, 1e3 * radius, 1e3 * bosses.boss_radius))
     if parameters.crank_free:
         out.append("crank_free = 1: must be 0 with a floating pin")
     if not parameters.pin_mass:
-        out.append("pin_mass = 0 kg: must exceed 0 with a floating pin")
+        out.append(NO_PIN_MASS)
     usual = Parameters()
-    for name in ("pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"):
+    for name, sentence in OTHER_FRICTION.items():
         given = getattr(parameters, name)
         if given not in (0.0, getattr(usual, name)):
-            out.append(f"{name} = {given:g}: the friction of a floating pin is that of its films")
+            out.append(told(sentence, given))
     return out
+
+
+def modes_beside_pin(
+    piston: ReducedPiston, block: ReducedBlock, bosses: ReducedBosses | None
+) -> list[str]:
+    """A sentence about modes that do not go with a floating pin."""
+    modes = len(block.omega) + (0 if bosses else len(piston.omega))
+    if not modes:
+        return []
+    return [
+        "floating_pin: bodies must be rigid beside it but for a piston with modes for its "
+        f"bosses, these have {modes} modes"
+    ]
 
 
 def eye_faults(piston: ReducedPiston, parameters: Parameters, eye_radius: float) -> list[str]:
     """A sentence about a pin that is not its eye's, of radius `eye_radius` [m]."""
     radius = pin_radius(piston.radius, parameters)
-    if abs(radius - eye_radius) <= PIN_TO_BOSS * eye_radius:
+    if not lies_beside(radius, eye_radius):
         return []
-    return [
-        f"pin_radius: {1e3 * radius:.4g} mm lies more than {PIN_TO_BOSS:.0%} beside the radius of "
-        f"the eye in its mesh, {1e3 * eye_radius:.4g} mm"
-    ]
+    return [told(BESIDE_EYE, 1e3 * radius, 1e3 * eye_radius)]
 
 
 def crank_faults(options: BuildOptions, parameters: Parameters) -> list[str]:
     """Sentences about what does not go with films of the crank."""
     films = " and ".join(options.crank_surfaces())
-    out = []
-    for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2")):
-        if not getattr(parameters, name):
-            out.append(f"{name} = 0 {unit}: must exceed 0 with a film in {films}")
-    return out
+    names = ("rod_mass", "rod_inertia")
+    return [NO_ROD[name, films] for name in names if not getattr(parameters, name)]
 
 
 def axis_faults(

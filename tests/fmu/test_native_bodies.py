@@ -277,10 +277,10 @@ def test_a_run_with_native_fmus_is_the_run_in_python(tmp_path, make_native, rigi
 def test_what_is_not_covered_is_refused_before_a_body_is_reduced(monkeypatch):
     bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
     monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))
-    for name in ("speed", "floating_pin", "motion_in_space"):
+    for name in ("speed", "motion_in_space"):
         with pytest.raises(BadInput, match=f"{name}: a native FMU has no"):
             build_of_case("numerical_example", "bodies", options={name: [1]}, platforms=["linux64"])
-    assert set(OPTIONS) >= {"speed", "floating_pin", "motion_in_space"}
+    assert set(OPTIONS) >= {"speed", "motion_in_space"}
 
 
 @pytest.mark.parametrize(

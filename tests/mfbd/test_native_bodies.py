@@ -12,9 +12,13 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.parameters import (
+    CRANK_PARAMETERS,
+    Parameters,
+    PinParameters,
+)
 from piston_cosim.fmu_mfbd.native import COVERED, OPTIONS, uncovered
-from piston_cosim.fmu_mfbd.native_block import INPUTS, OUTPUTS, SETTING
+from piston_cosim.fmu_mfbd.native_block import INPUTS, OUTPUTS, PIN_OUTPUTS, SETTING
 
 SCRIPT = """
 import json, sys
@@ -31,6 +35,7 @@ around, _ = python.built.grid
 rng = np.random.default_rng(0)
 bump = np.maximum(np.sin(np.arange(around) * 2 * np.pi / around), -0.3)[:, None] + 0.3
 loads = {f.prefix: (bump * rng.random(f.shape), rng.standard_normal(f.shape)) for f in films}
+pins = {f.prefix: (rng.random(f.shape), rng.random(f.shape)) for f in python.built.pin_grids()}
 
 def give(k):
     values = dict(
@@ -45,6 +50,9 @@ def give(k):
     for film, (push, drag) in loads.items():
         values[f"{film}nodal_pressure_force"] = 5.0 * push * (1 + np.sin(0.4 * k))
         values[f"{film}nodal_friction_force"] = 0.1 * drag * np.cos(0.4 * k)
+    for film, (push, drag) in pins.items():
+        values[f"{film}nodal_pressure_force"] = 300.0 * push * (1 + np.sin(0.4 * k))
+        values[f"{film}nodal_circumferential_force"] = 30.0 * drag * np.cos(0.3 * k)
     if python.built.mounted:  # it shakes harder than any block on mounts
         values |= dict(
             block_acceleration_x=40.0 * np.cos(k),
@@ -180,16 +188,21 @@ def told(coarse, kept_bodies, tmp_path_factory):
         (resources / "build.json").write_text(json.dumps(prepared))
         for file in files:
             shutil.copy(file, resources)
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(resources), json.dumps(changes)],
-            capture_output=True,
-            text=True,
-            env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        )
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout.splitlines()[-1])
+        return side_by_side(resources, changes)
 
     return run
+
+
+def side_by_side(resources, changes):
+    """What the script prints last of the slave in a folder, parameters changed."""
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(resources), json.dumps(changes)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 @pytest.mark.parametrize(
@@ -222,10 +235,12 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
 
 
 def test_every_parameter_is_free_or_covered_by_name():
-    assert set(SETTING) == set(vars(Parameters()))
+    of_pin = (PinParameters, *CRANK_PARAMETERS.values())
+    assert set(SETTING) == {name for kind in (Parameters, *of_pin) for name in vars(kind())}
     assert set(COVERED) <= set(SETTING)
     assert np.isfinite(list(COVERED.values())).all()
     assert len({*INPUTS, *OUTPUTS}) == len(INPUTS) + len(OUTPUTS)
+    assert len({*PIN_OUTPUTS}) == len(PIN_OUTPUTS)
 
 
 def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built():
@@ -233,3 +248,6 @@ def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built
     assert list(uncovered(given)) == []
     assert len(list(uncovered({"motion_in_space": {}}))) == 1
     assert len(list(uncovered(dict.fromkeys(OPTIONS, True)))) == len(OPTIONS)
+    assert list(uncovered({"floating_pin": {"boss_modes": 60, "pin_shapes": 0}})) == []
+    (told,) = uncovered({"floating_pin": {"pin_shapes": 5}})
+    assert told == "floating_pin.pin_shapes: a native FMU has no pin that tilts or bends"
