@@ -40,13 +40,14 @@ from .dynamics.floating_pin import (
     COORDINATES,
     inertia,
     inertia_with_rod,
+    layout,
     of_eye,
 )
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
-from .dynamics.pin_instant import EYE, end_of_pin_step, linearise_pin, respond_pin
+from .dynamics.pin_instant import EYE, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
@@ -123,14 +124,12 @@ from .native_block import (
     KINETIC,
     LAND,
     LAST_ACCELERATION,
-    LAST_AROUND,
     LAST_CARRIER,
     LAST_COEFFICIENTS,
     LAST_CRANK,
     LAST_LOAD,
     LAST_NUMBERS,
     LAST_POSITION,
-    LAST_PRESSURE,
     LAST_VELOCITY,
     LEFT,
     LINEAR_NUMBERS,
@@ -500,8 +499,6 @@ def _lengths(given, options):
         "diagonal": of_tangent,
         "coupling": of_tangent * of_tangent,
         "columns": len(Carrier._fields) * of_motion if options.mounted else 0,
-        "last_pressure": _pin_cells(options),
-        "last_around": _pin_cells(options),
         "factors": of_pin * of_pin,
         "order": of_pin,
         "faults": 1 + OF_A_FAULT * MOST_FAULTS,
@@ -810,8 +807,8 @@ def publish(real, integer, memory, now, scalars):
 
 
 @compiled
-def publish_pin(real, memory, bodies, found, forces):
-    """Outputs of pin and crank into the variables; forces that a derivative starts from."""
+def publish_pin(real, memory, bodies, found):
+    """Outputs of pin and crank into the variables; the tangent that derivatives ask for."""
     scatter(real, memory, FILM_THICKNESS, found.film_thickness, True)
     scatter(real, memory, SLIDING_VELOCITY, found.circumferential_velocity, True)
     for s in range(len(found.work_error)):
@@ -823,12 +820,13 @@ def publish_pin(real, memory, bodies, found, forces):
             real[at] = scalars[k]
     modes = len(bodies.eye.stiffness)
     if modes:
-        own = of_eye(bodies, found.now.position)
+        first = layout(bodies)
+        own = of_eye(first, found.now.position)
         keep(stacked(real, memory, OF_PIN_OUTPUTS + EYE_COORDINATE, modes), own)
-        own = of_eye(bodies, found.now.kept_velocity)
+        own = of_eye(first, found.now.kept_velocity)
         keep(stacked(real, memory, OF_PIN_OUTPUTS + EYE_VELOCITY, modes), own)
-    keep(part(memory, LAST_PRESSURE), forces.pressure)
-    keep(part(memory, LAST_AROUND), forces.circumferential)
+    keep(part(memory, FACTORS), found.factors.both.reshape(found.factors.both.size))
+    keep(part(memory, ORDER), found.factors.order)
 
 
 @compiled
@@ -888,7 +886,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         found_with_pin = end_of_pin_step(of, c, before, auxiliary, crank, others, skirt, forces)
         now = found_with_pin.now
         if now.evaluations > 0:
-            publish_pin(real, memory, of.bodies, found_with_pin, forces)
+            publish_pin(real, memory, of.bodies, found_with_pin)
     else:
         now = end_of_step(system, c, before, auxiliary, crank, others, push, drag)
     if now.evaluations == 0:
@@ -973,23 +971,8 @@ def end_of(memory, system):
 
 @compiled
 def make_linear(memory, system):
-    """Derivatives of the last step that every direction shares, into the memory."""
+    """Derivatives of the last step of a tied pin that every direction shares, into the memory."""
     end = end_of(memory, system)
-    last = part(memory, LAST_NUMBERS)
-    last[IS_LINEAR] = 1.0
-    last[TANGENTS] += 1.0
-    if pin_films(memory) > 0:
-        factors = linearise_pin(
-            pin_system_of(memory, system),
-            coefficients_from(part(memory, LAST_COEFFICIENTS)),
-            end.load,
-            end.now,
-            end.crank,
-            PinForces(part(memory, LAST_PRESSURE), part(memory, LAST_AROUND)),
-        )
-        keep(part(memory, FACTORS), factors.both.reshape(factors.both.size))
-        keep(part(memory, ORDER), factors.order)
-        return
     found = linearise(
         system,
         coefficients_from(part(memory, LAST_COEFFICIENTS)),
@@ -1005,6 +988,9 @@ def make_linear(memory, system):
     keep(part(memory, LEFT), found.arrow.left.reshape(found.arrow.left.size))
     keep(part(memory, DIAGONAL), found.arrow.diagonal)
     keep(part(memory, COUPLING), found.coupling.reshape(found.coupling.size))
+    last = part(memory, LAST_NUMBERS)
+    last[IS_LINEAR] = 1.0
+    last[TANGENTS] += 1.0
 
 
 @compiled
@@ -1110,12 +1096,11 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """Products of the seeds among the variables (Eq. (D7)); `numbers` unused."""
     part(memory, FAULTS_AT)[0] = 0.0
     system = system_of(memory)
-    last = part(memory, LAST_NUMBERS)
-    if last[IS_LINEAR] == 0.0:
-        make_linear(memory, system)
     if pin_films(memory) > 0:
         change = change_with_pin(real, memory, system)
     else:
+        if part(memory, LAST_NUMBERS)[IS_LINEAR] == 0.0:
+            make_linear(memory, system)
         change = change_of_tied(real, memory, system)
     scatter(real, memory, THICKNESS_PRODUCT, change.film_thickness, False)
     scatter(real, memory, SLIDING_PRODUCT, change.sliding_velocity, False)

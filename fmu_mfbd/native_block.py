@@ -92,13 +92,11 @@ LAST = (
     "diagonal",
     "coupling",
     "columns",
-    "last_pressure",
-    "last_around",
     "factors",
     "order",
 )
-"""What a derivative at the end of the last step asks for; the last four of a floating pin: forces
-of its films, and the tangent, factorised.
+"""What a derivative at the end of the last step asks for; the last two of a floating pin: its
+tangent, factorised.
 """
 PARTS = (*GIVEN, *MADE, *STATE, *LAST, "faults")
 (
@@ -164,8 +162,6 @@ NUMBERS, POSITION, VELOCITY, ACCELERATION, AUXILIARY, OTHER_FORCES = (
     DIAGONAL,
     COUPLING,
     COLUMNS,
-    LAST_PRESSURE,
-    LAST_AROUND,
     FACTORS,
     ORDER,
 ) = (OTHER_FORCES + 1 + k for k in range(len(LAST)))

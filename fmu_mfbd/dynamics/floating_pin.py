@@ -27,6 +27,7 @@ from .floating_frame import RIGID as FRAME
 from .floating_frame import (
     TURN,
     FlexibleBody,
+    FrameForce,
     FrameMotion,
     X,
     Y,
@@ -112,21 +113,22 @@ class Bodies(NamedTuple):
 
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the pin's shapes, (n, 2)."""
-        return of_shapes(self, coordinates)
+        return of_shapes(layout(self), coordinates)
 
     def in_eye(self, coordinates: np.ndarray) -> np.ndarray:
         """Those of the eye's modes, (m,)."""
-        return of_eye(self, coordinates)
+        return of_eye(layout(self), coordinates)
 
 
 class Layout(NamedTuple):
-    """Number of the first coordinate of each block, `NOWHERE` of films that the crank has not, and
-    of coordinates in all.
+    """Number of the first coordinate of each block, `crank` of its films together, `NOWHERE` of
+    those that it has not; and of coordinates in all.
     """
 
     modes: int
     shapes: int
     eye: int
+    crank: int
     big_end: int
     main_bearing: int
     size: int
@@ -137,7 +139,8 @@ def layout(bodies: Bodies) -> Layout:
     """Where each block of coordinates begins; the one list of them."""
     shapes = COORDINATES + len(bodies.piston.stiffness)
     eye = shapes + 2 * len(bodies.shapes.mass)
-    end = eye + len(bodies.eye.stiffness)
+    crank = eye + len(bodies.eye.stiffness)
+    end = crank
     big_end = NOWHERE
     main_bearing = NOWHERE
     if bodies.crank.big_end:
@@ -146,32 +149,30 @@ def layout(bodies: Bodies) -> Layout:
     if bodies.crank.main_bearing:
         main_bearing = end
         end += 2
-    return Layout(COORDINATES, shapes, eye, big_end, main_bearing, end)
+    return Layout(COORDINATES, shapes, eye, crank, big_end, main_bearing, end)
 
 
 @compilable
-def of_modes(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+def of_modes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
     """Those of the piston's modes, (k,)."""
-    return coordinates[COORDINATES : COORDINATES + len(bodies.piston.stiffness)]
+    return coordinates[first.modes : first.shapes]
 
 
 @compilable
-def of_shapes(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+def of_shapes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
     """Those of the pin's shapes, (n, 2)."""
-    first = layout(bodies).shapes
-    n = len(bodies.shapes.mass)
+    n = (first.eye - first.shapes) // 2
     out = np.empty((n, 2))
     for k in range(n):
-        out[k, 0] = coordinates[first + k]
-        out[k, 1] = coordinates[first + n + k]
+        out[k, 0] = coordinates[first.shapes + k]
+        out[k, 1] = coordinates[first.shapes + n + k]
     return out
 
 
 @compilable
-def of_eye(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+def of_eye(first: Layout, coordinates: np.ndarray) -> np.ndarray:
     """Those of the eye's modes, (m,)."""
-    first = layout(bodies).eye
-    return coordinates[first : first + len(bodies.eye.stiffness)]
+    return coordinates[first.eye : first.crank]
 
 
 @compilable
@@ -183,13 +184,12 @@ def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def shift_of(bodies: Bodies, coordinates: np.ndarray) -> np.ndarray:
+def shift_of(first: Layout, coordinates: np.ndarray) -> np.ndarray:
     """By which the rod's big end lies beside its place on a crank without play (Eq. (K25)), or its
     change, (2,).
     """
-    at = layout(bodies)
-    journal = play_at(at.main_bearing, coordinates)
-    crank_pin = play_at(at.big_end, coordinates)
+    journal = play_at(first.main_bearing, coordinates)
+    crank_pin = play_at(first.big_end, coordinates)
     return pair(journal[0] - crank_pin[0], journal[1] - crank_pin[1])
 
 
@@ -274,30 +274,35 @@ class Lack(NamedTuple):
         Force along y that piston and pin need of the rod, T [N].
     torque : float
         Of the drive on the crank [N m].
+    at : Place
+    force : FrameForce
+        That the piston's frame needs, in its own axes.
     """
 
     residual: np.ndarray
     on_piston: np.ndarray
     above_eye: float
     torque: float
+    at: Place
+    force: FrameForce
 
 
 @compilable
-def small_end(bodies: Bodies, coordinates: np.ndarray) -> float:
+def small_end(first: Layout, coordinates: np.ndarray) -> float:
     """x of the rod's eye from its concentric place, less that of its big end from the place on a
     crank without play, or its change in time, by the coordinates'.
     """
-    aside = shift_of(bodies, coordinates)
+    aside = shift_of(first, coordinates)
     return coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X] - aside[0]
 
 
 @compilable
-def eye_motion(bodies: Bodies, now: Motion) -> LateralMotion:
+def eye_motion(first: Layout, now: Motion) -> LateralMotion:
     """How the rod's eye moves across the bore, seen from its big end."""
     return LateralMotion(
-        small_end(bodies, now.position),
-        small_end(bodies, now.velocity),
-        small_end(bodies, now.acceleration),
+        small_end(first, now.position),
+        small_end(first, now.velocity),
+        small_end(first, now.acceleration),
     )
 
 
@@ -342,13 +347,14 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
     crank : CrankMotion
     """
     mechanism = bodies.mechanism
-    eye = eye_motion(bodies, now)
+    first = layout(bodies)
+    eye = eye_motion(first, now)
     link = motion(mechanism, eye, crank)
     rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
     axes = turned(now.position[ROCKING])
     a = now.acceleration
     # Eq. (K25)
-    shift = shift_of(bodies, a)
+    shift = shift_of(first, a)
     k = mechanism.rod_centre
     r = mechanism.crank_radius
     towards = towards_crank_pin(crank.angle)
@@ -366,12 +372,12 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
         of_A[1],
         a[ROCKING],
         now.velocity[ROCKING],
-        of_modes(bodies, now.position),
-        of_modes(bodies, now.velocity),
-        of_modes(bodies, a),
+        of_modes(first, now.position),
+        of_modes(first, now.velocity),
+        of_modes(first, a),
     )
     pin = pair(a[LATERAL] + a[BOSS_X], high)
-    journal = play_at(layout(bodies).main_bearing, a)
+    journal = play_at(first.main_bearing, a)
     return Place(link, rod, axes, piston, pin, shift, rod_centre, journal, frame)
 
 
@@ -477,7 +483,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
     torque += mechanism.rod_mass * (by_centre[0] * at.shift[0] + by_centre[1] * at.shift[1])
     torque += bodies.crank.unbalance * (onward[0] * at.crank[0] + onward[1] * at.crank[1])
     torque -= films.big_end.on_pin + films.main_bearing.on_pin
-    return Lack(residual, on_piston, above_eye, torque)
+    return Lack(residual, on_piston, above_eye, torque, at, force)
 
 
 @compilable
@@ -485,8 +491,8 @@ def tangent(
     bodies: Bodies,
     load: Load,
     now: Motion,
-    crank: CrankMotion,
     films: PinFilms,
+    lack: Lack,
     to_velocity: np.ndarray,
     to_position: np.ndarray,
 ) -> np.ndarray:
@@ -495,8 +501,10 @@ def tangent(
 
     Parameters
     ----------
-    bodies, load, now, crank, films
+    bodies, load, now, films
         As for `imbalance`; the films' nodal forces are held, and turn with their shells.
+    lack : Lack
+        Of `imbalance`.
     to_velocity, to_position : ndarray, shape (7 + k + 2 n,)
         [s], [s2]; all modes alike.
 
@@ -504,7 +512,7 @@ def tangent(
     -------
     ndarray, shape (7 + k + 2 n, 7 + k + 2 n)
     """
-    at = place_of(bodies, now, crank)
+    at = lack.at
     first = layout(bodies)
     mechanism = bodies.mechanism
     link = at.link
@@ -515,10 +523,9 @@ def tangent(
     modes = len(bodies.piston.stiffness)
     shapes = bodies.shapes
     n = len(shapes.mass)
-    force = frame_force(bodies.piston, at.frame)
-    needed = in_space(at.axes, pair(force.x, force.y))
-    above_eye = imbalance(bodies, load, now, crank, films).above_eye
-    frame = _frame_tangent(bodies, at.frame, c1, c2)
+    needed = in_space(at.axes, pair(lack.force.x, lack.force.y))
+    above_eye = lack.above_eye
+    frame = _frame_tangent(bodies.piston, at.frame, c1, c2)
     rows = np.empty(FRAME + modes)
     carried = mechanism.rod_centre * mechanism.rod_mass
     swung = link.curvature * above_eye - rod.curvature * on_rod(films)
@@ -636,13 +643,12 @@ def tangent(
 
 @compilable
 def _frame_tangent(
-    bodies: Bodies, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
+    piston: FlexibleBody, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
 ) -> np.ndarray:
     """Derivative of the frame's rows (Eqs. (D1) to (D3)) by A's acceleration in the body's axes,
     the angle and the modes, (3 + k, 3 + k); the integrator moves angle and modes each in its own
     way.
     """
-    piston = bodies.piston
     k = len(frame.q)
     out = np.empty((FRAME + k, FRAME + k))
     arrow = frame_arrow(piston, frame, c1[ROCKING], c2[ROCKING])
@@ -677,20 +683,22 @@ class Pushes(NamedTuple):
 
 
 @compilable
-def pushed(bodies: Bodies, at: Place, films: PinFilms, on_piston: Pushes) -> np.ndarray:
+def pushed(
+    first: Layout, link: Link, rod: RodTurn, films: PinFilms, on_piston: Pushes
+) -> np.ndarray:
     """What changes of the forces add to the residual (Eq. (D21)), shape (7 + k + 2 n,).
 
     Parameters
     ----------
-    bodies : Bodies
-    at : Place
+    first : Layout
+    link : Link
+    rod : RodTurn
     films : PinFilms
         Changes.
     on_piston : Pushes
     """
-    first = layout(bodies)
     axial = on_piston.axial
-    sideways = -at.link.slope * axial - at.rod.slope * on_rod(films)
+    sideways = -link.slope * axial - rod.slope * on_rod(films)
     out = np.empty(first.size)
     out[LATERAL] = sideways - on_piston.lateral
     out[ROCKING] = -on_piston.moment - films.bosses.on_shell
@@ -699,14 +707,14 @@ def pushed(bodies: Bodies, at: Place, films: PinFilms, on_piston: Pushes) -> np.
     out[EYE_X] = -sideways - films.eye.force[0]
     out[EYE_Y] = -axial - films.eye.force[1]
     out[SPIN] = -films.bosses.on_pin - films.eye.on_pin
-    for k in range(len(bodies.piston.stiffness)):
+    for k in range(first.shapes - first.modes):
         out[first.modes + k] = -on_piston.modal[k]
-    n = len(bodies.shapes.mass)
+    n = (first.eye - first.shapes) // 2
     for k in range(n):
         for way in range(2):
             push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
             out[first.shapes + way * n + k] = -push
-    for k in range(len(bodies.eye.stiffness)):
+    for k in range(first.crank - first.eye):
         out[first.eye + k] = -films.on_eye[k]
     if first.big_end >= 0:
         out[first.big_end] = sideways - films.big_end.force[0]

@@ -34,6 +34,7 @@ from ..geometry.pin import (
     with_slopes,
     yielded,
 )
+from ..geometry.pin_shapes import AxisShapes
 from ..geometry.pin_surfaces import pin_cells, pin_surface_at, pins_of
 from ..geometry.surfaces import count_of, surface_at
 from .elimination import Factors, factorise, substitute
@@ -46,6 +47,7 @@ from .floating_pin import (
     SPIN,
     Bodies,
     Lack,
+    Layout,
     PinFilms,
     Pushes,
     elastic_energy,
@@ -57,7 +59,6 @@ from .floating_pin import (
     of_modes,
     of_shapes,
     on_rod,
-    place_of,
     play_at,
     pushed,
     shift_of,
@@ -79,7 +80,7 @@ from .instant import (
     work_error,
 )
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .slider_crank import CrankMotion, height, motion, rod_turn
+from .slider_crank import CrankMotion, Mechanism, height, motion, rod_turn
 
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
@@ -144,6 +145,8 @@ class Solved(NamedTuple):
     end : Motion
     films : PinFilms
     lack : Lack
+    factors : Factors
+        Of the tangent there.
     evaluations : int
         0 where the equations were not solved.
     change : float
@@ -153,6 +156,7 @@ class Solved(NamedTuple):
     end: Motion
     films: PinFilms
     lack: Lack
+    factors: Factors
     evaluations: int
     change: float
 
@@ -201,6 +205,8 @@ class PinInstant(NamedTuple):
     work_error : ndarray, shape (films,)
         Power of each film on its grid minus that in the coordinates, relative [-].
     scalars : PinScalars
+    factors : Factors
+        Of the tangent of Eq. (D21), for derivatives.
     """
 
     now: Instant
@@ -208,17 +214,17 @@ class PinInstant(NamedTuple):
     circumferential_velocity: np.ndarray
     work_error: np.ndarray
     scalars: PinScalars
+    factors: Factors
 
 
 # ---- shells
 
 
 @compilable
-def shell_of(bodies: Bodies, now: Motion, crank: CrankMotion, k: int) -> Shell:
+def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotion, k: int) -> Shell:
     """Of the k-th film of pin and crank."""
     position = now.position
     velocity = now.velocity
-    first = layout(bodies)
     if k < EYE:
         return Shell(
             turned(position[ROCKING]),
@@ -226,10 +232,9 @@ def shell_of(bodies: Bodies, now: Motion, crank: CrankMotion, k: int) -> Shell:
             pair(velocity[BOSS_X], velocity[BOSS_Y]),
             velocity[ROCKING],
             velocity[SPIN] - velocity[ROCKING],
-            Bent(of_shapes(bodies, position), of_shapes(bodies, velocity)),
+            Bent(of_shapes(first, position), of_shapes(first, velocity)),
         )
-    mechanism = bodies.mechanism
-    eye = eye_motion(bodies, now)
+    eye = eye_motion(first, now)
     rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
     aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
     sine = -aside / mechanism.rod_length  # Eq. (K3)
@@ -241,10 +246,10 @@ def shell_of(bodies: Bodies, now: Motion, crank: CrankMotion, k: int) -> Shell:
             pair(velocity[EYE_X], velocity[EYE_Y]),
             rod.velocity,
             velocity[SPIN] - rod.velocity,
-            Bent(of_shapes(bodies, position), of_shapes(bodies, velocity)),
+            Bent(of_shapes(first, position), of_shapes(first, velocity)),
         )
     parallel = Bent(np.zeros((0, 2)), np.zeros((0, 2)))
-    if k == _big_end(bodies):
+    if k == _big_end(first):
         at = first.big_end
         place = play_at(at, position)
         moved = play_at(at, velocity)
@@ -257,9 +262,9 @@ def shell_of(bodies: Bodies, now: Motion, crank: CrankMotion, k: int) -> Shell:
 
 
 @compilable
-def _big_end(bodies):
+def _big_end(first):
     """Number of the big end's film, -1 without it."""
-    return EYE + 1 if bodies.crank.big_end else -1
+    return EYE + 1 if first.big_end >= 0 else -1
 
 
 @compilable
@@ -296,12 +301,12 @@ def own_bent(shell: Shell) -> Bent:
 
 
 @compilable
-def shell_modes_of(bodies: Bodies, coordinates: np.ndarray, k: int) -> np.ndarray:
+def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray:
     """Modal coordinates by which the shell of film k yields."""
     if k < EYE:
-        return of_modes(bodies, coordinates)
+        return of_modes(first, coordinates)
     if k == EYE:
-        return of_eye(bodies, coordinates)
+        return of_eye(first, coordinates)
     return coordinates[:0]
 
 
@@ -309,9 +314,9 @@ def shell_modes_of(bodies: Bodies, coordinates: np.ndarray, k: int) -> np.ndarra
 
 
 @compilable
-def on_film(of: PinSystem, forces: PinForces, k: int, first: int) -> PinForces:
-    """Forces of film k, whose cells begin with `first`, of stacked ones."""
-    last = first + pin_cells(of.surfaces, k)
+def on_film(forces: PinForces, first: int, cells: int) -> PinForces:
+    """Forces of a film of so many cells, which begin with `first` of stacked ones."""
+    last = first + cells
     return PinForces(forces.pressure[first:last], forces.circumferential[first:last])
 
 
@@ -363,17 +368,16 @@ class OnModes(NamedTuple):
 
 
 @compilable
-def on_modes_of(of: PinSystem, forces: PinForces) -> OnModes:
-    """What the films do by the modes of their shells."""
-    bodies = of.bodies
-    k = len(bodies.piston.stiffness)
-    m = len(bodies.eye.stiffness)
+def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnModes:
+    """What the films do by the modes of their shells; `surfaces` as in `PinSystem`."""
+    k = first.shapes - first.modes
+    m = first.crank - first.eye
     out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
-    first = 0
+    cell = 0
     for film in range(EYE + 1):
-        surface = pin_surface_at(of.surfaces, film)
-        own = on_film(of, forces, film, first)
-        first += pin_cells(of.surfaces, film)
+        surface = pin_surface_at(surfaces, film)
+        own = on_film(forces, cell, pin_cells(surfaces, film))
+        cell += pin_cells(surfaces, film)
         slopes = slope_push(surface, own.pressure)
         pushes = modal_push(surface, own)
         for n in range(len(slopes)):
@@ -388,27 +392,34 @@ def on_modes_of(of: PinSystem, forces: PinForces) -> OnModes:
 
 @compilable
 def films_at(
-    of: PinSystem, forces: PinForces, now: Motion, crank: CrankMotion, by: OnModes
+    surfaces: np.ndarray,
+    mechanism: Mechanism,
+    first: Layout,
+    forces: PinForces,
+    now: Motion,
+    crank: CrankMotion,
+    by: OnModes,
 ) -> PinFilms:
-    """What the films do with their shells where a motion has them; both bosses as one."""
-    bodies = of.bodies
-    none = no_film(0)
-    both = no_film(len(bodies.shapes.mass))
-    eye = no_film(len(bodies.shapes.mass))
-    big_end = none
-    main_bearing = none
-    first = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(bodies, now, crank, k)
-        own = on_film(of, forces, k, first)
-        first += pin_cells(of.surfaces, k)
-        found = resultants_of(surface, own, shell, shell_modes_of(bodies, now.position, k))
+    """What the films do with their shells where a motion has them; both bosses as one. `surfaces`
+    as in `PinSystem`.
+    """
+    shapes = (first.eye - first.shapes) // 2
+    both = no_film(shapes)
+    eye = no_film(shapes)
+    big_end = no_film(0)
+    main_bearing = no_film(0)
+    cell = 0
+    for k in range(pins_of(surfaces)):
+        surface = pin_surface_at(surfaces, k)
+        shell = shell_of(mechanism, first, now, crank, k)
+        own = on_film(forces, cell, pin_cells(surfaces, k))
+        cell += pin_cells(surfaces, k)
+        found = resultants_of(surface, own, shell, shell_modes_of(first, now.position, k))
         if k < EYE:
             both = added(both, found)
         elif k == EYE:
             eye = found
-        elif k == _big_end(bodies):
+        elif k == _big_end(first):
             big_end = found
         else:
             main_bearing = found
@@ -484,7 +495,8 @@ def largest(values: np.ndarray) -> float:
 
 @compilable
 def solved(
-    of: PinSystem,
+    bodies: Bodies,
+    surfaces: np.ndarray,
     predicted: Predicted,
     begun: np.ndarray,
     reach: Reach,
@@ -494,9 +506,10 @@ def solved(
     by: OnModes,
 ) -> Solved:
     """Accelerations that fulfil Eq. (D21) at the end of a step, by Newton's method, from where
-    the step ends without any and from those at its beginning.
+    the step ends without any and from those at its beginning. `surfaces` as in `PinSystem`.
     """
-    bodies = of.bodies
+    first = layout(bodies)
+    mechanism = bodies.mechanism
     n = len(begun)
     end = Motion(np.empty(n), np.empty(n), begun.copy())
     change = np.inf
@@ -505,10 +518,11 @@ def solved(
         for k in range(n):
             end.position[k] = predicted.position[k] + reach.position[k] * end.acceleration[k]
             end.velocity[k] = predicted.velocity[k] + reach.velocity[k] * end.acceleration[k]
-        films = films_at(of, forces, end, crank, by)
+        films = films_at(surfaces, mechanism, first, forces, end, crank, by)
         lack = imbalance(bodies, load, end, crank, films)
-        slope = tangent(bodies, load, end, crank, films, reach.velocity, reach.position)
-        step = substitute(factorise(slope), lack.residual)
+        slope = tangent(bodies, load, end, films, lack, reach.velocity, reach.position)
+        factors = factorise(slope)
+        step = substitute(factors, lack.residual)
         size = largest(end.acceleration)
         left = largest(step)
         # what grows again, or does not fall by ten, is round-off of forces that cancel
@@ -519,13 +533,13 @@ def solved(
             break
         for k in range(n):
             end.acceleration[k] -= step[k]
-    return Solved(end, films, lack, evaluations, change)
+    return Solved(end, films, lack, factors, evaluations, change)
 
 
 @compilable
-def _of_skirt(bodies, coordinates):
+def _of_skirt(first, coordinates):
     """Coordinates of the skirt's film: x_A, rocking angle, modes."""
-    modal = of_modes(bodies, coordinates)
+    modal = of_modes(first, coordinates)
     out = np.empty(RIGID + len(modal))
     for k in range(RIGID):
         out[k] = coordinates[k]
@@ -535,19 +549,18 @@ def _of_skirt(bodies, coordinates):
 
 
 @compilable
-def lifted(bodies: Bodies, coordinates: np.ndarray) -> float:
+def lifted(first: Layout, coordinates: np.ndarray) -> float:
     """By which play lifts A (Eqs. (K16), (K25)) [m], or its change."""
-    return coordinates[EYE_Y] - coordinates[BOSS_Y] + shift_of(bodies, coordinates)[1]
+    return coordinates[EYE_Y] - coordinates[BOSS_Y] + shift_of(first, coordinates)[1]
 
 
 @compilable
 def generalised_forces(
-    bodies: Bodies, skirt: FilmForces, films: PinFilms, modal: np.ndarray
+    first: Layout, skirt: FilmForces, films: PinFilms, modal: np.ndarray
 ) -> np.ndarray:
     """Generalised forces of all films, but for what they do along the driven motion,
     (7 + k + 2 n,); `modal` those on the modes.
     """
-    first = layout(bodies)
     out = np.empty(first.size)
     out[LATERAL] = skirt.lateral
     out[ROCKING] = skirt.moment + films.bosses.on_shell
@@ -558,7 +571,7 @@ def generalised_forces(
     out[SPIN] = films.bosses.on_pin + films.eye.on_pin
     for k in range(len(modal)):
         out[first.modes + k] = modal[k]
-    n = len(bodies.shapes.mass)
+    n = (first.eye - first.shapes) // 2
     for k in range(n):
         for way in range(2):
             push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
@@ -616,10 +629,10 @@ def _ledger(of, before, kept, end, forces, driven):
 
 
 @compilable
-def _work_error(of, surface, forces, shell, end, k):
+def _work_error(first, surface, forces, shell, end, k):
     """Power of a film on the grid (Eq. (G4)) minus that in the coordinates, relative [-]."""
-    modal = shell_modes_of(of.bodies, end.position, k)
-    modal_velocity = shell_modes_of(of.bodies, end.velocity, k)
+    modal = shell_modes_of(first, end.position, k)
+    modal_velocity = shell_modes_of(first, end.velocity, k)
     found = resultants_of(surface, forces, shell, modal)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
@@ -649,11 +662,11 @@ def _work_error(of, surface, forces, shell, end, k):
 
 @compilable
 def gap_of(
-    bodies: Bodies, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
+    first: Layout, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
 ) -> np.ndarray:
     """Film thickness of film k, (c, a) [m]."""
     gap = opening_of(surface, in_axes(shell.axes, shell.place))
-    opened = yielded(surface, shell_modes_of(bodies, coordinates, k))
+    opened = yielded(surface, shell_modes_of(first, coordinates, k))
     leans = leaning(surface, own_bent(shell).position)
     around, along = gap.shape
     for i in range(around):
@@ -663,19 +676,19 @@ def gap_of(
 
 
 @compilable
-def pin_scalars(of: PinSystem, now: Motion, films: PinFilms) -> PinScalars:
-    """Scalar outputs at an instant; `now` as it is kept."""
-    bodies = of.bodies
-    first = layout(bodies)
+def pin_scalars(
+    shapes: AxisShapes, in_eye: PinSurface, first: Layout, now: Motion, films: PinFilms
+) -> PinScalars:
+    """Scalar outputs at an instant; `in_eye`: the eye's film, `now`: as it is kept."""
     position = now.position
     tilt = np.zeros(2)
     sag = np.zeros(2)
-    bent = of_shapes(bodies, position)
+    bent = of_shapes(first, position)
     for k in range(len(bent)):
         for way in range(2):
-            tilt[way] += bodies.shapes.slope[k] * bent[k, way]
-            sag[way] += bodies.shapes.sag[k] * bent[k, way]
-    opened = yielded(pin_surface_at(of.surfaces, EYE), of_eye(bodies, position))
+            tilt[way] += shapes.slope[k] * bent[k, way]
+            sag[way] += shapes.sag[k] * bent[k, way]
+    opened = yielded(in_eye, of_eye(first, position))
     wider = diameters(opened)
     crank_pin = play_at(first.big_end, position)
     journal = play_at(first.main_bearing, position)
@@ -751,7 +764,8 @@ def end_of_pin_step(
     parts = forces_by_film(system, guided.height, skirt_forces.pressure, skirt_forces.friction)
     skirt = together(system, parts)
     along_bore = others.gas - others.rings.axial
-    by = on_modes_of(of, forces)
+    at = layout(bodies)
+    by = on_modes_of(of.surfaces, at, forces)
     on_modes = np.empty(len(by.on_piston))
     modal = np.empty(len(by.on_piston))
     for k in range(len(modal)):
@@ -767,7 +781,9 @@ def end_of_pin_step(
     )
     predicted = predicted_of(c, before, auxiliary)
     reach = reach_of(c, n)
-    found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
+    found = solved(
+        bodies, of.surfaces, predicted, before.acceleration, reach, load, crank, forces, by
+    )
     end = found.end
     carried = predicted.auxiliary
     for k in range(n):
@@ -778,12 +794,12 @@ def end_of_pin_step(
     impact = limit_memory(rigid, before, kept, carried, c.step)
 
     guided_velocity = guided.lever * crank.speed
-    eye = eye_motion(bodies, end)
+    eye = eye_motion(at, end)
     now = height(mechanism, eye.position, crank.angle)
     axial_velocity = now.slope * eye.velocity + now.lever * crank.speed
-    axial_velocity += lifted(bodies, end.velocity)
-    position = _of_skirt(bodies, end.position)
-    velocity = _of_skirt(bodies, end.velocity)
+    axial_velocity += lifted(at, end.velocity)
+    position = _of_skirt(at, end.position)
+    velocity = _of_skirt(at, end.velocity)
     thickness = np.empty(len(skirt_forces.pressure))
     sliding_velocity = np.empty(len(skirt_forces.pressure))
     errors = np.empty(len(parts))
@@ -823,15 +839,15 @@ def end_of_pin_step(
     first = 0
     for k in range(pins_of(of.surfaces)):
         surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(bodies, end, crank, k)
-        own = on_film(of, forces, k, first)
+        shell = shell_of(mechanism, at, end, crank, k)
+        own = on_film(forces, first, pin_cells(of.surfaces, k))
         last = first + pin_cells(of.surfaces, k)
-        stack(gaps, first, gap_of(bodies, surface, shell, end.position, k))
+        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        pin_errors[k] = _work_error(of, surface, own, shell, end, k)
+        pin_errors[k] = _work_error(at, surface, own, shell, end, k)
         if k <= EYE:
-            yields = shell_modes_of(bodies, end.position, k)
+            yields = shell_modes_of(at, end.position, k)
             friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
         if k == EYE:
             rod_turning = shell.own_turning
@@ -839,7 +855,7 @@ def end_of_pin_step(
     films = found.films
     driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
     driven += _along_crank(films, crank, rod_turning)
-    all_forces = generalised_forces(bodies, skirt, films, on_modes)
+    all_forces = generalised_forces(at, skirt, films, on_modes)
     others_now = product(of.with_rod, end.acceleration)
     for k in range(n):
         others_now[k] -= all_forces[k]  # Eq. (D15)
@@ -859,7 +875,7 @@ def end_of_pin_step(
             side_force=-skirt.lateral,
             film_thickness=thickness,
             sliding_velocity=sliding_velocity,
-            piston_position=now.height + lifted(bodies, end.position),
+            piston_position=now.height + lifted(at, end.position),
             piston_velocity=axial_velocity,
             pin_x=found.lack.on_piston[0],
             pin_y=found.lack.on_piston[1] - on_slopes,
@@ -874,34 +890,12 @@ def end_of_pin_step(
         gaps,
         around,
         pin_errors,
-        pin_scalars(of, kept, films),
+        pin_scalars(bodies.shapes, pin_surface_at(of.surfaces, EYE), at, kept, films),
+        found.factors,
     )
 
 
 # ---- its derivative
-
-
-@compiled
-def linearise_pin(
-    of: PinSystem, c: Coefficients, load: Load, end: Motion, crank: CrankMotion, forces: PinForces
-) -> Factors:
-    """The tangent of Eq. (D21) at the end of a step, factorised.
-
-    Parameters
-    ----------
-    of : PinSystem
-    c : Coefficients
-        Of the step.
-    load : Load
-    end : Motion
-    crank : CrankMotion
-    forces : PinForces
-        Of the films of pin and crank at that end, stacked [N].
-    """
-    by = on_modes_of(of, forces)
-    films = films_at(of, forces, end, crank, by)
-    reach = reach_of(c, len(end.position))
-    return factorise(tangent(of.bodies, load, end, crank, films, reach.velocity, reach.position))
 
 
 class PinResponse(NamedTuple):
@@ -931,22 +925,21 @@ class ShellChange(NamedTuple):
 
 
 @compilable
-def _shell_change(bodies, end, moved, crank, k):
+def _shell_change(mechanism, first, end, moved, crank, k):
     """Of film k with a change of the motion."""
     place = moved.position
     speed = moved.velocity
     if k < EYE:
         boss = pair(place[BOSS_X], place[BOSS_Y])
         return ShellChange(boss, place[ROCKING], speed[SPIN] - speed[ROCKING])
-    now = eye_motion(bodies, end)
-    rod = rod_turn(bodies.mechanism, now.position, now.velocity, crank.angle, crank.speed)
-    eye = eye_motion(bodies, moved)
+    now = eye_motion(first, end)
+    rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
+    eye = eye_motion(first, moved)
     turn = rod.slope * eye.position
     turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position
     if k == EYE:
         return ShellChange(pair(place[EYE_X], place[EYE_Y]), turn, speed[SPIN] - turning)
-    first = layout(bodies)
-    if k == _big_end(bodies):
+    if k == _big_end(first):
         return ShellChange(play_at(first.big_end, place), turn, -turning)
     return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)
 
@@ -977,7 +970,7 @@ def respond_pin(
     end : Motion
     crank : CrankMotion
     factors : Factors
-        Of J, `linearise_pin`.
+        Of J, `PinInstant.factors`.
     skirt_forces, rings, forces
         Directions; nodal forces stacked [N].
 
@@ -990,8 +983,10 @@ def respond_pin(
     n = len(end.position)
     push = skirt_forces.pressure
     skirt = together(system, forces_by_film(system, guided, push, skirt_forces.friction))
-    by = on_modes_of(of, forces)
-    films = films_at(of, forces, end, crank, by)
+    at = layout(bodies)
+    mechanism = bodies.mechanism
+    by = on_modes_of(of.surfaces, at, forces)
+    films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
     modal = np.empty(len(by.on_piston))
     for k in range(len(modal)):
         modal[k] = skirt.piston[k] + by.on_piston[k]
@@ -1002,7 +997,10 @@ def respond_pin(
         skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         modal,
     )
-    right = pushed(bodies, place_of(bodies, end, crank), films, changes)
+    now = eye_motion(at, end)
+    link = motion(mechanism, now, crank)
+    rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
+    right = pushed(at, link, rod, films, changes)
     # Eq. (D23)
     acceleration = substitute(factors, right)
     reach = reach_of(c, n)
@@ -1011,15 +1009,14 @@ def respond_pin(
         acceleration[k] = -acceleration[k]
         moved.position[k] = reach.position[k] * acceleration[k]
         moved.velocity[k] = reach.velocity[k] * acceleration[k]
-    eye = eye_motion(bodies, moved)
-    link = motion(bodies.mechanism, eye_motion(bodies, end), crank)
+    eye = eye_motion(at, moved)
     rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
-    rising += lifted(bodies, moved.velocity)
+    rising += lifted(at, moved.velocity)
     none = np.zeros(0)
     thickness = np.empty(len(push))
     sliding_velocity = np.empty(len(push))
-    bent = of_modes(bodies, moved.position)
-    bending = of_modes(bodies, moved.velocity)
+    bent = of_modes(at, moved.position)
+    bending = of_modes(at, moved.velocity)
     first = 0
     for k in range(count_of(system.surfaces)):
         surface = surface_at(system.surfaces, k)
@@ -1050,8 +1047,8 @@ def respond_pin(
     first = 0
     for k in range(pins_of(of.surfaces)):
         surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(bodies, end, crank, k)
-        by_motion = _shell_change(bodies, end, moved, crank, k)
+        shell = shell_of(mechanism, at, end, crank, k)
+        by_motion = _shell_change(mechanism, at, end, moved, crank, k)
         aside = across(shell.place)
         turn = by_motion.turn
         way = in_axes(
@@ -1059,10 +1056,10 @@ def respond_pin(
             pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
         )
         gap = opening_of(surface, way)
-        opened = yielded(surface, shell_modes_of(bodies, moved.position, k))
+        opened = yielded(surface, shell_modes_of(at, moved.position, k))
         leans = np.zeros(gap.shape)
         if surface.axis.shape[1] > 0:
-            more = of_shapes(bodies, moved.position)
+            more = of_shapes(at, moved.position)
             leans = leaning(surface, turned_back(shell, shell.bent.position, more, turn))
         around, along = gap.shape
         for i in range(around):

@@ -32,7 +32,6 @@ from .pin_instant import (
     PinSystem,
     Shell,
     end_of_pin_step,
-    linearise_pin,
     respond_pin,
     shell_of,
 )
@@ -94,7 +93,8 @@ class PistonOnFloatingPin(PistonInBore):
         vars(self).update(vars(tied))
         mechanism = self.system.mechanism
         self.bodies = Bodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
-        self.coordinates = layout(self.bodies).size
+        self.layout = layout(self.bodies)
+        self.coordinates = self.layout.size
         self.inertia = inertia(self.bodies)
         with_rod = inertia_with_rod(self.bodies)
         block = in_block(pins)
@@ -126,8 +126,10 @@ class PistonOnFloatingPin(PistonInBore):
     def _pin(self) -> PinEnd:
         """The end of the last step."""
         step, forces = self._step
-        end = self._last.end
-        shells = (shell_of(self.bodies, end, self._last.crank, k) for k in range(len(self.pins)))
+        end, crank = self._last.end, self._last.crank
+        mechanism = self.bodies.mechanism
+        each = range(len(self.pins))
+        shells = (shell_of(mechanism, self.layout, end, crank, k) for k in each)
         return PinEnd(step, forces, end, tuple(shells))
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
@@ -140,11 +142,11 @@ class PistonOnFloatingPin(PistonInBore):
         outputs |= self._by_pin("film_thickness", step.film_thickness)
         outputs |= self._by_pin("circumferential_velocity", step.circumferential_velocity)
         if self.modes:
-            outputs["modal_coordinate"] = of_modes(self.bodies, now.position).copy()
-            outputs["modal_velocity"] = of_modes(self.bodies, now.kept_velocity).copy()
+            outputs["modal_coordinate"] = of_modes(self.layout, now.position).copy()
+            outputs["modal_velocity"] = of_modes(self.layout, now.kept_velocity).copy()
         if len(self.bodies.eye.stiffness):
-            outputs["small_end_modal_coordinate"] = of_eye(self.bodies, now.position).copy()
-            outputs["small_end_modal_velocity"] = of_eye(self.bodies, now.kept_velocity).copy()
+            outputs["small_end_modal_coordinate"] = of_eye(self.layout, now.position).copy()
+            outputs["small_end_modal_velocity"] = of_eye(self.layout, now.kept_velocity).copy()
         scalars = step.scalars._asdict().items()
         return outputs | {
             name: value for name, value in scalars if not name.startswith(self.left_out)
@@ -178,20 +180,14 @@ class PistonOnFloatingPin(PistonInBore):
             Directions, of all films of the pin [N].
         """
         last = self._last
-        of = self.floating
-        if self._linear is None:
-            _, forces = self._step
-            self._linear = linearise_pin(
-                of, last.coefficients, last.load, last.end, last.crank, forces
-            )
-            self.jacobian_evaluations += 1
+        step, _ = self._step
         found = respond_pin(
-            of,
+            self.floating,
             last.coefficients,
             last.guided,
             last.end,
             last.crank,
-            self._linear,
+            step.factors,
             _on_skirt(pressure_force, friction_force),
             rings,
             stacked(pins),
