@@ -47,7 +47,7 @@ from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
-from .dynamics.pin_instant import EYE, end_of_pin_step, respond_pin
+from .dynamics.pin_instant import EYE, PinStepEnd, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
@@ -1021,11 +1021,13 @@ def change_with_pin(real, memory, system):
     n = len(part(memory, ORDER))
     found = respond_pin(
         pin_system_of(memory, system),
-        coefficients_from(part(memory, LAST_COEFFICIENTS)),
-        part(memory, LAST_NUMBERS)[GUIDED],
-        end.now,
-        end.crank,
-        Factors(part(memory, FACTORS).reshape((n, n)), part(memory, ORDER)),
+        PinStepEnd(
+            coefficients_from(part(memory, LAST_COEFFICIENTS)),
+            part(memory, LAST_NUMBERS)[GUIDED],
+            end.now,
+            end.crank,
+            Factors(part(memory, FACTORS).reshape((n, n)), part(memory, ORDER)),
+        ),
         NodalForces(
             gathered(real, memory, FORCE_SEED, False), gathered(real, memory, DRAG_SEED, False)
         ),

@@ -13,6 +13,8 @@ energy             what a step gave the bodies
 account            what they took from the film over it
 model              one step after the other
 floating_pin       equations of motion of a pin on films of its own (K, D)
+elimination        small systems of linear equations (N)
+pin_instant        all of it at one instant with a floating pin, compiled
 pin_model          the model with them
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them

@@ -495,8 +495,7 @@ def largest(values: np.ndarray) -> float:
 
 @compilable
 def solved(
-    bodies: Bodies,
-    surfaces: np.ndarray,
+    of: PinSystem,
     predicted: Predicted,
     begun: np.ndarray,
     reach: Reach,
@@ -506,8 +505,9 @@ def solved(
     by: OnModes,
 ) -> Solved:
     """Accelerations that fulfil Eq. (D21) at the end of a step, by Newton's method, from where
-    the step ends without any and from those at its beginning. `surfaces` as in `PinSystem`.
+    the step ends without any and from those at its beginning.
     """
+    bodies = of.bodies
     first = layout(bodies)
     mechanism = bodies.mechanism
     n = len(begun)
@@ -518,7 +518,7 @@ def solved(
         for k in range(n):
             end.position[k] = predicted.position[k] + reach.position[k] * end.acceleration[k]
             end.velocity[k] = predicted.velocity[k] + reach.velocity[k] * end.acceleration[k]
-        films = films_at(surfaces, mechanism, first, forces, end, crank, by)
+        films = films_at(of.surfaces, mechanism, first, forces, end, crank, by)
         lack = imbalance(bodies, load, end, crank, films)
         slope = tangent(bodies, load, end, films, lack, reach.velocity, reach.position)
         factors = factorise(slope)
@@ -781,9 +781,7 @@ def end_of_pin_step(
     )
     predicted = predicted_of(c, before, auxiliary)
     reach = reach_of(c, n)
-    found = solved(
-        bodies, of.surfaces, predicted, before.acceleration, reach, load, crank, forces, by
-    )
+    found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
     end = found.end
     carried = predicted.auxiliary
     for k in range(n):
@@ -914,6 +912,28 @@ class PinResponse(NamedTuple):
     circumferential_velocity: np.ndarray
 
 
+class PinStepEnd(NamedTuple):
+    """What a derivative at the end of the last step starts from.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of the step.
+    guided : float
+        Height at which the bore is read [m].
+    end : Motion
+    crank : CrankMotion
+    factors : Factors
+        Of J, `PinInstant.factors`.
+    """
+
+    coefficients: Coefficients
+    guided: float
+    end: Motion
+    crank: CrankMotion
+    factors: Factors
+
+
 class ShellChange(NamedTuple):
     """Change of a pin's place in space (2,) [m], of its shell's angle [rad], and of the speed at
     which it turns in that [rad/s].
@@ -947,11 +967,7 @@ def _shell_change(mechanism, first, end, moved, crank, k):
 @compiled
 def respond_pin(
     of: PinSystem,
-    c: Coefficients,
-    guided: float,
-    end: Motion,
-    crank: CrankMotion,
-    factors: Factors,
+    last: PinStepEnd,
     skirt_forces: NodalForces,
     rings: RingForce,
     forces: PinForces,
@@ -963,14 +979,7 @@ def respond_pin(
     Parameters
     ----------
     of : PinSystem
-    c : Coefficients
-        Of the step.
-    guided : float
-        Height at which the bore is read [m].
-    end : Motion
-    crank : CrankMotion
-    factors : Factors
-        Of J, `PinInstant.factors`.
+    last : PinStepEnd
     skirt_forces, rings, forces
         Directions; nodal forces stacked [N].
 
@@ -980,6 +989,9 @@ def respond_pin(
     """
     system = of.system
     bodies = of.bodies
+    end = last.end
+    crank = last.crank
+    guided = last.guided
     n = len(end.position)
     push = skirt_forces.pressure
     skirt = together(system, forces_by_film(system, guided, push, skirt_forces.friction))
@@ -1002,8 +1014,8 @@ def respond_pin(
     rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
     right = pushed(at, link, rod, films, changes)
     # Eq. (D23)
-    acceleration = substitute(factors, right)
-    reach = reach_of(c, n)
+    acceleration = substitute(last.factors, right)
+    reach = reach_of(last.coefficients, n)
     moved = Motion(np.empty(n), np.empty(n), acceleration)
     for k in range(n):
         acceleration[k] = -acceleration[k]

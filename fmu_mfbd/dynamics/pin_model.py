@@ -29,6 +29,7 @@ from .instant import NO_RINGS, Instant, OtherForces, RingForce
 from .model import MOTION, Inputs, PistonInBore
 from .pin_instant import (
     PinInstant,
+    PinStepEnd,
     PinSystem,
     Shell,
     end_of_pin_step,
@@ -179,15 +180,11 @@ class PistonOnFloatingPin(PistonInBore):
         pins : tuple of PinForces
             Directions, of all films of the pin [N].
         """
-        last = self._last
         step, _ = self._step
+        c, _, end, crank, guided = self._last
         found = respond_pin(
             self.floating,
-            last.coefficients,
-            last.guided,
-            last.end,
-            last.crank,
-            step.factors,
+            PinStepEnd(c, guided, end, crank, step.factors),
             _on_skirt(pressure_force, friction_force),
             rings,
             stacked(pins),

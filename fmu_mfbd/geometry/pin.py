@@ -155,15 +155,19 @@ def pin_surface(
     return PinSurface(outward, onward, float(radius), by_row, modes, np.ascontiguousarray(axis))
 
 
-def relieved(clearance: float, relief: float, rows: np.ndarray, length: float) -> np.ndarray:
+def relieved(
+    clearance: float | np.ndarray, relief: float, rows: np.ndarray, length: float
+) -> np.ndarray:
     """Clearance of a shell that widens towards its ends, by row.
 
     Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length
 
     Parameters
     ----------
-    clearance, relief : float
-        c amid, r more at the ends [m].
+    clearance : float or ndarray, shape (a,)
+        c amid, even or by row [m].
+    relief : float
+        r, by which it is more at the ends [m].
     rows : ndarray, shape (a,)
         z of the grid's rows [m].
     length : float
