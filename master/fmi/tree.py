@@ -4,7 +4,6 @@ name made of its content.
 
 import ast
 import json
-import os
 import sys
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -14,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
-from .cache import cache_folder
+from .cache import cache_folder, write_whole
 
 INSTALLED = "piston_cosim"
 ROOT = __name__.removesuffix(".master.fmi.tree")
@@ -112,9 +111,7 @@ def _relative_imports(source):
     ]
     if kept:
         with suppress(OSError):
-            partial = kept.with_suffix(f".{os.getpid()}.part")
-            partial.write_text(json.dumps(found))
-            os.replace(partial, kept)
+            write_whole(kept, json.dumps(found).encode())
     return found
 
 

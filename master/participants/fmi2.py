@@ -1,7 +1,5 @@
 """One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its
 log as text.
-
-The only file that knows FMPy.
 """
 
 import ctypes

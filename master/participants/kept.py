@@ -2,7 +2,6 @@
 each element of each array, which for a film of 40 x 40 cells takes a third of a second.
 """
 
-import os
 import pickle
 from contextlib import suppress
 from functools import cache
@@ -13,7 +12,7 @@ from typing import Any
 import fmpy
 
 from ..fmi import fields
-from ..fmi.cache import cache_folder
+from ..fmi.cache import cache_folder, write_whole
 
 
 def kept_description(path: Path) -> tuple[Any, dict[str, fields.Field]] | None:
@@ -32,10 +31,7 @@ def keep_description(path: Path, description: Any, gathered: dict[str, fields.Fi
     for name in ("modelVariables", "outputs", "derivatives", "initialUnknowns"):
         getattr(description, name).clear()
     with suppress(OSError):
-        place = _place(path)
-        partial = place.with_suffix(f".{os.getpid()}.part")
-        partial.write_bytes(pickle.dumps((description, gathered)))
-        os.replace(partial, place)
+        write_whole(_place(path), pickle.dumps((description, gathered)))
 
 
 def _place(path):

@@ -1,7 +1,7 @@
 /* What the iteration of `run` calls its participants by, where it is machine code
    (master/coupling/methods/compiled_newton.py), and the iteration itself: FMI 2.0 instances of this process by their
-   functions, all others together by one of Python's. Inside a coupled slave parts.c is in this place. The master runs on POSIX
-   systems, and so does this. */
+   functions, all others together by one of Python's. Inside a coupled slave parts.c is in this place. As the master it
+   runs on POSIX systems. */
 
 #include "native.h"
 
