@@ -14,9 +14,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import nodal_stress, von_mises
-from .geometry.grid import film_rows
 from .options import Bodies, read_options
-from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
 from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
 from .reduction.radiation import Radiation
@@ -24,13 +22,10 @@ from .reduction.radiation import radiation as radiated
 from .reduction.reduce import Reduced
 from .reduction.reduced_body import (
     Anatomy,
-    Probes,
     ReducedBlock,
-    ReducedBody,
     ReducedPiston,
     load,
 )
-from .reduction.truncation import Truncation, static_modes, truncation
 
 Say = Callable[[str], None]
 
@@ -301,51 +296,6 @@ def recover(
         displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
         out.append(Recovery(name, file, displacement, stress))
     return out
-
-
-def truncations(
-    options: dict[str, Any], folder: Path, results: Path, progress: Say = print
-) -> dict[str, Truncation]:
-    """Truncation error of the flexible bodies of a build table at the film forces of a run, Eq.
-    (J17).
-
-    Parameters
-    ----------
-    options, folder, progress
-        As for `reduce`; both bodies.
-    results : Path
-        Results file that has recorded the nodal forces.
-
-    Returns
-    -------
-    dict of str to Truncation
-        Of piston and block; a rigid body has none.
-
-    Raises
-    ------
-    BadInput
-        As `reduce`.
-    ValueError
-        Why nothing can be said: forces not recorded or on another grid, or a body that was reduced
-        without its probes (Eq. (J16)).
-    """
-    build = read_options(options, folder)
-    if not any(body.modes and not body.rigid for body in (build.piston, build.block)):
-        return {}
-    files = reduced_bodies(options, folder, progress)
-    piston = load(ReducedPiston, files["piston"])
-    block = load(ReducedBlock, files["block"])
-    loads = recorded_loads(results, build.grid)
-    rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
-    bodies: dict[str, tuple[ReducedBody, FilmLoads]] = {
-        "piston": (piston, loads.film),
-        "block": (block, on_stations(loads, rows, block.heights)),
-    }
-    return {
-        name: truncation(load(Probes, files[name]), static_modes(body), film)
-        for name, (body, film) in bodies.items()
-        if len(body.omega)
-    }
 
 
 def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> Radiation:

@@ -2,14 +2,18 @@
 elements, from a few answers that the reduction keeps.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .bases import Elastic
 from .film_loads import FilmLoads
-from .interpolation import SurfaceReading
 from .reduced_body import Probes, ReducedBody
+
+if TYPE_CHECKING:  # slow to import, and used after runs without
+    from .bases import Elastic
+    from .interpolation import SurfaceReading
 
 PROBES = 100
 """Random patterns: the estimate of Eq. (J17) is then good to 1/sqrt(2 PROBES) = 7 % of itself."""

@@ -161,12 +161,12 @@ def friction_pressures(case, results) -> list[Cycle]:
     """
     bodies = players(results.case, "bodies")
     power = friction_power(results)
-    from scipy.integrate import trapezoid  # slow to import, and runs are asked after they are made
-
     crank = crank_angle(results)
     cylinders = [_cylinder(results, body) for body in bodies]
     if power is None or crank is None or not bodies or None in cylinders:
         return []
+    from scipy.integrate import trapezoid  # slow to import, and runs are asked after they are made
+
     begin, *_, end = crank.angle
     length = cycle_of(results, bodies[0])
     found = []

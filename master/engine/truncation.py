@@ -7,7 +7,7 @@ from typing import Any
 from ..fmi.tree import import_part
 from ..results.file import add_to_summary
 
-OFFLINE = "fmu_mfbd.offline"
+TRUNCATIONS = "fmu_mfbd.truncations"
 """Module with `truncations(options, folder, results, progress)`, called by name."""
 
 
@@ -32,7 +32,7 @@ def state_truncation(
         instants, and `truncation_error_NAME_largest` of the worst one; or `truncation_error`, why
         it cannot be said. Nothing of a case without flexible bodies of the package `fmu_mfbd`.
     """
-    package, _, _ = OFFLINE.partition(".")
+    package, _, _ = TRUNCATIONS.partition(".")
     builds = [
         table["build"]
         for table in tree.get("participants", {}).values()
@@ -43,8 +43,8 @@ def state_truncation(
     (build,) = builds
     entries: dict[str, float | str] = {}
     try:
-        offline: Any = import_part(OFFLINE)
-        found = offline.truncations(build, folder, results, progress)
+        part: Any = import_part(TRUNCATIONS)
+        found = part.truncations(build, folder, results, progress)
     except ValueError as why:
         entries["truncation_error"] = f"not known: {why}"
     else:

@@ -3,7 +3,6 @@
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy import ndimage
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
@@ -250,6 +249,10 @@ def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:
 
 def narrowest_opening(closed: np.ndarray) -> int:
     """Cells around of the widest place of the narrowest opening, 0 without one."""
+    if not closed.any():
+        return 0
+    from scipy import ndimage  # slow to import, and most films have no opening
+
     pieces: Any = ndimage.label(np.concatenate([closed, closed]))  # of a ring: turned twice
     numbered, count = pieces
     widths = {k: int((numbered == k).sum(axis=0).max()) for k in range(1, count + 1)}

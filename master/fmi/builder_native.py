@@ -29,7 +29,7 @@ import numpy as np
 
 from . import native_code
 from .builder import PACKING, code_of, slave_of, texts_of, write_archive
-from .cache import cache_folder
+from .cache import cache_folder, write_whole
 from .compiler import HOME
 from .errors import BadInput
 from .native_parts import NativePart, symbol
@@ -422,9 +422,7 @@ def iteration_library() -> Path | None:
     code = _object_file(ITERATING, platform)
     if not code.exists() or compiler_of(platform) is None:
         return None
-    partial = kept.with_suffix(f".{os.getpid()}.part")
-    partial.write_bytes(link(platform, ITERATION, {ITERATING: code.read_bytes()}))
-    os.replace(partial, kept)
+    write_whole(kept, link(platform, ITERATION, {ITERATING: code.read_bytes()}))
     return kept
 
 
@@ -461,9 +459,7 @@ def _compile(package, kept, module, progress):
         return
     progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
     for name, data in native_code.object_files(package, missing, module).items():
-        partial = kept[name].with_suffix(f".{os.getpid()}.part")
-        partial.write_bytes(data)
-        os.replace(partial, kept[name])
+        write_whole(kept[name], data)
 
 
 def _digest_of_code(package):

@@ -1,4 +1,4 @@
-"""Where the user's cache lies."""
+"""Where the user's cache lies, and how a file gets there."""
 
 import os
 from pathlib import Path
@@ -14,3 +14,18 @@ def cache_folder(kind):
     folder = Path(root).absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+def write_whole(path, content):
+    """Write a file so that no other process ever sees a part of it.
+
+    path : Path; content : bytes.
+
+    Raises
+    ------
+    OSError
+        Where the disk does not allow it.
+    """
+    partial = path.with_name(f"{path.name}.{os.getpid()}.part")
+    partial.write_bytes(content)
+    os.replace(partial, path)

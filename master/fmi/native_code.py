@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from .cache import write_whole
 from .tree import ROOT, import_part
 
 
@@ -337,9 +338,7 @@ def main(package: str, kept: str, folder: str, *platforms: str) -> None:
         text = gzip.decompress(Path(kept).read_bytes()).decode()
     else:
         text = module_text(package, part)
-        partial = Path(f"{kept}.{os.getpid()}.part")
-        partial.write_bytes(gzip.compress(text.encode(), 1))
-        os.replace(partial, kept)
+        write_whole(Path(kept), gzip.compress(text.encode(), 1))
     for name in platforms:
         Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name], part.asks))
 

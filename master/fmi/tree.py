@@ -3,12 +3,17 @@ name made of its content.
 """
 
 import ast
+import json
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
+from hashlib import sha256
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
+
+from .cache import cache_folder, write_whole
 
 INSTALLED = "piston_cosim"
 ROOT = __name__.removesuffix(".master.fmi.tree")
@@ -16,6 +21,8 @@ ROOT = __name__.removesuffix(".master.fmi.tree")
 
 FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
 """What a slave written outside the project imports."""
+
+_OWN_SOURCE = Path(__file__).read_bytes()
 
 
 def import_part(name: str) -> ModuleType:
@@ -81,13 +88,31 @@ def reached(file):
 def _imported(file):
     """Files that a file's relative imports name."""
     named = []
-    for node in _statements(ast.parse(file.read_bytes())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            package = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-            named += [package, *(package / alias.name for alias in node.names)]
+    for level, module, names in _relative_imports(file.read_bytes()):
+        package = file.parents[level - 1].joinpath(*module.split("."))
+        named += [package, *(package / name for name in names)]
     modules = [path.with_name(path.name + ".py") for path in named]
     packages = [path / "__init__.py" for path in named]
     return [path.resolve() for path in modules + packages if path.is_file()]
+
+
+def _relative_imports(source):
+    """Level, module and names of each relative import of a source. To parse all that a part is made
+    of takes a fifth of a start, so what was found in a source is kept where the disk allows it.
+    """
+    kept = None
+    with suppress(OSError, ValueError):
+        kept = cache_folder("imports") / sha256(_OWN_SOURCE + source).hexdigest()[:24]
+        return json.loads(kept.read_text())
+    found = [
+        [node.level, node.module or "", [alias.name for alias in node.names]]
+        for node in _statements(ast.parse(source))
+        if isinstance(node, ast.ImportFrom) and node.level
+    ]
+    if kept:
+        with suppress(OSError):
+            write_whole(kept, json.dumps(found).encode())
+    return found
 
 
 def _statements(node):

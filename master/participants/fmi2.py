@@ -1,7 +1,5 @@
 """One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its
 log as text.
-
-The only file that knows FMPy.
 """
 
 import ctypes
@@ -27,6 +25,7 @@ from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import gather_fields
 from .derivatives import difference
+from .kept import keep_description, kept_description
 from .participant import read_each, write_each
 from .printf import Logger, printed
 
@@ -58,29 +57,14 @@ class FmuParticipant:
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
+    _is_kept = True  # what is read of its description
 
     def __init__(self, name, path, sizes=None):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
-        try:
-            with zipfile.ZipFile(path) as archive:
-                check_archive(archive, self.path)
-            self.description: Any = fmpy.read_model_description(str(path), validate=False)
-        except BadInput:
-            raise
-        except Exception as error:
-            raise BadInput(
-                f"participant {name}: {path} cannot be read as an FMU: {error}"
-            ) from None
-        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
-            self.version
-        ):
-            raise BadInput(
-                f"participant {name}: {path} is no FMI {self.version}.0 FMU for co-simulation"
-            )
-        try:
-            self.fields = gather_fields(self.description, self.sizes)
-        except ValueError as error:
-            raise BadInput(f"participant {name}: {path}: {error}") from None
+        if self._is_kept and (kept := kept_description(self.path)):
+            self.description, self.fields = kept
+        else:
+            self._read_description()
         self.folder = unpack(self.path)
         self.log = []
         root = self._before_the_variables()
@@ -96,6 +80,28 @@ class FmuParticipant:
         self._begun = False
         self._broken = False
         self.ended = ""
+
+    def _read_description(self):
+        """Description and fields from the file; BadInput if it is no FMU for co-simulation."""
+        one = f"participant {self.name}: {self.path}"
+        try:
+            with zipfile.ZipFile(self.path) as archive:
+                check_archive(archive, self.path)
+            self.description: Any = fmpy.read_model_description(str(self.path), validate=False)
+        except BadInput:
+            raise
+        except Exception as error:
+            raise BadInput(f"{one} cannot be read as an FMU: {error}") from None
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
+            self.version
+        ):
+            raise BadInput(f"{one} is no FMI {self.version}.0 FMU for co-simulation")
+        try:
+            self.fields = gather_fields(self.description, self.sizes)
+        except ValueError as error:
+            raise BadInput(f"{one}: {error}") from None
+        if self._is_kept:
+            keep_description(self.path, self.description, self.fields)
 
     @property
     def has_derivatives(self):

@@ -18,6 +18,7 @@ class Fmu3Participant(FmuParticipant):
     """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
+    _is_kept = False  # arrays are whole, and as large as `sizes` makes them
 
     @property
     def can_interpolate(self) -> bool:

@@ -3,12 +3,14 @@ the same results, a point of a sweep that never ends, archives and names made to
 """
 
 import csv
+import pickle
 import signal
 import subprocess
 import sys
 import time
 import zipfile
 
+import fmpy
 import numpy as np
 import pytest
 
@@ -168,3 +170,45 @@ def test_damaged_files_of_the_cache_are_named_and_whole_again(folder, monkeypatc
         with pytest.warns(UserWarning, match="was damaged and is whole again: .*counter.so"):
             unpack(folder / "a.fmu")
         assert library_there.read_bytes() == whole
+
+
+def test_a_description_is_read_once_and_again_where_what_was_kept_is_damaged(folder, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
+    reads = []
+    read = fmpy.read_model_description
+
+    def counted(path, **options):
+        reads.append(path)
+        return read(path, **options)
+
+    monkeypatch.setattr(fmpy, "read_model_description", counted)
+    first = open_fmu("a", folder / "a.fmu")
+    again = open_fmu("a", folder / "a.fmu")
+    assert len(reads) == 1
+    assert again.fields == first.fields and list(again.fields) == list(first.fields)
+    assert {"x", "u", "k"} <= first.fields.keys()
+    assert again.description.guid == first.description.guid
+    assert repr(again.description.coSimulation) == repr(first.description.coSimulation)
+    (kept,) = (folder / "cache" / "descriptions").iterdir()
+    for damaged in (kept.read_bytes()[:-20], b"", pickle.dumps(None)):
+        kept.write_bytes(damaged)
+        assert open_fmu("a", folder / "a.fmu").fields == first.fields
+        assert open_fmu("a", folder / "a.fmu").fields == first.fields
+    assert len(reads) == 4
+    other = folder / "a.fmu"
+    with zipfile.ZipFile(other) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    said = members["modelDescription.xml"]
+    members["modelDescription.xml"] = said.replace(b'name="k"', b'name="stiffness"')
+    with zipfile.ZipFile(other, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    assert "stiffness" in open_fmu("a", other).fields  # the same name, another content
+
+
+def test_where_no_description_can_be_kept_it_is_read_each_time(folder, monkeypatch):
+    fields = open_fmu("a", folder / "a.fmu").fields
+    monkeypatch.setattr(
+        "piston_cosim.master.participants.kept.cache_folder", lambda kind: folder / "not" / "there"
+    )
+    assert open_fmu("a", folder / "a.fmu").fields == fields

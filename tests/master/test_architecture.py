@@ -25,6 +25,7 @@ OUTER = {
     "offline.py",
     "alone.py",
     "preview.py",
+    "truncations.py",
 }
 
 

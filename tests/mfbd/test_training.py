@@ -6,7 +6,6 @@ import scipy.sparse as sp
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.offline import truncations
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy, pressure_modes
 from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
@@ -16,6 +15,7 @@ from piston_cosim.fmu_mfbd.reduction.training import (
     load_patterns,
     trained_shapes,
 )
+from piston_cosim.fmu_mfbd.truncations import truncations
 from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.fmi.errors import BadInput
 

@@ -8,7 +8,6 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres, film_rows
-from piston_cosim.fmu_mfbd.offline import truncations
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.film_loads import (
@@ -33,6 +32,7 @@ from piston_cosim.fmu_mfbd.reduction.truncation import (
     static_modes,
     truncation,
 )
+from piston_cosim.fmu_mfbd.truncations import truncations
 from piston_cosim.master.engine.truncation import state_truncation
 
 GRID = (16, 12)

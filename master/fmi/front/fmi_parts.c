@@ -1,19 +1,15 @@
 /* What the iteration of `run` calls its participants by, where it is machine code
    (master/coupling/methods/compiled_newton.py), and the iteration itself: FMI 2.0 instances of this process by their
-   functions, all others together by one of Python's. Inside a coupled slave parts.c is in this place. */
+   functions, all others together by one of Python's. Inside a coupled slave parts.c is in this place. As the master it
+   runs on POSIX systems. */
 
 #include "native.h"
 
 #include <stddef.h>
 #include <time.h>
 
-#ifdef _WIN32
-#define INTERNAL
-#define EXPORT __declspec(dllexport)
-#else
 #define INTERNAL __attribute__((visibility("hidden")))
 #define EXPORT __attribute__((visibility("default")))
-#endif
 
 enum { WARNING = 1 };                   /* fmi2Warning: what is worse ends the iteration */
 enum { ADVANCE = 2, TANGENT };          /* as in master/coupling/native_calls.py */
