@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import near, near_key
+from ..master.fmi.option_classes import near, near_key, with_meanings
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from ..models import MODELS
@@ -24,7 +24,7 @@ POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]
 class CaseOptions(BaseModel):
     """Build options as the case file gives them."""
 
-    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
     grid: tuple[int, int] = (40, 40)
     """Cells around and along the skirt, or the bearing."""
     surface: Literal["skirt", "bearing"] = "skirt"

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import near_key
+from ..master.fmi.option_classes import near_key, with_meanings
 from ..master.fmi.quantities import in_unit
 from .finite_elements.regions import Bore, Cylinder, Plane, Region
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
@@ -27,7 +27,7 @@ Frequency = Annotated[float, in_unit("Hz")]
 Number = Annotated[float, in_unit("1")]
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
-STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_meanings)
 
 
 class Surface(BaseModel):
@@ -450,7 +450,7 @@ LEAST_ROWS = 4
 class Common(BaseModel):
     """What is said beside the bodies."""
 
-    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
     grid: tuple[Count, Count] = (40, 40)
     """Cells around and along the skirt."""
     gas: Gas | None = None

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pint import PintError
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -21,8 +20,8 @@ from pydantic import (
 from ...models import MODELS
 from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
-from ..fmi.option_classes import near, near_key
-from ..fmi.quantities import is_angle, registry, to_si
+from ..fmi.option_classes import near, near_key, with_meanings
+from ..fmi.quantities import from_si, is_angle, registry, to_si
 from ..participants.plugins import names
 
 Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
@@ -63,7 +62,9 @@ class Table(BaseModel):
     `piston-cosim keys`.
     """
 
-    model_config = ConfigDict(extra="forbid", populate_by_name=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        extra="forbid", populate_by_name=True, json_schema_extra=with_meanings
+    )
 
 
 class Time(Table):
@@ -564,8 +565,8 @@ class Case(Table):
         text = table.parameters.get(name) if table else None
         axis.length = None
         try:
-            scale = registry().Quantity(to_si(str(text), "m"), "m").to(axis.unit).magnitude
-        except (ValueError, PintError):
+            scale = from_si(to_si(str(text), "m"), "m", axis.unit)
+        except ValueError:
             axis.label, axis.unit = f"{axis.label} / {name.replace('_', ' ')}", ""
             return
         low, high = axis.range

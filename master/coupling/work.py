@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..fmi.errors import BadInput
-from ..fmi.quantities import pint_unit, registry
+from ..fmi.quantities import worth
 from .interface import Interface
 from .wiring import Wire
 
@@ -146,12 +146,11 @@ def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> li
                 f"{where}: no field of this shape is wired from there to {wires[k].source[0]}"
             )
             continue
-        units = (pint_unit(wires[k].unit), pint_unit(wires[back].unit))
-        product = registry()(units[0]) * registry()(units[1])
-        if not (product.check("[energy]") or product.check("[power]")):
-            faults.append(f"{where}: the product is in {product.units:~P}, neither work nor power")
+        product = worth(wires[k].unit, wires[back].unit)
+        if product not in ("energy", "power"):
+            faults.append(f"{where}: the product is in {product}, neither work nor power")
         tolerance = wires[k].tolerance if np.isfinite(wires[k].tolerance) else 0.0
-        pairs.append(ConjugatePair(k, back, product.check("[power]"), tolerance))
+        pairs.append(ConjugatePair(k, back, product == "power", tolerance))
     if faults:
         raise BadInput(faults)
     return pairs

@@ -165,8 +165,6 @@ def friction_pressures(case, results) -> list[Cycle]:
     cylinders = [_cylinder(results, body) for body in bodies]
     if power is None or crank is None or not bodies or None in cylinders:
         return []
-    from scipy.integrate import trapezoid  # slow to import, and runs are asked after they are made
-
     begin, *_, end = crank.angle
     length = cycle_of(results, bodies[0])
     found = []
@@ -175,7 +173,8 @@ def friction_pressures(case, results) -> list[Cycle]:
         within = (crank.angle >= last - length - 1e-6) & (crank.angle <= last + 1e-6)
         volume = sum(np.pi * one.radius**2 * np.ptp(one.height[within]) for one in cylinders if one)
         # Eq. (X12)
-        work = float(trapezoid(power[within], results.time[within]))
+        now = power[within]
+        work = float((np.diff(results.time[within]) * (now[1:] + now[:-1]) / 2.0).sum())
         found.append(Cycle(float(last), work / volume))
     return found
 

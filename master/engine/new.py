@@ -18,7 +18,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
-from ..fmi.quantities import is_known, registry, to_si
+from ..fmi.quantities import from_si, registry, to_si
 from ..fmi.tree import import_part
 
 STEEL = 7850.0
@@ -81,8 +81,7 @@ def _in(value: float, unit: str) -> str:
     """A value of SI in a unit of the field."""
     if not unit:
         return f"{value:g}"
-    assert is_known(unit)
-    return f"{registry().Quantity(value, _si(unit)).to(unit).magnitude:.6g}"
+    return f"{from_si(value, _si(unit), unit):.6g}"
 
 
 SIZES: dict[str, Size] = {

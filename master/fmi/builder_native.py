@@ -19,7 +19,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
-from importlib import import_module
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from pathlib import Path
@@ -114,6 +113,8 @@ OF_COUPLED = "parts.c"
 """Besides, where entries of participants are called from those of a coupled slave."""
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+NEW_PASSES = (0, 44)
+"""Of llvmlite, from which on there is `create_pass_builder`, what native_code optimises by."""
 ITERATION = "run"
 """In the place of a version: the library by which `run` iterates (`iteration_library`)."""
 ITERATING = "master.coupling"
@@ -330,8 +331,7 @@ def _missing_compilers(platforms):
 
 def too_old() -> list[str]:
     """A sentence where the numba at hand cannot make machine code for others."""
-    binding = import_module("llvmlite.binding")
-    if hasattr(binding, "create_pass_builder"):
+    if tuple(map(int, version_of("llvmlite").split(".")[:2])) >= NEW_PASSES:
         return []
     return [
         f"numba {version_of('numba')} is too old to build a native FMU, which was made with 0.68; "

@@ -3,13 +3,19 @@ the known key nearest to one that is none.
 
 What is read is the JSON schema that pydantic makes of a class, so that a class of another part is
 looked at without being known. A bound of a quantity with a unit stands there as `ge`, `gt`, `le`,
-`lt`, in SI; a description is the text below the key in its class.
+`lt`, in SI; a description is the text below the key in its class, read when a schema is asked for.
 """
 
+import ast
+import inspect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import pairwise
+from textwrap import dedent
 from typing import Any
+
+from pydantic import BaseModel
 
 Schema = Mapping[str, Any]
 LOW = {"minimum": "", "ge": "", "exclusiveMinimum": "above ", "gt": "above "}
@@ -39,6 +45,27 @@ class Key:
     def name(self) -> str:
         """Its last part."""
         return self.path.rpartition(".")[-1]
+
+
+def with_meanings(schema: dict[str, Any], kind: type[BaseModel]) -> None:
+    """Give each key in the schema of a class the text below it, in place: a class's
+    `json_schema_extra`. pydantic's `use_attribute_docstrings` reads the source of every class when
+    it is made, a tenth of a start, for what `keys` alone asks for.
+    """
+    for one in reversed(kind.__mro__[: kind.__mro__.index(BaseModel)]):
+        for name, meaning in _texts_below(one):
+            if field := kind.model_fields.get(name):
+                schema["properties"][field.alias or name]["description"] = meaning
+
+
+def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
+    """Each annotated name of a class that has a text below it, and the text."""
+    (found,) = ast.parse(dedent(inspect.getsource(kind))).body
+    assert isinstance(found, ast.ClassDef)
+    for one, below in pairwise(found.body):
+        if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
+            assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
+            yield one.target.id, inspect.cleandoc(below.value.value)
 
 
 def near(name: str, known: Iterable[str]) -> str:

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
+from .answers import kept_answers
 from .cache import cache_folder
 from .errors import BadInput
 
@@ -43,6 +44,7 @@ def pint_unit(unit):
     )
 
 
+@kept_answers("pint")
 def to_si(value, unit):
     """Convert a user's value to SI.
 
@@ -80,6 +82,29 @@ def to_si(value, unit):
     return float(quantity.to(target).magnitude)
 
 
+@kept_answers("pint")
+def from_si(value: float, si: str, unit: str) -> float:
+    """A value in the SI unit `si` in another unit, as pint writes it; ValueError where there is no
+    such unit, or of another dimension.
+    """
+    import pint
+
+    try:
+        return float(registry().Quantity(value, pint_unit(si)).to(unit).magnitude)
+    except pint.PintError as error:
+        raise ValueError(error) from None
+
+
+@kept_answers("pint")
+def worth(unit: str, other: str) -> str:
+    """What the product of two units is, as FMI writes them: "energy", "power", or its own unit."""
+    product = registry()(pint_unit(unit)) * registry()(pint_unit(other))
+    for kind in ("energy", "power"):
+        if product.check(f"[{kind}]"):
+            return kind
+    return f"{product.units:~P}"
+
+
 def duration(name, text):
     """A positive time that a user gave for `name`, in seconds; BadInput if it is none."""
     try:
@@ -91,6 +116,7 @@ def duration(name, text):
     return seconds
 
 
+@kept_answers("pint")
 def is_angle(text: str) -> bool:
     """Whether a text is an angle; a pure number is none."""
     try:
@@ -100,6 +126,7 @@ def is_angle(text: str) -> bool:
     return units.is_compatible_with("rad") and str(units) != "dimensionless"
 
 
+@kept_answers("pint")
 def is_known(unit: str) -> bool:
     """Whether a unit can be read; FMI leaves FMUs free to name theirs as they like."""
     try:

@@ -87,13 +87,15 @@ def reached(file):
 @cache
 def _imported(file):
     """Files that a file's relative imports name."""
-    named = []
+    found = []
     for level, module, names in _relative_imports(file.read_bytes()):
         package = file.parents[level - 1].joinpath(*module.split("."))
-        named += [package, *(package / name for name in names)]
-    modules = [path.with_name(path.name + ".py") for path in named]
-    packages = [path / "__init__.py" for path in named]
-    return [path.resolve() for path in modules + packages if path.is_file()]
+        if (one := package.with_name(package.name + ".py")).is_file():
+            found.append(one)
+        else:
+            found += [package / "__init__.py", *(package / f"{name}.py" for name in names)]
+            found += [package / name / "__init__.py" for name in names]
+    return [path.resolve() for path in found if path.is_file()]
 
 
 def _relative_imports(source):
