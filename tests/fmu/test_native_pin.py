@@ -25,6 +25,15 @@ from .test_yielding_bosses import EYE, OF_PIN, PISTON, settings
 from .test_yielding_bosses import PATH as YIELDING
 
 ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
+SUMS = 1e-10  # sums in another order, by a linear solve that multiplies their difference
+ROUND_OFF_ITSELF = (
+    "evaluations",
+    "work_error",
+    "mass_imbalance",
+    "energy_error",
+    "friction_force_hydrodynamic",
+)
+"""Counts, and shares and forces that are differences of what is equal."""
 OFFSETS = [
     ("participants.bodies.build.piston.pin_offset", "0.8 mm"),
     ("participants.bodies.parameters.crank_offset", "1.5 mm"),
@@ -206,11 +215,10 @@ def test_bodies_and_four_films_in_one_native_fmu_are_those_of_the_fmu_in_python(
             one.step(begin, end - begin)
     moved = 0
     for name, field in pair[0].fields.items():
-        if field.causality != "output" or name.endswith(("evaluations", "work_error")):
+        if field.causality != "output" or name.endswith(ROUND_OFF_ITSELF):
             continue
         a, b = (np.asarray(one.get(name), dtype=float) for one in pair)
-        # solved to the wires' tolerance, a nanometre of films of ten micrometres
-        assert np.abs(a - b).max() <= 1e-4 * max(np.abs(a).max(), 1e-9), name
+        assert np.abs(a - b).max() <= SUMS * max(np.abs(a).max(), 1e-9), name
         moved += np.abs(a).max() > 0.0
     assert moved > 20
     for one in pair:
