@@ -10,7 +10,7 @@ from functools import cache, wraps
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from .cache import cache_folder, write_whole
 
@@ -26,7 +26,7 @@ def kept_answers(library: str) -> Callable[[Asked], Asked]:
     it raises is not kept. Arguments, by position, and answers are texts, numbers or bool.
     """
 
-    def decorate(function):
+    def decorate(function: Asked) -> Asked:
         @wraps(function)
         def ask(*asked):
             if not all(isinstance(one, PLAIN) for one in asked):
@@ -37,7 +37,7 @@ def kept_answers(library: str) -> Callable[[Asked], Asked]:
                 kept[key] = function(*asked)
             return kept[key]
 
-        return ask
+        return cast(Asked, ask)
 
     return decorate
 

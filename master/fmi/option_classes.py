@@ -65,7 +65,7 @@ def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
     for one, below in pairwise(found.body):
         if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
             assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
-            yield one.target.id, inspect.cleandoc(below.value.value)
+            yield one.target.id, inspect.cleandoc(str(below.value.value))
 
 
 def near(name: str, known: Iterable[str]) -> str:
