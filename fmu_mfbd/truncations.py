@@ -16,8 +16,8 @@ from .reduction.truncation import Truncation, static_modes, truncation
 def truncations(
     options: dict[str, Any], folder: Path, results: Path, progress: Say = print
 ) -> dict[str, Truncation]:
-    """Truncation error of the flexible bodies of a build table at the film forces of a run, Eq.
-    (J17).
+    """Truncation error of the flexible bodies of a build table at the film forces of a run's last
+    period, Eq. (J17).
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def truncations(
     files = reduced_bodies(options, folder, progress)
     piston = load(ReducedPiston, files["piston"])
     block = load(ReducedBlock, files["block"])
-    loads = recorded_loads(results, build.grid)
+    loads = recorded_loads(results, build.grid, last_period=True)
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     bodies: dict[str, tuple[ReducedBody, FilmLoads]] = {
         "piston": (piston, loads.film),

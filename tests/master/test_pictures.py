@@ -148,6 +148,7 @@ def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why
         field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
         case={"participants": {}},
         time=np.array([0.0, 0.5, 1.0]),
+        period=0.0,
         there=lambda port: None,
         recorded=["ehd.pressure"],
         ports=[],
