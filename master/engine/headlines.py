@@ -15,6 +15,7 @@ from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
+from .peaks import ABOVE, BESIDE, side_peaks
 from .places import Place, film_body, thinnest_place, worst_place
 
 
@@ -55,6 +56,7 @@ def headlines(case, results) -> list[Headline]:
     lines = [
         *_of_each(runs, "thinnest film", _thinnest),
         *_of_each(runs, "highest pressure", _highest),
+        *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
         *_of_each(runs, "asperities", _asperities),
         *_of_piston(pistons, "side force", _side_force),
@@ -209,6 +211,21 @@ def contact_share(results, film) -> float | None:
     spent = work[-1] - work[first]
     # Eq. (X18)
     return float((share[-1] * work[-1] - share[first] * work[first]) / spent) if spent else 0.0
+
+
+def _peaks(run):
+    port = f"{run.film}.pressure"
+    if port not in run.results.recorded:
+        return ""
+    axis = run.case.axes_of(port).first
+    peaks = side_peaks(axis, run.results.dataset(port)[:])
+    return "; ".join(
+        f"{peak.side} {peak.distance:.0f} {axis.unit} beside the line, {peak.excess:.0%} above it "
+        f"(by {ABOVE:.0%} or more in {peak.share:.0%} of loaded instants)"
+        if peak.distance >= BESIDE
+        else f"{peak.side} on the line"
+        for peak in peaks
+    )
 
 
 def _asperities(run):
