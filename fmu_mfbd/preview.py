@@ -200,7 +200,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         found = cylinder_faults(mesh, "skirt")
     _refuse(found, options)
     angle, height, lower, upper = _grid(build, mesh)
-    faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     if films := boss_films(build):
         boss_readings(mesh, mesh.points - np.array([options.pin_offset, 0.0, 0.0]), films)
     x, _, z = mesh.points[mesh.nodes("skirt")].T
@@ -234,8 +234,9 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     mesh = _mesh(options, ("bore", "bolts"), remarks)
     _refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
-    around, _ = build.grid
-    faults_of_modes(mesh, options, "bolts", "bore", around * options.stations)
+    angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)
+    heights = np.linspace(lower, upper, options.stations)
+    faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
     x, _, z = mesh.points[mesh.nodes("bore")].T
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
@@ -315,8 +316,7 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
         Figure("skirt", "skirt_lower", body.skirt_lower, "m", "above the pin's axis"),
         Figure("skirt", "skirt_upper", body.skirt_upper, "m", "above the pin's axis"),
     ]
-    modes = 0 if build.piston.rigid else build.piston.modes
-    return [*figures, Figure("modes", "piston_modes", modes, "1", _basis(build.piston))]
+    return [*figures, _modes_of("piston", build.piston)]
 
 
 def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
@@ -383,18 +383,21 @@ def _of_axis(
     return figures
 
 
-def _basis(body: Piston | Block) -> str:
-    return "rigid" if body.rigid or not body.modes else body.basis
+def _modes_of(name: str, body: Piston | Block) -> Figure:
+    """Return the number of modes, or the expected error that chooses it."""
+    if body.rigid or not body.modes:
+        return Figure("modes", f"{name}_modes", 0, "1", "rigid")
+    entry = "expected_error" if isinstance(body.modes, float) else "modes"
+    return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis)
 
 
 def _of_block(build: Build, block: Sized) -> list[Figure]:
     body = block.body
-    modes = 0 if build.block.rigid else build.block.modes
     return [
         Figure("bore", "bore_radius", body.radius, "m"),
         Figure("bore", "bore_lower", body.heights[0], "m", "above the crank axis"),
         Figure("bore", "bore_upper", body.heights[-1], "m", "above the crank axis"),
-        Figure("modes", "block_modes", modes, "1", _basis(build.block)),
+        _modes_of("block", build.block),
     ]
 
 
