@@ -70,7 +70,8 @@ class IsolatedParticipant:
         self._values, self._changes = _views(memory, self.fields)
         self._pipe, other = FAMILY.Pipe()
         described = self.described
-        recipe = self.name, self.path, described.sizes, getattr(described, "length", None)
+        length = getattr(described, "length", None)
+        recipe = self.name, self.path, described.sizes, length, described.elements
         self._process = FAMILY.Process(target=_serve, args=(other, memory, recipe), daemon=True)
         self._process.start()
         other.close()
