@@ -162,7 +162,7 @@ def open_system(case, folder, progress, own=None):
     if case.native:
         make_iteration_library(progress)
     builds = build_options(case, folder, progress)
-    for name, table in case.participants.items():
+    for name in case.participants:
         try:
             make = (own or {}).get(name)
             participants[name] = (
@@ -274,9 +274,8 @@ def _participant(name, case, build, folder, progress, native):
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
-    open_with = partial(
-        open_fmu, name, path, step=_own_step(table), elements=case.elements_of(name)
-    )
+    elements = case.elements_of(name)
+    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
     participant = open_with()
     if sizes := _sizes(participant, table.parameters):
         participant = open_with(sizes)

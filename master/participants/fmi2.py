@@ -25,6 +25,7 @@ from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import gather_fields
 from .derivatives import difference
+from .exits import guard_exit
 from .kept import keep_description, kept_description
 from .participant import read_each, write_each
 from .printf import Logger, printed
@@ -157,6 +158,7 @@ class FmuParticipant:
         """Instantiate, set `parameters` and enter Initialization Mode, as the first half of
         `start`: outputs there follow the inputs that are set.
         """
+        guard_exit(self)
         self.log.clear()
         self._begun = self._broken = False
         with self._refusing():
