@@ -187,7 +187,7 @@ def test_code_that_a_checkpoint_names_is_compared_before_it_is_executed(folder):
     kept.write(output)
     code, text = resumed(path)
     assert (
-        code == 2 and f"participants.a.file: {evil} : the run had another Python file of a" in text
+        code == 2 and f"participants.a.file: {evil}: the run had another Python file of a" in text
     )
     assert not (folder / "ran").exists()
 
