@@ -64,9 +64,7 @@ def command(
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
-        say(
-            f"warning: --dask {dask}: without TLS; who reaches it can run code, see docs/security.md"
-        )
+        say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
     tree = read_tree(path, changes)
