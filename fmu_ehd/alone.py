@@ -172,15 +172,15 @@ class Film:
         dfilm_thickness: Array | float,
         *,
         dsliding_velocity: Array | float = 0.0,
-        dcircumferential_velocity: Array | float = 0.0,
+        dcircumferential_velocity: Array | float | None = None,
     ) -> tuple[Array, ...]:
         """Change of `nodal_pressure_force` and `nodal_friction_force` [N], of a bearing also of
         `nodal_circumferential_force`, at the end of the last step for a change of the inputs there
         [m], [m/s]; exact.
         """
-        turning = (
-            dcircumferential_velocity if self._is_bearing or dcircumferential_velocity else None
-        )
+        turning = dcircumferential_velocity
+        if turning is None and self._is_bearing:
+            turning = 0.0
         velocities = self._velocities(dsliding_velocity, turning)
         return self.model.tangent(self._field(dfilm_thickness), *velocities)
 
@@ -191,7 +191,7 @@ class Film:
     def _velocities(
         self, sliding: Array | float | None, turning: Array | float | None
     ) -> tuple[Array, Array | None]:
-        """Axial and circumferential velocity of the surface; BadInput unless it has what it needs."""
+        """Axial and circumferential velocity; BadInput unless they fit the surface."""
         if self._is_bearing:
             if turning is None:
                 raise BadInput(

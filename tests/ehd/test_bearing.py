@@ -278,6 +278,7 @@ def test_a_film_called_like_the_other_surface_raises():
         bearing.step(1e-5, 1e-4)
     with pytest.raises(TypeError):
         bearing.step(1e-5, 2.0, 1e-4)
+    bearing.step(1e-5, 1e-4, circumferential_velocity=2.0)
     of_film, *_ = bearing.tangent(1.0)
     assert of_film.shape == SHAPE
 
