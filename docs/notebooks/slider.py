@@ -19,9 +19,8 @@ def pad(cells, ratio=1.0):
     y = (np.arange(cells) + 0.5) / cells
     thickness = np.broadcast_to(LEAST * (1.0 + ratio * (1.0 - y)), (4, cells))
     film.start(thickness, sliding_velocity=-SPEED)
-    outputs = film.step(
-        thickness, 1e-3, sliding_velocity=-SPEED
-    )  # nothing moves apart: steady at once
+    # nothing moves apart: the film is steady at once
+    outputs = film.step(thickness, 1e-3, sliding_velocity=-SPEED)
     return y, outputs["pressure"][0], outputs["nodal_pressure_force"].sum() / (2 * np.pi * RADIUS)
 
 
