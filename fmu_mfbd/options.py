@@ -313,8 +313,8 @@ class Table(BaseModel):
 
 
 class Gas(Table):
-    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input
-    `gas_pressure`.
+    """Gas pressure over crank angle, see `tables.gas_table`; the parameter `gas_source` says
+    whether it adds to the input `gas_pressure`.
     """
 
     angle_unit: Annotated[Angle, Field(gt=0)]
@@ -543,7 +543,7 @@ class Common(BaseModel):
     grid: tuple[Count, Count] = (40, 40)
     """Cells around and along the skirt."""
     gas: Gas | None = None
-    """Gas pressure over crank angle; it adds to the input gas_pressure."""
+    """Gas pressure over crank angle; by default it adds to the input gas_pressure (gas_source)."""
     speed: Speed | None = None
     """Crank speed over time or crank angle, in place of the input crank_speed."""
     start: str | None = None

@@ -24,6 +24,7 @@ from .build import (
 from .dynamics.assembly import bore_shape, eye_faults, faults, pin_beam, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
+from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
@@ -46,6 +47,7 @@ HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
 """Parameters that heat brings."""
+CENTRE_FROM_PIN = "from the pin's axis to the centre of mass: compare, rocking depends on it"
 FEWEST = 3
 """Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
 
@@ -59,13 +61,13 @@ class Sized(NamedTuple):
         Without modes.
     skirt : ndarray of bool, shape (c, a), or None
         Cells of the film grid with the skirt under them, where that is known.
-    nodes : int
-        Of the mesh; 0 without one.
+    mesh : Mesh, optional
+        None without one.
     """
 
     body: Any
-    skirt: np.ndarray | None
-    nodes: int
+    skirt: np.ndarray | None = None
+    mesh: Mesh | None = None
 
 
 class Eye(NamedTuple):
@@ -183,7 +185,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
     """The piston, rigid."""
     options = build.piston
     if options.rigid:
-        return Sized(rigid_piston(options, build.grid), None, 0)
+        return Sized(rigid_piston(options, build.grid))
     if options.reduced:
         skirt = None
         body = load(ReducedPiston, Path(options.reduced))
@@ -191,7 +193,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
             skirt = load(Anatomy, Path(options.reduced)).skirt
         except ValueError:  # without its anatomy
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
-        return Sized(body, skirt, 0)
+        return Sized(body, skirt)
     mesh = _mesh(options, ("skirt", "crown", "pin_bore"), remarks)
     mass = mass_properties(mesh, options.density) if options.density else None
     if mass:
@@ -213,7 +215,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return Sized(rigid_piston(rigid, build.grid), there, len(mesh.points))
+    return Sized(rigid_piston(rigid, build.grid), there, mesh)
 
 
 def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
@@ -228,9 +230,9 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     """The block, rigid."""
     options = build.block
     if options.rigid:
-        return Sized(rigid_block(options, build.grid), None, 0)
+        return Sized(rigid_block(options, build.grid))
     if options.reduced:
-        return Sized(load(ReducedBlock, Path(options.reduced)), None, 0)
+        return Sized(load(ReducedBlock, Path(options.reduced)))
     mesh = _mesh(options, ("bore", "bolts"), remarks)
     _refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -240,7 +242,7 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     x, _, z = mesh.points[mesh.nodes("bore")].T
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
-    return Sized(rigid_block(rigid, build.grid), None, len(mesh.points))
+    return Sized(rigid_block(rigid, build.grid), None, mesh)
 
 
 def _mesh(options: Piston | Block, names: Sequence[str], remarks: list[str]) -> Mesh:
@@ -305,10 +307,14 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
     body = piston.body
     centre = body.S / body.mass
     about_centre = body.I0 - body.mass * float(centre @ centre)
-    source = f"of {piston.nodes} nodes" if piston.nodes else "of a data sheet or a reduced body"
+    source = "of a data sheet or a reduced body"
+    if piston.mesh:
+        source = f"of {len(piston.mesh.points)} nodes"
     figures = [
         Figure("piston", "mass", body.mass, "kg", source),
         Figure("piston", "centre_above_pin", centre[1], "m"),
+        Figure("piston", "centre_from_pin", float(np.hypot(*centre)), "m", CENTRE_FROM_PIN),
+        *_of_mesh("piston", piston),
         Figure("piston", "inertia", about_centre, "kg.m2", "about its centre of mass"),
         Figure("piston", "pin_offset", build.piston.pin_offset, "m"),
         Figure("skirt", "skirt_radius", body.radius, "m"),
@@ -317,6 +323,17 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
         Figure("skirt", "skirt_upper", body.skirt_upper, "m", "above the pin's axis"),
     ]
     return [*figures, _modes_of("piston", build.piston)]
+
+
+def _of_mesh(part: str, sized: Sized) -> list[Figure]:
+    """Quality of a body's mesh, if it has tetrahedra."""
+    if sized.mesh is None or not len(sized.mesh.tets):
+        return []
+    ratios = aspect_ratios(sized.mesh.points, sized.mesh.tets)
+    worst = int(ratios.argmax())
+    x, y, z = 1e3 * sized.mesh.points[sized.mesh.tets[worst, :4]].mean(axis=0)
+    source = f"1 is regular; element {worst + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    return [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
 
 
 def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
@@ -394,6 +411,7 @@ def _modes_of(name: str, body: Piston | Block) -> Figure:
 def _of_block(build: Build, block: Sized) -> list[Figure]:
     body = block.body
     return [
+        *_of_mesh("block", block),
         Figure("bore", "bore_radius", body.radius, "m"),
         Figure("bore", "bore_lower", body.heights[0], "m", "above the crank axis"),
         Figure("bore", "bore_upper", body.heights[-1], "m", "above the crank axis"),

@@ -20,11 +20,12 @@ from pydantic import (
 from ...models import MODELS
 from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
+from ..fmi.fields import base_of
 from ..fmi.option_classes import near, near_key, with_meanings
 from ..fmi.quantities import from_si, is_angle, registry, to_si
 from ..participants.plugins import names
 
-Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
+Port = Annotated[str, Field(pattern=r"^\w+\.[\s\S]*$")]
 """A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
 brackets and all.
 """
@@ -605,6 +606,13 @@ class Case(Table):
         for loop in self.report.loops.values():
             ports += [loop.x, *loop.y]
         return ports
+
+    def elements_of(self, participant: str) -> set[str]:
+        """Return the single elements of arrays, "name[2]", that the file names of a participant."""
+        ports = (port.partition(".") for port in self._ports())
+        names = {name for owner, _, name in ports if owner == participant}
+        names |= self.participants[participant].parameters.keys()
+        return {name for name in names if base_of(name) != name}
 
     def unrecorded(self, picture: Picture) -> list[str]:
         """Fields that a picture wants and the case does not record."""

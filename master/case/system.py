@@ -3,6 +3,7 @@ found before the run.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.builder_native import build_native_fmu, make_iteration_library, this_platform
 from ..fmi.errors import BadInput
-from ..fmi.fields import NO_NUMBERS
+from ..fmi.fields import NO_NUMBERS, base_of
 from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.clones import ClonedParticipant
@@ -161,13 +162,13 @@ def open_system(case, folder, progress, own=None):
     if case.native:
         make_iteration_library(progress)
     builds = build_options(case, folder, progress)
-    for name, table in case.participants.items():
+    for name in case.participants:
         try:
             make = (own or {}).get(name)
             participants[name] = (
                 make()
                 if make
-                else _participant(name, table, builds[name], folder, progress, name in native)
+                else _participant(name, case, builds[name], folder, progress, name in native)
             )
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
@@ -178,6 +179,7 @@ def open_system(case, folder, progress, own=None):
         for name in participants
     }
     _check_sources(case.wires, faults)
+    _check_elements(case.wires, participants, faults)
     opened = participants
     joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
     wires = [wire for wire in joined if isinstance(wire, Wire)]
@@ -266,15 +268,18 @@ def _of_machine_code(case, folder):
     return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
 
 
-def _participant(name, table, build, folder, progress, native):
+def _participant(name, case, build, folder, progress, native):
+    table = case.participants[name]
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
-    participant = open_fmu(name, path, step=_own_step(table))
+    elements = case.elements_of(name)
+    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
+    participant = open_with()
     if sizes := _sizes(participant, table.parameters):
-        participant = open_fmu(name, path, sizes, _own_step(table))
+        participant = open_with(sizes)
     timeout = duration("timeout", table.timeout)
     if table.host:
         return RemoteParticipant(participant, timeout, table.host)
@@ -422,6 +427,18 @@ def _check_sources(tables, faults):
         for target, several in sources.items()
         if len(several) > 1
     ]
+
+
+def _check_elements(tables, participants, faults):
+    """Append a fault for each element of an input array that is wired next to its array."""
+    targets = {table.target for table in tables}
+    for target in sorted(targets):
+        owner, name = port_of(target)
+        whole = participants[owner].fields.get(base_of(name))
+        if base_of(target) in targets - {target} and whole is not None and whole.shape:
+            faults.append(
+                f"wire to {target}: {base_of(target)} is wired too; wire the array or its elements"
+            )
 
 
 OF_NUMBERS = (

@@ -25,6 +25,7 @@ from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import gather_fields
 from .derivatives import difference
+from .exits import guard_exit
 from .kept import keep_description, kept_description
 from .participant import read_each, write_each
 from .printf import Logger, printed
@@ -48,6 +49,8 @@ class FmuParticipant:
         for it is kept.
     sizes : dict of str to int, optional
         Values of its structural parameters.
+    elements : iterable of str, optional
+        Elements of arrays ("y[2]") that are fields too, next to their array.
 
     Raises
     ------
@@ -59,8 +62,10 @@ class FmuParticipant:
     has_clocks = False
     _is_kept = True  # what is read of its description
 
-    def __init__(self, name, path, sizes=None):
+    def __init__(self, name, path, sizes=None, elements=()):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
+        self.elements = frozenset(elements)
+        self._is_kept = self._is_kept and not self.elements
         if self._is_kept and (kept := kept_description(self.path)):
             self.description, self.fields = kept
         else:
@@ -97,7 +102,7 @@ class FmuParticipant:
         ):
             raise BadInput(f"{one} is no FMI {self.version}.0 FMU for co-simulation")
         try:
-            self.fields = gather_fields(self.description, self.sizes)
+            self.fields = gather_fields(self.description, self.sizes, self.elements)
         except ValueError as error:
             raise BadInput(f"{one}: {error}") from None
         if self._is_kept:
@@ -153,6 +158,7 @@ class FmuParticipant:
         """Instantiate, set `parameters` and enter Initialization Mode, as the first half of
         `start`: outputs there follow the inputs that are set.
         """
+        guard_exit(self)
         self.log.clear()
         self._begun = self._broken = False
         with self._refusing():
