@@ -213,7 +213,9 @@ class Coupling(Table):
     parallel: bool = False
     """Jacobi's order in place of Gauss-Seidel's: all wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
-    """Order of the extrapolation that begins a macro step, 0 for the last values."""
+    """Order of the extrapolation that begins a macro step, 0 for the last values. Default of
+    explicit: 0, a plain exchange.
+    """
     max_iterations: int = Field(20, ge=1)
     """Iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
@@ -234,6 +236,14 @@ class Coupling(Table):
     """Products by differences of evaluations, not by the participants' derivatives."""
     halvings: int = Field(6, ge=0)
     """How often a macro step that fails may be halved."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def plain_exchange(cls, table):
+        """Explicit exchange extrapolates only if the case says so."""
+        if isinstance(table, dict) and table.get("method") == "explicit":
+            return {"predictor": 0} | table
+        return table
 
     @field_validator("method")
     @classmethod

@@ -334,19 +334,45 @@ class Interface:
         ]
 
     def worst(self, residual: np.ndarray, values: np.ndarray) -> str:
-        """Sentence naming the worst wire and its largest residual."""
+        """Return a sentence with the worst wire and its largest residual."""
         measures = self._measures(residual, values)
         k = int(np.argmax(np.where(np.isnan(measures), np.inf, measures)))
         wire = self.wires[k]
         r = residual[self.parts[k]]
         element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
-        at = np.unravel_index(element, wire.shape) if wire.shape else ()
-        index = ",".join(str(i + 1) for i in at)
         allowed = wire.allowed(values[self.parts[k]], self.first[k])
+        unit = "" if wire.unit == "1" else f" {wire.unit}"
         return (
-            f"{'.'.join(wire.target)}[{index}]: {r[element]:.3g} {wire.unit} "
-            f"(allowed {allowed:.3g})"
+            f"{_element(wire.target, element, wire.shape)}: expected a residual of at most "
+            f"{allowed:.3g}{unit}, got {r[element]:.3g}{unit}"
         )
+
+    def not_finite(self, evaluation: Evaluation) -> str:
+        """Return a sentence with the first output that is not finite in the order of stepping.
+
+        A participant whose inputs are finite is the origin; the others pass on what they received.
+        """
+        origins: list[str] = []
+        for name in self.participants:
+            finite = all(np.isfinite(evaluation.used[end.part]).all() for end in self.inputs[name])
+            for variable, part, shape in self.outputs[name]:
+                bad = np.flatnonzero(~np.isfinite(evaluation.outputs[part]))
+                if len(bad):
+                    port = _element((name, variable), int(bad[0]), shape)
+                    value = evaluation.outputs[part][bad[0]]
+                    sentence = f"{port}: expected a finite output, got {value}"
+                    if finite:
+                        return f"{sentence}; its inputs are finite, the cause is in {name}"
+                    origins.append(sentence)
+        return origins[0] if origins else "expected finite outputs"
+
+
+def _element(port: tuple[str, str], element: int, shape: tuple[int, ...]) -> str:
+    """Return the name of an element of a port, "body.force[3]"; indices count from 1."""
+    if not shape:
+        return ".".join(port)
+    index = ",".join(str(i + 1) for i in np.unravel_index(element, shape))
+    return f"{'.'.join(port)}[{index}]"
 
 
 def largest(measures: Sequence[float]) -> float:

@@ -21,7 +21,7 @@ class StepFailed(Stopped):
     stays.
     """
 
-    headline = "a macro step did not converge, and no halving is left"
+    headline = "a macro step failed"
 
 
 class EnergyCreated(RuntimeError):
@@ -165,7 +165,7 @@ class Stepper:
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
-        self.memory = method.memory()
+        self.memory = self.method.memory()
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
 
@@ -300,7 +300,7 @@ class Stepper:
         self.predictor.clear()
         self.memory = self.method.memory()
         self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
-        if not may_halve:
+        if not may_halve or getattr(failure, "is_final", False):
             raise StepFailed(self.failures[-1]) from failure
         self.counters.halved_steps += 1
 

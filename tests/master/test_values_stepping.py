@@ -260,7 +260,7 @@ def test_every_refusal_at_the_start_is_told(affine):
     def refuse(*given):
         raise BadInput(["too long", "too wide"])
 
-    system.participants["plant"].start = refuse
+    system.participants["plant"].leave = refuse
     with pytest.raises(BadInput) as refusal:
         start(system, lambda participant: [f"{participant.name}: forgets"])
     assert refusal.value.faults == ["too long", "too wide", "echo: forgets"]

@@ -78,28 +78,40 @@ class Method(Protocol):
 
 
 class NotConverged(RuntimeError):
-    """The macro step did not reach its fixed point; says where the worst residual is and how the
-    residual went.
+    """A macro step without a fixed point: the reason, the worst residual, and its history.
+
+    Attributes
+    ----------
+    is_final : bool
+        The run stops at once, since shorter macro steps cannot help.
     """
 
     def __init__(
-        self, reason: str, interface: Interface, evaluation: Evaluation, history: Sequence[float]
+        self,
+        reason: str,
+        interface: Interface,
+        evaluation: Evaluation,
+        history: Sequence[float],
+        is_final: bool = False,
     ):
         self.iterations = len(history)
+        self.is_final = is_final
         trail = [f"{value:.2g}" for value in history]
         shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
-        super().__init__(
-            f"{reason}; worst {interface.worst(evaluation.residual, evaluation.outputs)}; "
-            f"residual/tolerance per iteration: {' '.join(shown)}"
-        )
+        if isfinite(history[-1]):
+            reason = f"{reason}; {interface.worst(evaluation.residual, evaluation.outputs)}"
+        super().__init__(f"{reason}; residual/tolerance per iteration: {' '.join(shown)}")
 
 
 def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
-    """NotConverged where an output is NaN or infinite: then so is the last measure, which is looked
-    at first.
+    """Raise NotConverged if an output is NaN or infinite.
+
+    It is final at the first evaluation of a macro step, whose inputs come from an accepted one. A
+    later iterate may be far off, and a shorter macro step then helps.
     """
     if not isfinite(history[-1]) and not np.isfinite(evaluation.outputs).all():
-        raise NotConverged("a participant's output is not finite", interface, evaluation, history)
+        reason = interface.not_finite(evaluation)
+        raise NotConverged(reason, interface, evaluation, history, is_final=len(history) == 1)
 
 
 def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
