@@ -411,8 +411,12 @@ class FmuParticipant:
         return bool(answer.value)
 
     def _do_step(self, time, step):
-        """The call itself; states before its beginning may be asked for again."""
-        self._call("fmi2DoStep", self._fmu.component, time, step, fmi2.fmi2False)
+        """Call the FMU's step.
+
+        noSetFMUStatePriorToCurrentPoint is true: the master restores the state at `time`, never an
+        earlier one. FMUs that are told false may take their last step back.
+        """
+        self._call("fmi2DoStep", self._fmu.component, time, step, fmi2.fmi2True)
 
     def _words(self, failure):
         """What the FMU logged in the call that failed, or the call's name and status."""

@@ -132,7 +132,7 @@ class Fmu3Participant(FmuParticipant):
         reached = ctypes.c_double()
         references = [ctypes.byref(answer) for answer in (*flags, reached)]
         while True:
-            self._call("fmi3DoStep", self._fmu.component, at, end - at, False, *references)
+            self._call("fmi3DoStep", self._fmu.component, at, end - at, True, *references)
             event, finished, early = (flag.value for flag in flags)
             if event and self._has_events and not finished:
                 finished = self._meet(reached.value, end, step)
