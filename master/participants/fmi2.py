@@ -69,7 +69,9 @@ class FmuParticipant:
         self.log = []
         root = self._before_the_variables()
         self._vectors: dict[str, Block] = {}
-        self._pairs: dict[tuple[str, ...], Block] = {}
+        self._pairs: dict[tuple[str, tuple[str, ...]], Block] = {}
+        self._input_values: dict[str, np.ndarray] = {}
+        self._written: Block | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
         self._derivative = self._reserved_references(root)
@@ -154,6 +156,7 @@ class FmuParticipant:
         `start`: outputs there follow the inputs that are set.
         """
         self.log.clear()
+        self._forget_inputs()
         self._begun = self._broken = False
         with self._refusing():
             self._instantiate(start_time, stop_time)
@@ -238,12 +241,17 @@ class FmuParticipant:
             block = self._vector(name)
             block.values[:] = np.ravel(value)
             self._write(block)
+            if field.causality == "input":
+                self._remember(block)
         else:
             values = (
                 np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
             )
             self._check_fit(field, values)
             self._access()[field.native or field.type][1](list(field.references), values)
+            if field.causality == "input" and field.type == "Real":
+                self._input_values[name] = np.array(values, dtype=float)
+                self._written = None
 
     def _check_fit(self, field, values):
         """ParticipantFault where a whole number does not fit the type: C would cut it short."""
@@ -277,14 +285,31 @@ class FmuParticipant:
         )
 
     def get(self, name):
-        """Value of a field: array of its shape, or a Python scalar."""
+        """Return the value of a field: array of its shape, or a Python scalar.
+
+        A real input has the value that it was set to: FMUs may answer anything else.
+        """
         field = self.fields[name]
-        if not field.is_double:
+        values = self._input_values.get(name)
+        if values is None and not field.is_double:
             values = self._listed(field)
             return np.array(values).reshape(field.shape) if field.shape else values[0]
-        block = self._vector(name)
-        self._read(block)
-        return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+        if values is None:
+            block = self._vector(name)
+            self._read(block)
+            values = block.values
+        return values.reshape(field.shape).copy() if field.shape else float(values[0])
+
+    def _remember(self, block):
+        """Note that the inputs of a block have been set to its values."""
+        if block is not self._written:
+            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
+            self._written = block
+
+    def _forget_inputs(self):
+        """Read inputs from the FMU until they are set again."""
+        self._input_values.clear()
+        self._written = None
 
     def _listed(self, field):
         """Values of all elements of a field that is not real."""
@@ -296,9 +321,10 @@ class FmuParticipant:
         if not self._are_double(names):
             write_each(self, names, values)
             return
-        block = self._pair(names)
+        block = self._pair(names, "written")
         block.values[:] = values
         self._write(block)
+        self._remember(block)
 
     def read(self, names):
         """Several real fields, one behind the other; overwritten by the next reading of the
@@ -469,7 +495,7 @@ class FmuParticipant:
                 if self._derivative
                 else self._difference(seeds, products)
             )
-        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
+        known, unknown = self._pair(tuple(seeds), "seeds"), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
         self.log.clear()
@@ -507,7 +533,8 @@ class FmuParticipant:
         return ctypes.addressof(block.references), block.count
 
     def stepped(self, saved, time, step):
-        """Compiled code has taken this step [s] from a saved state."""
+        """Note that compiled code has set inputs and taken this step [s] from a saved state."""
+        self._forget_inputs()
         self._begin = saved
         self.ended = ""
         self._last_step = (time, step)
@@ -524,11 +551,11 @@ class FmuParticipant:
         self._broken |= function == "fmi2DoStep"
         return ParticipantFault(f"{self.name}: {self._words(failure)}")
 
-    def _pair(self, names):
-        """References of several fields in one block, made once."""
-        if names not in self._pairs:
-            self._pairs[names] = _block({name: self.fields[name] for name in names})
-        return self._pairs[names]
+    def _pair(self, names, use="read"):
+        """References of several fields in one block, made once for each use of it."""
+        if (use, names) not in self._pairs:
+            self._pairs[use, names] = _block({name: self.fields[name] for name in names})
+        return self._pairs[use, names]
 
     def _cut(self, block):
         return {
