@@ -12,7 +12,7 @@ from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
 from .methods.newton import SINGULAR
 from .methods.probing import ProbedStep
-from .wiring import System, carry
+from .wiring import System, Wire, carry
 
 START_ITERATIONS = 50
 """Evaluations of a start loop; Newton needs two where outputs are linear in inputs."""
@@ -53,7 +53,8 @@ def start(
     )
     if faults:
         raise BadInput(faults)
-    _agree(Interface(entered, system.wires))
+    readable = [wire for wire in system.wires if not _is_clocked(entered, wire)]
+    _agree(Interface(entered, readable))
     started: dict[str, Participant] = {}
 
     def leave(name: str) -> None:
@@ -96,8 +97,16 @@ def _fed(system: System, name: str, started: Mapping[str, Participant]) -> dict[
     }
 
 
+def _is_clocked(participants: Mapping[str, Participant], wire: Wire) -> bool:
+    """Return whether the source of a wire has no value before its clock ticks."""
+    owner, name = wire.source
+    return bool(getattr(participants[owner].fields[name], "clocked", False))
+
+
 def _agree(interface: Interface) -> None:
-    """Bring the wires of participants in Initialization Mode to agreement."""
+    """Bring the wires of participants in Initialization Mode to agreement, if there are loops."""
+    if not interface.feedback.any():
+        return
     newton = Newton(START_ITERATIONS, differences=True)
     begin = Start(interface)
     try:

@@ -9,6 +9,7 @@ import warnings
 import zipfile
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,7 @@ from .printf import Logger, printed
 REAL = ctypes.POINTER(ctypes.c_double)
 WHOLE = 1e-9
 """Of a step: what is left of it counts as nothing."""
+TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
@@ -58,6 +60,12 @@ class FmuParticipant:
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
     _is_kept = True  # what is read of its description
+    _whole_numbers = {
+        "Integer": "fmi2GetInteger",
+        "Enumeration": "fmi2GetInteger",
+        "Boolean": "fmi2GetBoolean",
+    }
+    """Functions that read whole numbers of 32 bits, by type."""
 
     def __init__(self, name, path, sizes=None):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
@@ -74,6 +82,7 @@ class FmuParticipant:
         self._written: Block | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
+        self._functions: Functions | None = None
         self._derivative = self._reserved_references(root)
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
@@ -199,12 +208,14 @@ class FmuParticipant:
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
+        self._chosen.clear()
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._logger = Logger(self._note)
         self._callbacks.logger = ctypes.cast(self._logger, fmi2.fmi2CallbackLoggerTYPE)
         self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._functions = Functions(self._fmu)
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
 
     def _configure(self):
@@ -318,10 +329,12 @@ class FmuParticipant:
 
     def write(self, names, values):
         """Set several real fields, one behind the other in `values`."""
-        if not self._are_double(names):
-            write_each(self, names, values)
-            return
-        block = self._pair(names, "written")
+        block = self._pairs.get(("written", names))
+        if block is None:
+            if not self._are_double(names):
+                write_each(self, names, values)
+                return
+            block = self._pair(names, "written")
         block.values[:] = values
         self._write(block)
         self._remember(block)
@@ -330,9 +343,11 @@ class FmuParticipant:
         """Several real fields, one behind the other; overwritten by the next reading of the
         same.
         """
-        if not self._are_double(names):
-            return read_each(self, names)
-        block = self._pair(names)
+        block = self._pairs.get(("read", names))
+        if block is None:
+            if not self._are_double(names):
+                return read_each(self, names)
+            block = self._pair(names)
         self._read(block)
         return block.values
 
@@ -341,14 +356,18 @@ class FmuParticipant:
         return True
 
     def _write(self, block):
-        self._call("fmi2SetReal", self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2SetReal", *block.arguments)
 
     def _read(self, block):
-        self._call("fmi2GetReal", self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2GetReal", *block.arguments)
 
     def _call(self, function, *arguments):
-        """Call the FMU without FMPy's own layers, which cost more than a small FMU."""
-        status = getattr(self._fmu.dll, function)(*arguments)
+        """Call the FMU without FMPy's own layers, which cost more than a small FMU.
+
+        All arguments are objects of ctypes, so that nothing is converted.
+        """
+        assert self._functions is not None, "the FMU is not instantiated"
+        status = self._functions[function](self._functions.component, *arguments)
         if status > fmi2.fmi2Warning:
             raise FMICallException(function, status)
 
@@ -365,23 +384,39 @@ class FmuParticipant:
 
     def get_many(self, names):
         """Values of several scalars, a call for each type: dict of name to number."""
+        names = tuple(names)
+        if (getters := self._chosen.get(names)) is None:
+            getters = self._chosen[names] = self._getters(names)
         values = {}
-        for kind, chosen, references in self._sorted(tuple(names)):
-            if kind in ("Real", "Float64"):
-                values |= zip(chosen, self.read(chosen).tolist())
-            else:
-                values |= zip(chosen, self._access()[kind][0](references))
+        for chosen, getter in getters:
+            values |= zip(chosen, getter())
         return values
 
-    def _sorted(self, names):
-        """Names and references of scalars by type, made once."""
-        if names not in self._chosen:
-            self._chosen[names] = [
-                (kind, chosen, [self.fields[name].references[0] for name in chosen])
-                for kind in self._access()
-                if (chosen := tuple(name for name in names if self._kind(name) == kind))
-            ]
-        return self._chosen[names]
+    def _getters(self, names):
+        """Return names of scalars by type, each with a function that returns their values."""
+        getters = []
+        for kind in self._access():
+            chosen = tuple(name for name in names if self._kind(name) == kind)
+            if chosen:
+                references = [self.fields[name].references[0] for name in chosen]
+                getters.append((chosen, self._getter(kind, chosen, references)))
+        return getters
+
+    def _getter(self, kind, names, references):
+        """Return a function that returns the values of several scalars of a type."""
+        if kind in ("Real", "Float64"):
+            return lambda: self.read(names).tolist()
+        if kind not in self._whole_numbers:
+            return partial(self._access()[kind][0], references)
+        count = len(references)
+        values = (ctypes.c_int * count)()
+        arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
+
+        def listed():
+            self._call(self._whole_numbers[kind], *arguments)
+            return list(values)
+
+        return listed
 
     def _kind(self, name):
         """Type of a field in the FMU's version of the standard."""
@@ -419,21 +454,17 @@ class FmuParticipant:
         does not say.
         """
         answer = ctypes.c_double(time)
-        kind, component = fmi2.fmi2LastSuccessfulTime, self._fmu.component
+        kind = ctypes.c_int(fmi2.fmi2LastSuccessfulTime)
         with suppress(FMICallException):
-            self._call("fmi2GetRealStatus", component, kind, ctypes.byref(answer))
+            self._call("fmi2GetRealStatus", kind, ctypes.byref(answer))
         return answer.value
 
     def _wants_to_end(self):
         """Whether the step was discarded because the FMU asks for the end of the simulation."""
         answer = ctypes.c_int(0)
         with suppress(FMICallException):
-            self._call(
-                "fmi2GetBooleanStatus",
-                self._fmu.component,
-                fmi2.fmi2Terminated,
-                ctypes.byref(answer),
-            )
+            kind = ctypes.c_int(fmi2.fmi2Terminated)
+            self._call("fmi2GetBooleanStatus", kind, ctypes.byref(answer))
         return bool(answer.value)
 
     def _do_step(self, time, step):
@@ -442,7 +473,7 @@ class FmuParticipant:
         noSetFMUStatePriorToCurrentPoint is true: the master restores the state at `time`, never an
         earlier one. FMUs that are told false may take their last step back.
         """
-        self._call("fmi2DoStep", self._fmu.component, time, step, fmi2.fmi2True)
+        self._call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), TRUE)
 
     def _words(self, failure):
         """What the FMU logged in the call that failed, or the call's name and status."""
@@ -451,7 +482,7 @@ class FmuParticipant:
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""
         state = ctypes.c_void_p()
-        self._call("fmi2GetFMUstate", self._fmu.component, ctypes.byref(state))
+        self._call("fmi2GetFMUstate", ctypes.byref(state))
         return state
 
     def restore(self, saved):
@@ -460,10 +491,10 @@ class FmuParticipant:
         self._set_state(saved)
 
     def _set_state(self, saved):
-        self._call("fmi2SetFMUstate", self._fmu.component, saved)
+        self._call("fmi2SetFMUstate", saved)
 
     def free(self, saved):
-        self._call("fmi2FreeFMUstate", self._fmu.component, ctypes.byref(saved))
+        self._call("fmi2FreeFMUstate", ctypes.byref(saved))
 
     def serialise(self, saved):
         """The saved state as bytes."""
@@ -645,7 +676,7 @@ class FmuParticipant:
 @dataclass(frozen=True)
 class Block:
     """Fields moved in one call: C array of their references, their number, values with a pointer,
-    each field's part.
+    each field's part; arguments of the call.
     """
 
     references: ctypes.Array
@@ -653,6 +684,24 @@ class Block:
     values: np.ndarray
     pointer: Any
     parts: dict[str, slice]
+
+    @cached_property
+    def arguments(self):
+        """References, their number and the pointer to the values."""
+        return self.references, ctypes.c_size_t(self.count), self.pointer
+
+
+class Functions(dict):
+    """Functions of an FMU's library by name, without declared types; its instance."""
+
+    def __init__(self, fmu):
+        super().__init__()
+        self.library = fmu.dll
+        self.component = ctypes.c_void_p(fmu.component)
+
+    def __missing__(self, name):
+        self[name] = function = self.library[name]
+        return function
 
 
 def _block(fields):

@@ -9,9 +9,10 @@ once (D is not 0), so that its output at the end of a step needs the input's val
 from types import SimpleNamespace
 
 import numpy as np
-import piston_cosim as pc
 import pytest
 from scipy.linalg import expm
+
+import piston_cosim as pc
 
 TROLLEY, LOAD, ROPE, GRAVITY, FRICTION = 10.0, 4.0, 2.0, 9.81, 3.0
 """[kg], [kg], [m], [m/s2], [N s/m]."""

@@ -84,7 +84,11 @@ class NotConverged(RuntimeError):
     ----------
     is_final : bool
         The run stops at once, since shorter macro steps cannot help.
+    is_not_finite : bool
+        The first evaluation gave an output that is not finite.
     """
+
+    is_not_finite = False
 
     def __init__(
         self,
@@ -104,14 +108,11 @@ class NotConverged(RuntimeError):
 
 
 def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
-    """Raise NotConverged if an output is NaN or infinite.
-
-    It is final at the first evaluation of a macro step, whose inputs come from an accepted one. A
-    later iterate may be far off, and a shorter macro step then helps.
-    """
+    """Raise NotConverged if an output is NaN or infinite."""
     if not isfinite(history[-1]) and not np.isfinite(evaluation.outputs).all():
-        reason = interface.not_finite(evaluation)
-        raise NotConverged(reason, interface, evaluation, history, is_final=len(history) == 1)
+        failure = NotConverged(interface.not_finite(evaluation), interface, evaluation, history)
+        failure.is_not_finite = len(history) == 1
+        raise failure
 
 
 def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
