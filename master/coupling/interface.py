@@ -1,15 +1,20 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
+from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, read_each, write_each
 from .wiring import Wire, is_unknown, rms
+
+
+SMALL = 16
+"""Scalar wires up to which a loop in Python is faster than operations on arrays."""
 
 
 class Evaluation(NamedTuple):
@@ -24,6 +29,15 @@ class Evaluation(NamedTuple):
     used: np.ndarray
     outputs: np.ndarray
     residual: np.ndarray
+
+
+class Last(NamedTuple):
+    """An evaluation, time and length of its macro step [s], and the states that it began with."""
+
+    at: Evaluation
+    time: float
+    step: float
+    saved: Mapping[str, Any]
 
 
 class End(NamedTuple):
@@ -162,9 +176,12 @@ class Interface:
             name: Ends(participant, self.inputs[name], self.outputs[name], self.feedback)
             for name, participant in participants.items()
         }
+        self._last: Last | None = None
         self.starts = [part.start for part in self.parts]
         tolerance = np.array([wire.tolerance for wire in wires], float)
         self.tolerance = np.repeat(tolerance, np.array(sizes, int))
+        is_small = 0 < self.size <= SMALL and set(sizes) == {1} and tolerance.all()
+        self._scalar_tolerances = tolerance.tolist() if is_small and not self.relative else None
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
@@ -182,6 +199,12 @@ class Interface:
             [name for name in self.participants if depth[name] == k]
             for k in range(max(depth.values(), default=-1) + 1)
         ]
+
+    @cached_property
+    def limited(self) -> list[tuple[Wire, slice]]:
+        """Wires with a `largest_decrease`, each with its part of the vector."""
+        pairs = zip(self.wires, self.parts)
+        return [(wire, part) for wire, part in pairs if wire.largest_decrease is not None]
 
     def begin(self) -> None:
         """A macro step is tried."""
@@ -213,7 +236,9 @@ class Interface:
         def act(stage: Sequence[str]) -> None:
             self._step(stage, time, step)
 
-        return self.answer(x, act, saved)
+        at = self.answer(x, act, saved)
+        self._last = Last(at, time, step, saved)
+        return at
 
     def answer(
         self,
@@ -238,7 +263,8 @@ class Interface:
             for name in stage:
                 self.ends[name].hear(used, y)
             self.spent["transport"] += fed - begun + perf_counter() - acted
-        return Evaluation(used, y, np.where(self.feedback, y - used, used - x))
+        # an element that is fed back was used as in x, another one as in y
+        return Evaluation(used, y, y - x)
 
     def _step(self, stage: Sequence[str], time: float, step: float) -> None:
         """Step the participants of a stage, those apart while the others step here; every one is
@@ -276,6 +302,9 @@ class Interface:
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """The evaluation linearised at the last step of every participant.
 
+        A participant without derivatives takes its step once more with changed inputs, and is left
+        there: evaluate again before its state is used.
+
         Parameters
         ----------
         change : ndarray, shape (size,)
@@ -292,15 +321,46 @@ class Interface:
         for name, participant in self.participants.items():
             if not (self.inputs[name] and self.outputs[name]):
                 continue  # nothing depends on it, or it depends on nothing
-            seeds = {end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]}
+            ends = self.ends[name]
             begun = perf_counter()
-            products = participant.derivative(seeds, [end.variable for end in self.outputs[name]])
+            if participant.has_derivatives or name in self.apart or self._last is None:
+                seeds = {
+                    end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]
+                }
+                variables = [end.variable for end in self.outputs[name]]
+                products = participant.derivative(seeds, variables)
+                for variable, part, _ in self.outputs[name]:
+                    result[part] = np.ravel(products[variable])
+            else:
+                result[ends.out] = self._difference(name, self._last, seen[ends.into])
             self.spent[name] += perf_counter() - begun
-            for variable, part, _ in self.outputs[name]:
-                result[part] = np.ravel(products[variable])
-                if not self.feedback[part.start]:
-                    seen[part] = result[part]
+            if ends.forward is not None:
+                seen[ends.forward] = result[ends.forward]
         return result
+
+    def _difference(self, name: str, last: Last, change: np.ndarray) -> np.ndarray | float:
+        """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
+        ends = self.ends[name]
+        given = last.at.used[ends.into]
+        largest = 0.0
+        first = 0
+        for variable, part, _ in self.inputs[name]:
+            end = first + part.stop - part.start
+            size = max(map(abs, change[first:end].tolist()))
+            if size:
+                nominal = self.participants[name].fields[variable].nominal
+                scale = nominal or max(map(abs, given[first:end].tolist())) or 1.0
+                largest = max(largest, size / scale)
+            first = end
+        if largest == 0.0:
+            return 0.0
+        share = DIFFERENCE / largest
+        self.participants[name].restore(last.saved[name])
+        ends.write(ends.inputs, given + share * change)
+        self.participants[name].step(last.time, last.step)
+        moved = np.empty(self.size)
+        ends.collect(moved)
+        return (moved[ends.out] - last.at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
         """Residual that counts as converged, per element, for given values; shape (size,)."""
@@ -325,6 +385,8 @@ class Interface:
     def _measures(self, residual: np.ndarray, values: np.ndarray) -> list[float]:
         if not self.size:
             return []
+        if self._scalar_tolerances:
+            return [abs(r) / t for r, t in zip(residual.tolist(), self._scalar_tolerances)]
         if not self.relative:
             shares = np.abs(residual) / self.tolerance
             return np.maximum.reduceat(shares, self.starts).tolist()

@@ -293,13 +293,17 @@ class Recorder:
 
         turned : what (participant, variable) has grown by in the cycles before, and is not counted.
         """
-        values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
+        values = {
+            name: self.participants[name].get_many(names)
+            for name, names in self.names.items()
+            if names
+        }
         if turned:
             for owner, found in values.items():
                 values[owner] = {key: found[key] - turned((owner, key)) for key in found}
         row = [time]
         for name, found in values.items():
-            row += [found[key] for key in self.names[name]]
+            row += map(found.__getitem__, self.names[name])
         row += (
             (solution.iterations, solution.products, solution.history[-1])
             if solution
@@ -308,9 +312,8 @@ class Recorder:
         self._waiting.append(row)
         instant = self.schedule.instant(self.rows, time)
         if instant is not None:
-            ports = [port_of(port) for port in self.ports]
             crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
-            fields = [self.participants[a].get(b) for a, b in ports]
+            fields = [self.participants[a].get(b) for a, b in map(port_of, self.ports)]
             self._instants.append([instant, *crank, *fields])
         self.rows += 1
         full = len(self._instants) >= self.flush_every or len(self._waiting) >= CHUNK

@@ -122,9 +122,7 @@ def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> floa
     largest_decrease.
     """
     share = 1.0
-    for wire, part in zip(interface.wires, interface.parts):
-        if wire.largest_decrease is None:
-            continue
+    for wire, part in interface.limited:
         values, moves = x[part], change[part]
         down = np.flatnonzero(moves < 0.0)
         if not len(down):
