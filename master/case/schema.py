@@ -201,9 +201,9 @@ class WireTable(Table):
     """Local error allowed in a macro step, root mean square over the field; with it on any wire,
     steps are as long as it allows.
     """
-    interpolation: Literal["held", "linear", "hermite"] = "held"
-    """The input inside a macro step: held at its end's value, linear, or a cubic by the slopes that
-    the source declares.
+    interpolation: Literal["held", "mean", "linear", "hermite"] | None = None
+    """The input inside a macro step: held at its value at the end, held at the mean of both ends,
+    linear, or a cubic by the slopes that the source declares. Default: coupling.inputs.
     """
     conjugate: Port | None = None
     """Output whose product with the field is work or power; both sides' account of it is compared
@@ -228,7 +228,13 @@ class Coupling(Table):
     parallel: bool = False
     """Jacobi's order in place of Gauss-Seidel's: all wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
-    """Order of the extrapolation that begins a macro step, 0 for the last values."""
+    """Order of the extrapolation that begins a macro step, 0 for the last values. Default of
+    explicit: 0, a plain exchange.
+    """
+    inputs: Literal["held", "mean", "linear"] = "held"
+    """Inputs of real numbers inside a macro step, for wires without an interpolation. `mean` gives
+    second order with every FMU, `linear` with FMUs that declare canInterpolateInputs.
+    """
     max_iterations: int = Field(20, ge=1)
     """Iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
@@ -249,6 +255,14 @@ class Coupling(Table):
     """Products by differences of evaluations, not by the participants' derivatives."""
     halvings: int = Field(6, ge=0)
     """How often a macro step that fails may be halved."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def plain_exchange(cls, table):
+        """Explicit exchange extrapolates only if the case says so."""
+        if isinstance(table, dict) and table.get("method") == "explicit":
+            return {"predictor": 0} | table
+        return table
 
     @field_validator("method")
     @classmethod

@@ -189,12 +189,12 @@ def open_system(case, folder, progress, own=None):
     held = [wire for wire in handed if wire.target not in of_clocks]
     conversions = {} if faults else _conversions(reals, participants)
     _in_units_of_wires(parameters, conversions)
-    participants = _interpolating(case, _converting(participants, conversions), faults)
+    participants = _able(case, _converting(participants, conversions), faults)
+    participants = _interpolating(case, participants, {wire.target for wire in wires}, faults)
     try:
         conjugates(wires, case.wires)
     except BadInput as error:
         faults += error.faults
-    participants = _able(case, participants, faults)
     _check_fixed(case, participants, faults)
     _check_ports(case, participants, faults)
     outside = [("observers", name) for name in case.observers]
@@ -510,7 +510,7 @@ def _clock_kind(port, participants):
 def _held_wire(table, source, target, where, faults):
     """A wire of integers, booleans, enumerations, texts, bytes or clocks, or to a clocked input."""
     said = [key for key in OF_NUMBERS if getattr(table, key)]
-    said += ["interpolation"] if table.interpolation != "held" else []
+    said += ["interpolation"] if table.interpolation not in (None, "held") else []
     if said:
         faults.append(
             f"{where}: {', '.join(said)}: a wire of type {source.type}"
@@ -618,23 +618,24 @@ def _difference(given, named):
     return _quantity(given, replace(named, definition=replace(named.definition, offset=0.0)))
 
 
-def _interpolating(case, participants, faults):
+def _interpolating(case, participants, reals, faults):
     """The participants, those with interpolated inputs wrapped; faults of those that cannot are
-    appended.
+    appended. `reals` holds the inputs of wires of real numbers.
     """
     kinds = {}
     for wire in case.wires:
         (owner, name), (target, inlet) = port_of(wire.source), port_of(wire.target)
-        if wire.interpolation == "held":
+        kind = wire.interpolation or case.coupling.inputs
+        if kind == "held" or (target, inlet) not in reals:
             continue
-        kinds.setdefault(target, {})[inlet] = wire.interpolation
-        where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
+        kinds.setdefault(target, {})[inlet] = kind
+        where = f"wire {wire.source} -> {wire.target}: interpolation = {kind!r}"
         if case.participants[target].clones:
             faults.append(f"{where}: clones probe held inputs alone")
-        if not participants[target].can_interpolate:
+        if kind != "mean" and not participants[target].can_interpolate:
             faults.append(
                 f"{where}: {participants[target].path.name} cannot follow inputs over a step "
-                "(canInterpolateInputs of FMI 2.0); write held, or take shorter macro steps"
+                "(canInterpolateInputs of FMI 2.0); write mean or held"
             )
         if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(

@@ -106,6 +106,13 @@ def oscillator_checks():
             "the reference holds inputs at the step's beginning, we at its end: equal to first "
             "order",
         ),
+        (
+            "mean",
+            2,
+            1.32e-2,
+            0.01,
+            "the deviation from linear inputs adds the error of these once more",
+        ),
         ("linear", 2, 6.6e-3, 0.01, "two digits are given"),
         ("hermite", 4, 3.4e-6, 0.015, "two digits are given"),
     ):

@@ -60,7 +60,7 @@ static int advance(Instance *one, double *real, double time, double step)
     one->is_called = 1;
     fed = now();
     one->calls++;
-    int is_taken = is_well(one, STEP, one->step(one->component, time, step, 0));
+    int is_taken = is_well(one, STEP, one->step(one->component, time, step, 1 /* no state before `time` is restored */));
     stepped = now();
     one->spent += stepped - fed;
     one->is_called = 0;
