@@ -138,7 +138,7 @@ def main():
                 same = x == expected
     least = min(costs["bare"])
     print(f"bare loop of FMPy calls {least:6.1f} us a step")
-    print("method      stepper alone   through pc.couple   evaluations   of a bare loop each   start")
+    print("method      stepper alone   through pc.couple   evaluations   times a bare loop   start")
     slow = []
     for method in methods:
         alone, _ = min(costs[method])

@@ -127,9 +127,7 @@ class Library:
         self._pool = whole.iteration_make()
         weakref.finalize(self, whole.iteration_free, self._pool)
 
-    def call(
-        self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray
-    ) -> Callable[[], None]:
+    def call(self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray) -> Callable[[], None]:
         """Return a call of the entry `iterate` of `native` on these arrays."""
         arrays = real, memory, numbers, np.array([real.size, 0, memory.size, numbers.size])
         addresses = [array.ctypes.data for array in arrays]
