@@ -159,7 +159,7 @@ def expected_missing(answers: SurfaceAnswers, first: np.ndarray, vector: np.ndar
     whole = np.linalg.norm(answers.radial @ patches, axis=0)
     shares = vector.T @ patches
     # a rotation of the surface's points keeps all norms
-    answer = np.linalg.qr(_left(answers, first) @ vector, mode="r")
+    answer = np.asarray(np.linalg.qr(_left(answers, first) @ vector, mode="r"))
     missing = np.zeros(shares.shape)
     out = [0.0]
     for column, share in zip(answer.T[::-1], shares[::-1]):

@@ -166,7 +166,8 @@ def main(results=RUN, case="numerical_example"):
     skirt, *_ = full_model(build.piston, ("skirt", "crown", "pin_bore"), print)
     rows = film_rows(*ends(skirt, "skirt", None, None), build.grid)
     bore, *_ = full_model(build.block, ("bore", "bolts"), print)
-    stations = np.linspace(*ends(bore, "bore", None, None), build.block.stations)
+    lower, upper = ends(bore, "bore", None, None)
+    stations = np.linspace(lower, upper, build.block.stations)
     surfaces = {
         "piston": whole_surface(build.piston, build.grid, loads.film, rows),
         "block": whole_surface(
