@@ -114,38 +114,63 @@ def surface_answers(body: Elastic, reading: SurfaceReading, root: np.ndarray) ->
     return SurfaceAnswers(root, radial, axial)
 
 
-class ExpectedPatterns(NamedTuple):
-    """Eigenvectors v of Eq. (J32), (n, n), largest first, and the share of the deflection that is
-    expected to be missing with the first k of them, (n + 1,) [-].
-    """
-
-    vector: np.ndarray
-    missing: np.ndarray
-
-
-def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> ExpectedPatterns:
+def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> np.ndarray:
     """Return the pressure patterns to which a surface yields most under the prior.
 
     Eq. (J32):  S^T R G R^T S v_i = mu_i v_i,   G = K^-1 - Psi Psi^T,   largest mu_i first
-    Eq. (J33):  missing(k)^2 = max_j sum_(i>k) (R G R^T S v_i)_j^2 / max_j (R K^-1 R^T S)_j^2
-
-    Eq. (J33) compares the largest standard deviation of the missing radial deflection at any point
-    with the largest one of the deflection, both under the prior.
 
     Parameters
     ----------
     answers : SurfaceAnswers
     first : ndarray, shape (points, j)
         R Psi, Psi^T K Psi = 1: shapes that the basis has already.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        v_i, one a column.
     """
-    left = answers.radial - first @ (first.T @ answers.root)
-    energy = answers.root.T @ left
+    energy = answers.root.T @ _left(answers, first)
     _, vector = la.eigh((energy + energy.T) / 2)  # Eq. (J32), rising
-    vector = vector[:, ::-1]
-    square = (left @ vector) ** 2
-    tail = np.cumsum(square[:, ::-1], axis=1)[:, ::-1].max(axis=0)
-    whole = (answers.radial**2).sum(axis=1).max()
-    return ExpectedPatterns(vector, np.sqrt(np.append(tail, 0.0) / whole))  # Eq. (J33)
+    return vector[:, ::-1]
+
+
+def expected_missing(answers: SurfaceAnswers, first: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return the largest expected missing share of the deflection with the first k patterns.
+
+    Eq. (J33):  missing(k) = max_j |sum_(i>k) R G R^T S v_i v_i^T S^T e_j| / |R K^-1 R^T S S^T e_j|
+
+    The load S S^T e_j is the pressure that the prior expects, given the pressure at point j: a
+    smooth patch around that point. The share is that of the root mean squares over the surface.
+
+    Parameters
+    ----------
+    answers, first
+        As for `expected_patterns`.
+    vector : ndarray, shape (n, n)
+        Its result.
+
+    Returns
+    -------
+    ndarray, shape (n + 1,)
+        For k = 0 to n [-], never rising.
+    """
+    patches = answers.root[answers.root.any(axis=1)].T
+    whole = np.linalg.norm(answers.radial @ patches, axis=0)
+    shares = vector.T @ patches
+    # a rotation of the surface's points keeps all norms
+    answer = np.asarray(np.linalg.qr(_left(answers, first) @ vector, mode="r"))
+    missing = np.zeros(shares.shape)
+    out = [0.0]
+    for column, share in zip(answer.T[::-1], shares[::-1]):
+        missing += np.outer(column, share)
+        out.append(float((np.linalg.norm(missing, axis=0) / whole).max()))  # Eq. (J33)
+    return np.maximum.accumulate(out)[::-1]
+
+
+def _left(answers, first):
+    """R G R^T S, the radial answers that the first shapes leave."""
+    return answers.radial - first @ (first.T @ answers.root)
 
 
 def smooth_pressure_modes(
@@ -163,8 +188,8 @@ def smooth_pressure_modes(
         R [-].
     answers : SurfaceAnswers
     modes : int or float
-        Number of shapes, the first ones included; or, if a float, the share of Eq. (J33) below
-        which the expected missing deflection has to be.
+        Number of shapes, the first ones included. A float is the largest expected missing share,
+        Eq. (J33), that they may leave.
     first : ndarray, shape (free, j)
         Shapes that must be in the basis (`static_answers`).
 
@@ -184,24 +209,21 @@ def smooth_pressure_modes(
     docs/decisions/0005-pressure-modes.md.
     """
     psi = of_unit_energy(body, first)
-    patterns = expected_patterns(answers, radial @ psi)
-    count = _count(patterns, modes, first.shape[1])
-    loads = answers.root @ patterns.vector[:, :count]
+    vector = expected_patterns(answers, radial @ psi)
+    if isinstance(modes, int):
+        count = modes - psi.shape[1]
+    else:
+        missing = expected_missing(answers, radial @ psi, vector)
+        count = int(np.argmax(missing <= modes))
+        needed = count + psi.shape[1]
+        if needed > MOST_MODES:
+            raise ValueError(
+                f"modes = {modes:g}: {needed} modes are needed for this error, at most "
+                f"{MOST_MODES} are possible; give a larger error"
+            )
+    loads = answers.root @ vector[:, :count]
     shapes = [psi]
     for begin in range(0, count, AT_ONCE):
         load = radial.T @ loads[:, begin : begin + AT_ONCE]
         shapes.insert(-1, body.solve(load) - psi @ (psi.T @ load))
     return np.hstack(shapes)
-
-
-def _count(patterns: ExpectedPatterns, modes: int | float, first: int) -> int:
-    """Number of patterns that a basis takes."""
-    if isinstance(modes, int):
-        return modes - first
-    count = int(np.argmax(patterns.missing <= modes))
-    if count + first > MOST_MODES:
-        raise ValueError(
-            f"modes = {modes:.3g}: {count + first} modes are needed for this error, at most "
-            f"{MOST_MODES} are possible; give a larger error"
-        )
-    return count
