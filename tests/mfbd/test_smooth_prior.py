@@ -61,8 +61,8 @@ def springs(points, stiffness):
 
 
 def test_equal_springs_yield_to_the_patterns_of_the_prior():
-    """G = 1/k, so that the patterns are the singular vectors of S, and a patch S S^T e_j misses what
-    the others of them hold of it.
+    """G = 1/k, so that the patterns are the singular vectors of S, and a patch S S^T e_j misses
+    what the others of them hold of it.
     """
     body, reading = springs(60, 3.0)
     root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
