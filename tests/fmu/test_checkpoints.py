@@ -18,6 +18,7 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.checkpoint import (
     CHECKSUM,
     MAGIC,
+    VERSION,
     Checkpoint,
     check_code,
     source_hashes,

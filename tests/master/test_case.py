@@ -112,7 +112,7 @@ def test_the_period_is_that_of_the_machine(build, time, period):
     [
         (
             {"step": "7 deg"},
-            "time.period = 360 deg: is no multiple of time.step = 7 deg; 357 ° and",
+            "time.period = 360 deg: is no multiple of time.step = 7 deg; 357 deg and 364 deg are",
         ),
         ({"angular_speed": None, "step": "1 s"}, "time.period: required with time.until_periodic"),
         ({"period": "-1 deg"}, "time.period = -1 deg: must be positive"),
