@@ -102,14 +102,15 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
         _, _, lines = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
         axis, tilt = lines[0], TILTED_PATCHES
     x, y, z = points.T
-    if abs(axis[2]) < np.cos(tilt):
-        along = ", ".join(f"{part:.3f}" for part in axis * np.copysign(1.0, axis[2]))
-        degrees = np.degrees(np.arccos(min(abs(axis[2]), 1.0)))
+    across, up, along = axis * np.copysign(1.0, axis[-1])
+    if along < np.cos(tilt):
+        degrees = np.degrees(np.arccos(along))
         return [
-            f"surface 'pin_bore': its axis is along ({along}), {degrees:.3g} deg off z; the pin is "
+            f"surface 'pin_bore': its axis is along ({across:.3f}, {up:.3f}, {along:.3f}), "
+            f"{degrees:.3g} deg off z; the pin is "
             "along z: axes must name thrust, head, pin, and the mesh must not be turned"
         ]
-    x, y = x - z * axis[0] / axis[2], y - z * axis[1] / axis[2]  # where its lines cross z = 0
+    x, y = x - z * across / along, y - z * up / along  # where its lines cross z = 0
     circle = circle_through(x, y)
     height = PIN_HEIGHT
     beside = PIN_OFFSET

@@ -5,10 +5,13 @@ Eq. (X5):  x_n = x_0 / (1 + H k)^n                  a lag alone, backward Euler
 Eq. (X6):  sum over n steps of k = n (n - 1) / 2    a counter read at the beginning of each step
 """
 
+import zipfile
+
 import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.ssp import read_ssp
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 from piston_cosim.master.results.file import Results
@@ -284,3 +287,31 @@ def test_names_that_files_do_not_like_are_recorded_and_wired(folder, library, na
 def test_names_of_participants_that_results_files_cannot_hold(folder):
     text = case_text([]).replace("participants.a", "participants.fields").replace('"a"', '"fields"')
     assert "'fields' cannot name a participant" in refused(folder, text)
+
+
+@pytest.mark.parametrize(
+    "joined, wires",
+    [
+        ([("y[2]", "v[2]")], [("a.y[2]", "b.v[2]")]),
+        ([("y[1]", "v[2]"), ("y[2]", "v[1]")], [("a.y[1]", "b.v[2]"), ("a.y[2]", "b.v[1]")]),
+        ([("y[1]", "v[1]"), ("y[2]", "v[2]")], [("a.y", "b.v")]),
+        ([("y[2]", "z")], [("a.y[2]", "b.z")]),
+    ],
+)
+def test_connections_of_an_ssp_join_elements_or_whole_arrays(folder, library, joined, wires):
+    make(folder / "a.fmu", library, names={"x": "y[1]", "number_sum": "y[2]"})
+    make(folder / "b.fmu", library, names={"u": "v[1]", "k": "v[2]"})
+    ssd = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+    parts = [f'<ssd:Component name="{name}" source="resources/{name}.fmu"/>' for name in "ab"]
+    parts += [
+        f'<ssd:Connection startElement="a" startConnector="{one}" endElement="b" '
+        f'endConnector="{two}"/>'
+        for one, two in joined
+    ]
+    with zipfile.ZipFile(folder / "x.ssp", "w") as archive:
+        text = f'<ssd:System xmlns:ssd="{ssd}">{"".join(parts)}</ssd:System>'
+        archive.writestr("SystemStructure.ssd", text)
+        for name in "ab":
+            archive.write(folder / f"{name}.fmu", f"resources/{name}.fmu")
+    found = [(wire["from"], wire["to"]) for wire in read_ssp(folder / "x.ssp")["wires"]]
+    assert found == wires
