@@ -12,7 +12,6 @@ from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, read_each, write_each
 from .wiring import Wire, is_unknown, rms
 
-
 SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
 

@@ -22,9 +22,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
-from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
-from ..fmi.fields import gather_fields
+from ..fmi.fields import VENDOR, gather_fields
 from .derivatives import difference
 from .kept import keep_description, kept_description
 from .participant import read_each, write_each

@@ -32,8 +32,8 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import Stepper
-from tests.fmu.c_fmus import compile_model
 from tests.fmu import counter
+from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, case_text
 
 STEPS, STEP, ROUNDS = 1000, 1e-3, 10
@@ -142,7 +142,9 @@ def main():
                 same = x == expected
     least = min(costs["bare"])
     print(f"bare loop of FMPy calls {least:6.1f} us a step")
-    print("method      stepper alone   through pc.couple   evaluations   of a bare loop each   start")
+    print(
+        "method      stepper alone   through pc.couple   evaluations   of a bare loop each   start"
+    )
     slow = []
     for method in methods:
         alone, _ = min(costs[method])

@@ -50,13 +50,13 @@ def compiled_where_it_can(method: Method, system: System) -> Method:
     """The method; for `Newton` the same as machine code, where that covers the wires' norms and the
     library is there. Not where numba is told to leave kernels as they are written.
     """
-    from ...fmi.builder_native import iteration_library
-
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         return method
     relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
     if type(method) is not Newton or method.differences or relative or not system.wires:
         return method
+    from ...fmi.builder_native import iteration_library  # slow to import
+
     try:
         library = iteration_library()
         return CompiledNewton(method, library) if library else method
@@ -127,9 +127,7 @@ class Library:
         self._pool = whole.iteration_make()
         weakref.finalize(self, whole.iteration_free, self._pool)
 
-    def call(
-        self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray
-    ) -> Callable[[], None]:
+    def call(self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray) -> Callable[[], None]:
         """Return a call of the entry `iterate` of `native` on these arrays."""
         arrays = real, memory, numbers, np.array([real.size, 0, memory.size, numbers.size])
         addresses = [array.ctypes.data for array in arrays]
