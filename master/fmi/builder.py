@@ -306,8 +306,9 @@ def _files(name):
 
 def _pythonfmu():
     """Return the folder of pythonfmu, which takes a tenth of a start to import."""
-    origin = find_spec("pythonfmu").origin
-    return Path(origin).parent
+    found = find_spec("pythonfmu")
+    assert found is not None and found.origin is not None, "pythonfmu is not installed"
+    return Path(found.origin).parent
 
 
 def _digest(contents):

@@ -118,7 +118,7 @@ def through_couple(folder, method):
         spent.append(process_time() - begin)
     counted = results.summary
     evaluations = counted["residual_evaluations"] + counted["derivative_products"]
-    return Cost(*spent, evaluations / counted["steps"])
+    return Cost(spent[0], spent[1], evaluations / counted["steps"])
 
 
 def main():

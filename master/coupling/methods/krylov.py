@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -230,18 +231,13 @@ class RecycledGmres:
 @cache
 def _by_lapack() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return functions for a lower Cholesky factor with its inverse, and for a solution with it."""
-    # slow to import
-    from scipy.linalg.lapack import (  # pyright: ignore[reportAttributeAccessIssue]
-        dpotrf,
-        dpotrs,
-        dtrtri,
-    )
+    lapack: Any = import_module("scipy.linalg.lapack")  # slow to import
 
     def factorise(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        factor, _ = dpotrf(matrix, lower=1)
-        return factor, dtrtri(factor, lower=1)[0]
+        factor, _ = lapack.dpotrf(matrix, lower=1)
+        return factor, lapack.dtrtri(factor, lower=1)[0]
 
-    return factorise, lambda factor, right: dpotrs(factor, right, lower=1)[0]
+    return factorise, lambda factor, right: lapack.dpotrs(factor, right, lower=1)[0]
 
 
 def _factorise_by_numpy(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
