@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 from ..case import changes as changes_of
 from ..case import schema
 from ..case.system import open_system
-from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..participants.participant import Participant
 from ..results.file import Results
-from ..runs import sweep as sweeps
 from ..runs.run import run as run_system
 
 log = logging.getLogger("piston_cosim")
@@ -150,6 +148,8 @@ class Case:
         StepFailed
             If a macro step cannot be converged.
         """
+        from ..engine.truncation import state_truncation
+
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         checked = schema.check_case(self.tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
@@ -241,6 +241,8 @@ def sweep(
     BadInput
         With every fault of every combination.
     """
+    from ..runs import sweep as sweeps  # multiprocessing is slow to import
+
     if case.own:
         raise BadInput(f"{', '.join(case.own)}: participants of this Python cannot be swept")
     combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]

@@ -70,6 +70,9 @@ class Ends:
         self.read = getattr(participant, "read", None) or partial(read_each, participant)
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
+        self.fields = [participant.fields[name] for name in self.inputs]
+        ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])
+        self.starts = ends[:-1]
         self.said = _repeated(outputs)
         self.into = _places([end.part for end in inputs])
         self.out = _places([end.part for end in outputs])
@@ -341,16 +344,14 @@ class Interface:
         """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
         ends = self.ends[name]
         given = last.at.used[ends.into]
-        largest = 0.0
-        first = 0
-        for variable, part, _ in self.inputs[name]:
-            end = first + part.stop - part.start
-            size = max(map(abs, change[first:end].tolist()))
-            if size:
-                nominal = self.participants[name].fields[variable].nominal
-                scale = nominal or max(map(abs, given[first:end].tolist())) or 1.0
-                largest = max(largest, size / scale)
-            first = end
+        sizes, values = np.abs(change), np.abs(given)
+        if len(ends.fields) < len(given):
+            sizes = np.maximum.reduceat(sizes, ends.starts)
+            values = np.maximum.reduceat(values, ends.starts)
+        largest = max(
+            size / (field.nominal or value or 1.0)
+            for field, size, value in zip(ends.fields, sizes.tolist(), values.tolist())
+        )
         if largest == 0.0:
             return 0.0
         share = DIFFERENCE / largest

@@ -22,9 +22,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
-from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
-from ..fmi.fields import gather_fields
+from ..fmi.fields import VENDOR, gather_fields
 from .derivatives import difference
 from .exits import guard_exit
 from .kept import keep_description, kept_description
@@ -87,7 +86,7 @@ class FmuParticipant:
         self._written: Block | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
-        self._functions: Functions | None = None
+        self._functions: Any = None  # `Functions` of an instance
         self._derivative = self._reserved_references(root)
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
@@ -372,8 +371,8 @@ class FmuParticipant:
 
         All arguments are objects of ctypes, so that nothing is converted.
         """
-        assert self._functions is not None, "the FMU is not instantiated"
-        status = self._functions[function](self._functions.component, *arguments)
+        functions = self._functions
+        status = functions[function](functions.component, *arguments)
         if status > fmi2.fmi2Warning:
             raise FMICallException(function, status)
 
@@ -400,26 +399,30 @@ class FmuParticipant:
 
     def _getters(self, names):
         """Return names of scalars by type, each with a function that returns their values."""
-        getters = []
-        for kind in self._access():
-            chosen = tuple(name for name in names if self._kind(name) == kind)
-            if chosen:
-                references = [self.fields[name].references[0] for name in chosen]
-                getters.append((chosen, self._getter(kind, chosen, references)))
-        return getters
+        kinds: dict[str, list[str]] = {}
+        for name in names:
+            kind = self._kind(name)
+            kinds.setdefault(self._whole_numbers.get(kind, kind), []).append(name)
+        return [
+            (chosen, self._getter(kind, chosen, [self.fields[n].references[0] for n in chosen]))
+            for kind, chosen in ((kind, tuple(found)) for kind, found in kinds.items())
+        ]
 
     def _getter(self, kind, names, references):
-        """Return a function that returns the values of several scalars of a type."""
+        """Return a function that returns the values of several scalars.
+
+        kind : type, or the function of the FMU that reads whole numbers.
+        """
         if kind in ("Real", "Float64"):
             return lambda: self.read(names).tolist()
-        if kind not in self._whole_numbers:
+        if kind not in self._whole_numbers.values():
             return partial(self._access()[kind][0], references)
         count = len(references)
         values = (ctypes.c_int * count)()
         arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
 
         def listed():
-            self._call(self._whole_numbers[kind], *arguments)
+            self._call(kind, *arguments)
             return list(values)
 
         return listed
