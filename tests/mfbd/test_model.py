@@ -439,8 +439,8 @@ def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
 
 def test_static_modes_are_where_moving_ones_go(reduced):
     """A load that rises and falls in 4.4 ms, slow for modes above 14.5 kHz: with and without
-    inertia they are at the same place. The gas is weak, 0.3 MPa: nothing holds A, and 3 MPa drive it
-    26 mm aside, where the gas on the bore's axis turns the piston by 2 rad.
+    inertia they are at the same place. The gas is weak, 0.3 MPa: nothing holds A, and 3 MPa drive
+    it 26 mm aside, where the gas on the bore's axis turns the piston by 2 rad.
     """
     moving, static = (
         assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02)
