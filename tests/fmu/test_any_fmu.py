@@ -187,6 +187,21 @@ def test_without_saved_states_where_nothing_is_repeated(folder, library):
     np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-14)
 
 
+@pytest.mark.parametrize("can_redo", [True, False])
+@pytest.mark.parametrize("where", ["wire", "coupling"])
+def test_the_mean_of_both_ends_needs_no_capability(folder, library, can_redo, where):
+    make(folder / "b.fmu", library, can_redo=can_redo)
+    of_wire = 'interpolation = "mean"' if where == "wire" else ""
+    of_coupling = "" if where == "wire" else 'inputs = "mean"'
+    wires = [("a.x", "b.u", of_wire), ("a.n", "b.number", "")]  # whole numbers have no mean
+    _, results = solved(folder, case_text(wires, method="explicit", more=of_coupling))
+    a = np.array([1.1**-n for n in range(STEPS + 1)])
+    b = [1.0]
+    for k in range(STEPS):
+        b.append((b[-1] + H * (a[k] + a[k + 1]) / 2) / (1 + H))  # Eq. (P10)
+    np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-14)
+
+
 def test_a_discarded_step_that_cannot_be_repeated_ends_the_run(folder, library):
     make(folder / "b.fmu", library, can_redo=False)
     text = case_text([("a.x", "b.u", "")], method="explicit", b="trouble = 2\ntrouble_at = 3")
