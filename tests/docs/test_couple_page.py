@@ -51,6 +51,18 @@ def test_the_script_gives_the_closed_form(folder):
     assert np.abs(found[:100] - exact[:100]).max() < 0.002
 
 
+@pytest.mark.parametrize("inputs, named", [("held", 0.028), ("mean", 0.00012), ("linear", 0.00006)])
+def test_the_errors_of_inputs_are_those_of_the_page(folder, inputs, named):
+    changes = {f"participants.{name}.fmu": str(folder / "mass.fmu") for name in ("left", "right")}
+    case = pc.open_case(folder / "case.toml", changes | {"coupling.inputs": inputs})
+    results = case.run(folder / f"{inputs}.h5")
+    t = results.time
+    exact = (np.cos(2 * np.pi * t) + np.cos(6 * np.pi * t)) / 2
+    error = np.abs(results.series("left.displacement").values - exact).max()
+    assert error == pytest.approx(named, rel=0.05)  # two digits
+    assert f"{named:.5f}".rstrip("0") in PAGE.read_text()
+
+
 def test_the_case_file_is_the_same_run(folder):
     runs = [
         pc.open_results(folder / name).series("left.displacement").values

@@ -260,3 +260,27 @@ def test_fmi_3_gives_the_same_bits(tree, coupled, reference):
             participant.step(k * step, step)
         seen.append(watched(participant))
     assert seen[0] == seen[1]
+
+
+def test_gas_of_table_and_input_is_told_once_and_selected():
+    """Near firing top dead centre; the input is 1 MPa."""
+    path = find_case("data_sheet")
+    small = [change for change in SMALL if "modes" not in change[0]]
+    engine = export_fmu(check_case(read_tree(path, small), path), path.parent, print)
+    shown = {}
+    for source in ("either", "table", "input", "sum"):
+        one = FmuParticipant("engine", engine)
+        number = one.fields["gas_source"].choices[source]
+        step = float(one.description.defaultExperiment.stepSize)
+        start = {"start_crank_angle": np.radians(8.0), "gas_source": number}
+        one.start(start | {"gas_pressure": 1e6}, 0.0, 1.0)
+        told = []
+        for k in range(2):
+            one.step(k * step, step)
+            told += [text for _, text in one.log if "gas_source" in text]
+        shown[source] = one.get("cylinder_pressure")
+        assert len(told) == (source == "either"), told
+        one.close()
+    assert shown["input"] == 1e6
+    assert shown["either"] == shown["sum"] == shown["table"] + shown["input"]
+    assert shown["table"] > 5e6  # near the peak of the table, 6.8 MPa at 8 deg
