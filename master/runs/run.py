@@ -302,8 +302,8 @@ class March:
         return ""
 
     def _time(self, step):
-        """When a macro step ends [s], counted from 1."""
-        return self.system.begin + (self.system.stop - self.system.begin) * step / self.steps
+        """Return when a macro step ends [s], counted from 1: at the communication points of FMPy."""
+        return self.system.begin + step * self.system.step
 
     @property
     def _end_of_period(self):
