@@ -696,17 +696,14 @@ def _slopes(case, participants, wires, step):
 
 
 def _able(case, participants, faults):
-    """The participants; those that cannot go back wrapped where no step is repeated, else a
-    fault.
+    """The participants, those that cannot go back wrapped; a fault where the length of all steps
+    follows from a local error.
     """
-    once = not case.wires or case.coupling.method == "explicit"
-    controlled = any(wire.local_error is not None for wire in case.wires)
     unable = [name for name, participant in participants.items() if not participant.can_redo]
-    if not once or controlled:
+    if any(wire.local_error is not None for wire in case.wires):
         faults += [
             f"participant {name}: {participants[name].path.name} cannot save and restore its "
-            'state, so no step can be repeated; method = "explicit" without local_error repeats '
-            "none"
+            "state, so no step can be repeated; take no local_error"
             for name in unable
         ]
         return participants

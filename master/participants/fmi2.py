@@ -169,6 +169,7 @@ class FmuParticipant:
         `start`: outputs there follow the inputs that are set.
         """
         guard_exit(self)
+        self.started_with = parameters, start_time, stop_time
         self.log.clear()
         self._forget_inputs()
         self._begun = self._broken = False
@@ -185,6 +186,12 @@ class FmuParticipant:
         with self._refusing():
             self._fmu.exitInitializationMode()
         self._begun = True
+
+    def another(self):
+        """Return a second instance that is not started, None where the FMU allows one only."""
+        if self.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+            return None
+        return type(self)(f"{self.name}_trial", self.path, self.sizes, self.elements)
 
     def warned(self):
         """What the FMU logged as warnings while it started, each once: list of texts; to be asked

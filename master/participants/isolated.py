@@ -71,8 +71,13 @@ class IsolatedParticipant:
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
+    def another(self):
+        """Return a second instance in a process of its own, not started."""
+        return type(self)(self.described, self.timeout)
+
     def enter(self, parameters, start_time, stop_time):
         """First half of `start`; see `FmuParticipant.enter`."""
+        self.started_with = parameters, start_time, stop_time
         if self._process is None:
             self.launch()
         self._ask("enter", parameters, start_time, stop_time)

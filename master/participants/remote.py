@@ -54,6 +54,10 @@ class RemoteParticipant(IsolatedParticipant):
         self._actor: Any = None
         self._kept: Any = None
 
+    def another(self):
+        """Return a second instance on the cluster, not started."""
+        return RemoteParticipant(self.described, self.timeout, self.host)
+
     def launch(self):
         """Send the FMU to the worker with the fewest participants."""
         try:
