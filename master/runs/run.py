@@ -15,7 +15,7 @@ import numpy as np
 
 from ..case.contract import contract, players
 from ..case.schema import reduced
-from ..coupling.components import by_components, table
+from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
@@ -287,6 +287,8 @@ class March:
             summary |= self.account.repetition.summary()
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
+        if count := sum(bool(one.fixed) for one in components(self.system)):
+            summary["loops_stepped_explicitly"] = count
         self.recorder.finish(summary, self._time(self.account.began))
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary

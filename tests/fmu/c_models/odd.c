@@ -7,8 +7,9 @@
    DEAF      answers 0 if its input is read
    SAVES=0   saves no states
    FORGETS   a state that is restored makes it start its integrator anew: x is off by 1e-4 of itself
-   REPEATS   counts calls of fmi2SetFMUstate as -1000 each in the output n, which counts steps
-   TIMES     y is the time at which the last step began */
+
+   STEP and OUTPUT know x, u, the length H and begin t of the step. The integer output n counts steps, and 1000 less for
+   each state that is restored. */
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,7 @@
 #define SAVES 1
 #endif
 
-typedef struct { double x, y, u, before, begun; } Model;
+typedef struct { double x, y, u, before, begun; } Model; /* references 0 to 2: x, y, u */
 typedef struct { Model m; int n; } Instance;
 typedef unsigned Reference;
 
@@ -45,7 +46,8 @@ void *fmi2Instantiate(const char *a, int b, const char *c, const char *d, const 
 
 int fmi2DoStep(Instance *i, double time, double H, int never_back)
 {
-    double x = i->m.x, u = i->m.u;
+    double x = i->m.x, u = i->m.u, t = time;
+    (void)t, (void)u;
 #ifdef UNDOES
     if (!never_back)
         x = i->m.before;
@@ -116,5 +118,14 @@ int fmi2ExitInitializationMode(Instance *i) { say(&i->m); return 0; }
 int fmi2Terminate(Instance *i) { (void)i; return 0; }
 void fmi2FreeInstance(Instance *i) { free(i); }
 
-#define NOT_OFFERED(name) int name(void *c) { (void)c; return 3; }
-NOT_OFFERED(fmi2GetBooleanStatus) NOT_OFFERED(fmi2GetRealStatus) NOT_OFFERED(fmi2SetInteger)
+
+const char *fmi2GetVersion(void) { return "2.0"; }
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+
+#define NOT_OFFERED(name) int fmi2##name(void *c) { (void)c; return 3; }
+NOT_OFFERED(SetDebugLogging) NOT_OFFERED(Reset) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetInteger)
+NOT_OFFERED(SetBoolean) NOT_OFFERED(GetBoolean) NOT_OFFERED(SetString) NOT_OFFERED(GetString)
+NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate) NOT_OFFERED(DeSerializeFMUstate)
+NOT_OFFERED(SetRealInputDerivatives) NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep)
+NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus) NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus)
+NOT_OFFERED(GetStringStatus)
