@@ -132,6 +132,10 @@ class ParticipantTable(Table):
     """Of a table's columns between its rows; linear without it."""
     step: str | None = None
     """The FMU takes steps of its own inside a macro step, equal ones no longer than this time."""
+    event_mode: bool = True
+    """Use the Event Mode and the clocks that an FMI 3.0 FMU declares; false for one that rejects
+    them.
+    """
     build: dict[str, Any] = {}
     """What is decided when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}

@@ -276,7 +276,8 @@ def _participant(name, case, build, folder, progress, native):
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
     elements = case.elements_of(name)
-    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
+    how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    open_with = partial(open_fmu, name, path, **how)
     participant = open_with()
     if sizes := _sizes(participant, table.parameters):
         participant = open_with(sizes)

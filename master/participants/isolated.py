@@ -61,7 +61,8 @@ class IsolatedParticipant:
         memory = shared_file(2 * sum(field.size for field in self.fields.values()))
         described = self.described
         length = getattr(described, "length", None)
-        recipe = self.name, self.path, described.sizes, length, described.elements
+        how = described.elements, described.event_mode
+        recipe = self.name, self.path, described.sizes, length, *how
         self._process = Worker(_serve, memory, recipe, files=[memory])
         self._pipe = self._process.pipe
         self._values, self._changes = _views(shared_numbers(memory), self.fields)

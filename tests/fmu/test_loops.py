@@ -15,6 +15,7 @@ import piston_cosim as pc
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 
 from .c_fmus import MODELS, compile_model, pack
+from .test_foreign_fmus import FEEDTHROUGH
 
 H = 0.01
 LOOP = [{"from": f"{a}.y", "to": f"{b}.u", "tolerance": 1e-10} for a, b in ("ab", "ba")]
@@ -180,3 +181,16 @@ def test_behind_an_fmu_that_cannot_go_back_a_loop_is_halved_alone(coupled):
 def test_a_step_that_an_fmu_without_saved_states_would_have_to_repeat_ends_the_run(coupled):
     with pytest.raises(ParticipantFault, match="cannot save and restore its state"):
         coupled({"b": "short", "a": "one_way"}, ["a.y -> b.u"], halvings=0)
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_event_mode_that_an_fmu_declares_and_rejects_can_be_switched_off(tmp_path, isolated):
+    compile_model(MODELS / "feedthrough.c", tmp_path / "feedthrough.so", "-DREJECTS_EVENTS")
+    text = FEEDTHROUGH.replace("<CoSimulation ", '<CoSimulation hasEventMode="true" ')
+    fmu = tmp_path / "a.fmu"
+    pack(fmu, text, tmp_path / "feedthrough.so", "x86_64-linux")
+    case = pc.couple({"a": fmu}, [], stop="1 s", step="0.1 s", parameters={"a": {"gain": 2.0}})
+    case = case.changed({"participants.a.isolated": isolated})
+    with pytest.raises(BadInput, match=r"rejects the Event Mode .* set event_mode = false"):
+        case.run(tmp_path / "o.h5")
+    case.changed({"participants.a.event_mode": False}).run(tmp_path / "o.h5")
