@@ -66,11 +66,15 @@ def components(system: System) -> list[Component]:
     return found
 
 
-def rolled_back(system: System) -> list[str]:
-    """Names of the participants whose steps are repeated as a matter of course."""
+def rolled_back(system: System, iterates: bool = True) -> list[str]:
+    """Return the names of the participants whose steps are repeated as a matter of course.
+
+    iterates : whether the method iterates loops.
+    """
     if any(wire.local_error is not None for wire in system.wires):
         return list(system.order)
-    return [name for one in components(system) if one.is_iterated for name in one.names]
+    found = components(system) if iterates else []
+    return [name for one in found if one.is_iterated for name in one.names]
 
 
 def by_components(method: Method, system: System, halvings: int) -> Method:
@@ -141,6 +145,35 @@ class Part(NamedTuple):
     given: np.ndarray
     method: Method
 
+    def of(self, macro_step: MacroStep) -> MacroStep:
+        """Return a macro step of the whole as one of the component."""
+        saved = {UPSTREAM: None} | macro_step.saved
+        return macro_step._replace(interface=self.interface, saved=saved)
+
+
+def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Part:
+    """Return a component as a system of its own.
+
+    whole : all participants and wires; method : solves the component if it is iterated; parallel :
+    see `Interface`.
+    """
+    chosen = [k for k, wire in enumerate(whole.wires) if wire.target[0] in one.names]
+    wires = [_from_upstream(whole.wires[k], one.names) for k in chosen]
+    participants: dict[str, Any] = {name: whole.participants[name] for name in one.names}
+    if any(wire.source[0] == UPSTREAM for wire in wires):
+        participants = {UPSTREAM: Upstream(whole.participants)} | participants
+    indices = np.arange(whole.size)
+    elements = [indices[whole.parts[k]] for k in chosen]
+    given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
+    return Part(
+        one,
+        Interface(participants, wires, parallel),
+        np.array(chosen, int),
+        np.concatenate([*elements, np.zeros(0, int)]),
+        np.concatenate([*given, np.zeros(0, bool)]),
+        copy(method) if one.is_iterated else Explicit(),
+    )
+
 
 class Componentwise:
     """A method that solves one component of a system after the other.
@@ -175,17 +208,17 @@ class Componentwise:
         whole = macro_step.interface
         if self._whole is not whole:
             self._whole = whole
-            self._parts = [self._part(whole, one) for one in self.components]
+            self._parts = [part(whole, one, self.method, self.parallel) for one in self.components]
         x, held = guess.copy(), guess.copy()
         solutions: list[Solution] = []
         trails: list[tuple[np.ndarray, list[list[float]]]] = []
         try:
-            for k, part in enumerate(self._parts):
-                part.interface.begin()
-                trails.append((part.wires, part.interface.trail))
+            for k, own in enumerate(self._parts):
+                own.interface.begin()
+                trails.append((own.wires, own.interface.trail))
                 halvings = self.halvings if self._is_past(macro_step, k) else 0
-                solution = self._solved(part, macro_step, guess, memory[k], halvings)
-                x[part.elements], held[part.elements] = solution.x, solution.inputs
+                solution = self._solved(own, macro_step, guess, memory[k], halvings)
+                x[own.elements], held[own.elements] = solution.x, solution.inputs
                 solutions.append(solution)
         finally:
             whole.trail += _merged(trails, len(whole.wires))
@@ -199,26 +232,6 @@ class Componentwise:
             held,
         )
 
-    def _part(self, whole: Interface, one: Component) -> Part:
-        """A component as a system of its own."""
-        chosen = [k for k, wire in enumerate(whole.wires) if wire.target[0] in one.names]
-        wires = [_from_upstream(whole.wires[k], one.names) for k in chosen]
-        participants: dict[str, Any] = {name: whole.participants[name] for name in one.names}
-        if any(wire.source[0] == UPSTREAM for wire in wires):
-            participants = {UPSTREAM: Upstream(whole.participants)} | participants
-        interface = Interface(participants, wires, self.parallel)
-        indices = np.arange(whole.size)
-        elements = [indices[whole.parts[k]] for k in chosen]
-        given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
-        return Part(
-            one,
-            interface,
-            np.array(chosen, int),
-            np.concatenate([*elements, np.zeros(0, int)]),
-            np.concatenate([*given, np.zeros(0, bool)]),
-            copy(self.method) if one.is_iterated else Explicit(),
-        )
-
     def _is_past(self, macro_step: MacroStep, k: int) -> bool:
         """Whether a participant that cannot go back has stepped before component k does."""
         before = (name for one in self.components[:k] for name in one.names)
@@ -230,8 +243,7 @@ class Componentwise:
     ) -> Solution:
         """The step of a component, or its halves."""
         component, interface = part.component, part.interface
-        saved = {UPSTREAM: None} | macro_step.saved
-        own = macro_step._replace(interface=interface, saved=saved)
+        own = part.of(macro_step)
         first = guess[part.elements]
         if part.given.any() or not component.is_iterated:
             given = part.given if component.is_iterated else slice(None)
@@ -265,11 +277,11 @@ class Componentwise:
 
     def _account(self, whole: Interface) -> None:
         """Add the times that the components took to those of the whole."""
-        for part in self._parts:
-            for name, seconds in part.interface.spent.items():
+        for own in self._parts:
+            for name, seconds in own.interface.spent.items():
                 if name in whole.spent:
                     whole.spent[name] += seconds
-            part.interface.spent = dict.fromkeys(part.interface.spent, 0.0)
+            own.interface.spent = dict.fromkeys(own.interface.spent, 0.0)
 
 
 def _from_upstream(wire: Wire, names: Iterable[str]) -> Wire:

@@ -9,15 +9,15 @@ from ..participants.derivatives import Differenced, objection
 from ..participants.one_way import OneWayParticipant
 from ..participants.rollback import rollback_fault
 from .components import rolled_back
-from .methods import Explicit, Method, Newton
+from .methods import Method, Newton
 from .wiring import System
 
 
-def untrusted(system: System, method: Method) -> dict[str, str]:
+def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
     """Return why the saved states of a participant are not used, by participant.
 
     Participants whose steps are never repeated are not checked: some FMUs go on differently from a
-    state that is restored.
+    state that is restored. `iterates` tells whether the method iterates loops.
 
     Raises
     ------
@@ -25,15 +25,12 @@ def untrusted(system: System, method: Method) -> dict[str, str]:
         If there is one where the length of all steps follows from a local error.
     """
     reasons: dict[str, str] = {}
-    controlled = any(wire.local_error is not None for wire in system.wires)
-    if isinstance(method, Explicit) and not controlled:
-        return reasons
-    for name in rolled_back(system):
+    for name in rolled_back(system, iterates):
         inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
         fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
         if fault:
             reasons[name] = fault
-    if reasons and controlled:
+    if reasons and any(wire.local_error is not None for wire in system.wires):
         raise BadInput([f"{name}: {why}; take no local_error" for name, why in reasons.items()])
     return reasons
 

@@ -119,7 +119,7 @@ def run(
             for line in _warnings(system):
                 say(line)
             if not begin_at:
-                distrusted = untrusted(system, method_of(case.coupling))
+                distrusted = untrusted(system, case.coupling.method != "explicit")
                 for name, why in distrusted.items():
                     say(f"{name}: {why}; it is treated as an FMU without saved states")
                 system = without_rollback(system, distrusted)

@@ -12,12 +12,14 @@ import pytest
 from fmpy import simulate_fmu
 
 import piston_cosim as pc
+from piston_cosim.master.case.check import check
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 
 from .c_fmus import MODELS, compile_model, pack
 from .test_foreign_fmus import FEEDTHROUGH
 
 H = 0.01
+STRONG = (200 * H / (1 + H)) ** 2
 LOOP = [{"from": f"{a}.y", "to": f"{b}.u", "tolerance": 1e-10} for a, b in ("ab", "ba")]
 DIRECT = ("-DFEEDS", "-DSTEP=(void)H")
 FLAGS = {
@@ -31,6 +33,9 @@ FLAGS = {
     "short": ("-DSTEP=if (H > 0.006) return 2; x = (x + H * u) / (1 + H)", "-DOUTPUT=0.5*x"),
     "minus_three": (*DIRECT, "-DOUTPUT=1-3*u"),
     "plus_half": (*DIRECT, "-DOUTPUT=1+0.5*u"),
+    "same": (*DIRECT, "-DOUTPUT=u"),
+    "strong": ("-DSTEP=x = (x + H * 200 * u) / (1 + H)",),
+    "strong_one_way": ("-DSTEP=x = (x + H * 200 * u) / (1 + H)", "-DSAVES=0"),
     "double": (*DIRECT, "-DOUTPUT=2*u", "-DSAVES=0"),
 }
 
@@ -194,3 +199,50 @@ def test_event_mode_that_an_fmu_declares_and_rejects_can_be_switched_off(tmp_pat
     with pytest.raises(BadInput, match=r"rejects the Event Mode .* set event_mode = false"):
         case.run(tmp_path / "o.h5")
     case.changed({"participants.a.event_mode": False}).run(tmp_path / "o.h5")
+
+
+def checked(folder, a, b):
+    """The loop of two FMUs and a chain behind it, as `check` reports them."""
+    text = f'title = "loop"\n[time]\nstop = "1 s"\nstep = "{H} s"\n'
+    for name, fmu in {"c": "double", "a": a, "b": b}.items():
+        text += f'[participants.{name}]\nfmu = "{fmu}.fmu"\n'
+    for source, target in ("ab", "ba", "bc"):
+        text += f'[[wires]]\nfrom = "{source}.y"\nto = "{target}.u"\n'
+    (folder / "case.toml").write_text(text + '[coupling]\norder = ["c", "a", "b"]\n')
+    loop, chain = check(folder / "case.toml").loops
+    assert (loop.component.names, loop.unknowns) == (("a", "b"), 1)
+    assert (chain.component.names, chain.method) == (("c",), "once")
+    return loop
+
+
+@pytest.mark.parametrize(
+    "a, b, gain, condition, method, step, why",
+    [
+        # J = dy_b/du_b dy_a/du_a; (1 + |J|) / |1 - J|
+        ("minus_three", "plus_half", 1.5, 1.0, "newton", H, ""),
+        ("lag", "half", 0.5 * (H / (1 + H)) ** 2, 1.0, "newton", H, ""),
+        ("one_way", "half", 0.5 * (H / (1 + H)) ** 2, 1.0, "explicit", H, "a cannot go back"),
+        # (200 H / (1 + H))^2 is 3.92 in steps of 10 ms, 0.990 of 5 and 0.249 of 2.5
+        ("strong", "strong", STRONG, (STRONG + 1) / (STRONG - 1), "newton", H, ""),
+        (
+            "strong",
+            "strong_one_way",
+            STRONG,
+            (STRONG + 1) / (STRONG - 1),
+            "explicit",
+            H / 4,
+            "b cannot go",
+        ),
+        ("same", "same", 1.0, np.inf, "newton", H, "singular at the start"),
+    ],
+)
+def test_loops_are_reported_before_the_run(fmus, a, b, gain, condition, method, step, why):
+    loop = checked(fmus, a, b)
+    # differences over 1e-5 of numbers near 1 are good to 1e-10; near a singular loop that is all
+    assert loop.gain == pytest.approx(gain, rel=1e-6, abs=1e-10)
+    assert (
+        loop.condition > 1e9
+        if condition == np.inf
+        else (loop.condition == pytest.approx(condition, rel=1e-3))
+    )
+    assert (loop.method, loop.step) == (method, step) and loop.why.startswith(why)
