@@ -4,7 +4,6 @@ from pathlib import Path
 
 from ..case.check import CheckedCase, check
 from ..case.contract import check_fmu
-from ..coupling.loops import HEADER
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
@@ -44,7 +43,7 @@ def print_checked(found: CheckedCase, picture: Path):
         for group, figures in groups.items():
             told = "   ".join(map(_told, figures))
             console.print(f"  {group:10s} {told}", highlight=False, markup=False, soft_wrap=True)
-    for line in [HEADER, *(one.line for one in found.loops)] if found.loops else []:
+    for line in found.loop_table():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for line in found.remarks:
         console.print(f"[yellow]look[/]  {line}", highlight=False, soft_wrap=True)

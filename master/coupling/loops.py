@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,6 +25,9 @@ WEAK = 0.5
 MOST_HALVINGS = 6
 """How often the step is halved to find one of a weak gain."""
 
+ROW = "  {:9s} {:>8s} {:>9s} {:>9s} {:>9s}  {}"
+HEADER = ROW.format("method", "unknowns", "gain", "condition", "step", "participants")
+
 
 @dataclass(frozen=True)
 class Loop:
@@ -45,17 +48,15 @@ class Loop:
     step: float = np.nan
     why: str = ""
 
+    header: ClassVar[str] = HEADER
+
     @property
     def line(self) -> str:
-        """Row of a table, see `HEADER`."""
+        """Row of a table, see `header`."""
         numbers = [f"{self.gain:.3g}", f"{self.condition:.3g}", short(self.step, "s")]
         shown = ["-" if text.startswith("nan") else text for text in numbers]
         cells = (self.method, str(self.unknowns or "-"), *shown, ", ".join(self.component.names))
         return ROW.format(*cells) + (f"  ({self.why})" if self.why else "")
-
-
-ROW = "  {:9s} {:>8s} {:>9s} {:>9s} {:>9s}  {}"
-HEADER = ROW.format("method", "unknowns", "gain", "condition", "step", "participants")
 
 
 def loops(system: System) -> list[Loop]:
