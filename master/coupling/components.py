@@ -7,7 +7,6 @@ Components step one after the other, each with what those before it say at the e
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +22,7 @@ UPSTREAM = ""
 
 @dataclass(frozen=True)
 class Component:
-    """Participants that depend on one another, or one that steps alone.
+    """Participants that step together: those of a loop, or several that form none.
 
     names : in stepping order; is_loop : whether they have to agree; fixed : those of a loop that
     cannot go back, so that the loop steps once and its wires agree a step late.
@@ -43,26 +42,30 @@ def components(system: System) -> list[Component]:
     """Return the strongly connected components of the wires in an order in which each depends on
     none behind it; among equals that of the system.
 
-    Wires that are carried at the beginning of a step (`System.held`) join nothing.
+    Neighbours without a loop are one component if all or none of them can go back: those in
+    processes of their own then step at the same time. Wires that are carried at the beginning of a
+    step (`System.held`) join nothing.
     """
     index = {name: k for k, name in enumerate(system.order)}
+    able = {name: getattr(system.participants[name], "can_redo", True) for name in index}
     reaches = np.eye(len(index), dtype=bool)
-    looped = set()
+    looped = {wire.source[0] for wire in system.wires if wire.source[0] == wire.target[0]}
     for wire in system.wires:
         reaches[index[wire.source[0]], index[wire.target[0]]] = True
-        looped |= {wire.source[0]} & {wire.target[0]}
     for k in range(len(index)):
         reaches |= np.outer(reaches[:, k], reaches[k])
     joined = reaches & reaches.T
     before = reaches.sum(axis=0)
-    found = []
+    found: list[Component] = []
     for name in sorted(index, key=lambda name: (before[index[name]], index[name])):
-        names = tuple(other for other in index if joined[index[name], index[other]])
-        if name != names[0]:
-            continue
-        is_loop = len(names) > 1 or name in looped
-        unable = tuple(n for n in names if not getattr(system.participants[n], "can_redo", True))
-        found.append(Component(names, is_loop, unable if is_loop else ()))
+        names = [other for other in index if joined[index[name], index[other]]]
+        if len(names) > 1 or name in looped:
+            if name == names[0]:
+                found.append(Component(tuple(names), True, tuple(n for n in names if not able[n])))
+        elif found and not found[-1].is_loop and able[found[-1].names[0]] == able[name]:
+            found[-1] = Component((*found[-1].names, name))
+        else:
+            found.append(Component((name,)))
     return found
 
 
@@ -98,15 +101,11 @@ def table(system: System, method: str) -> list[str]:
         return []
     if not any(one.is_loop for one in found):
         return ["the wires form no loop: every participant steps once"]
-    rows = [
-        (method if one.is_iterated else "explicit" if one.is_loop else "once", one) for one in found
-    ]
     lines = ["components of the wires, in the order in which they step:"]
-    for (how, unable), several in groupby(rows, lambda row: (row[0], row[1].fixed)):
-        names = [name for _, one in several for name in one.names] if how == "once" else None
-        for text in [names] if names else [one.names for _, one in several]:
-            why = f"  ({', '.join(unable)} cannot go back to a saved state)" if unable else ""
-            lines.append(f"  {how:10s} {', '.join(text)}{why}")
+    for one in found:
+        how = method if one.is_iterated else "explicit" if one.is_loop else "once"
+        why = f"  ({', '.join(one.fixed)} cannot go back to a saved state)" if one.fixed else ""
+        lines.append(f"  {how:10s} {', '.join(one.names)}{why}")
     return lines
 
 
@@ -167,7 +166,7 @@ def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Pa
     given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
     return Part(
         one,
-        Interface(participants, wires, parallel),
+        Interface(participants, wires, parallel and one.is_loop),
         np.array(chosen, int),
         np.concatenate([*elements, np.zeros(0, int)]),
         np.concatenate([*given, np.zeros(0, bool)]),

@@ -68,7 +68,7 @@ def loops(system: System) -> list[Loop]:
     system = without_rollback(system, untrusted(system))
     found = components(system)
     fixed = {name for one in found for name in one.fixed}
-    known = {
+    known: dict[str, Any] = {
         name: _restarted(system, name) if name in fixed else participant
         for name, participant in system.participants.items()
     }
@@ -83,8 +83,8 @@ def _restarted(system: System, name: str) -> RestartedParticipant:
     """A participant that begins again with the inputs that it has now."""
     one = system.participants[name]
     inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
-    values = system.parameters[name] | {key: one.get(key) for key in inputs if key in one.fields}
-    return RestartedParticipant(one, values, system.begin, system.end)
+    now = {key: one.get(key) for key in inputs if key in one.fields}
+    return RestartedParticipant(one, {**system.parameters[name], **now}, system.begin, system.end)
 
 
 def _loop(own: Part, system: System) -> Loop:
