@@ -22,16 +22,24 @@ def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
     Raises
     ------
     BadInput
-        If there is one where the length of all steps follows from a local error.
+        If there is one where the length of all steps follows from a local error, and if instances
+        of an FMU disturb one another.
     """
     reasons: dict[str, str] = {}
+    faults: list[str] = []
     for name in rolled_back(system, iterates):
         inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
-        fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
+        try:
+            fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
+        except BadInput as error:
+            faults += error.faults
+            continue
         if fault:
             reasons[name] = fault
-    if reasons and any(wire.local_error is not None for wire in system.wires):
-        raise BadInput([f"{name}: {why}; take no local_error" for name, why in reasons.items()])
+    if any(wire.local_error is not None for wire in system.wires):
+        faults += [f"{name}: {why}; take no local_error" for name, why in reasons.items()]
+    if faults:
+        raise BadInput(faults)
     return reasons
 
 

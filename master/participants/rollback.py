@@ -8,6 +8,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
+from .derivatives import put_back
 
 STEPS = 2
 """Steps that are compared: what a state leaves out may show in the second one only."""
@@ -37,14 +38,29 @@ def rollback_fault(
     -------
     str or None
         None also if the FMU does not take these steps, which the run then reports.
+
+    Raises
+    ------
+    BadInput
+        If the second instance disturbs the first.
     """
+    before = _outputs(participant)
     one = _second_instance(participant, inputs)
     if one is not None:
         try:
-            return _compared(one, inputs, step, begin)
+            fault = _compared(one, inputs, step, begin)
         finally:
             with suppress(ParticipantFault):
                 one.close()
+        if any(
+            value.tobytes() != before[name].tobytes()
+            for name, value in _outputs(participant).items()
+        ):
+            raise BadInput(
+                f"{participant.name}: a second instance changes the outputs of the first, although "
+                "canBeInstantiatedOnlyOncePerProcess is false; set isolated = true"
+            )
+        return fault
     try:
         saved = participant.save()
     except (FMICallException, ParticipantFault) as error:
@@ -52,7 +68,7 @@ def rollback_fault(
     values = {name: participant.get(name) for name in inputs}
     fault = _compared(participant, inputs, step, begin)
     with suppress(FMICallException, ParticipantFault):
-        _put_back(participant, saved, values)
+        put_back(participant, saved, values)
         participant.free(saved)
     return fault
 
@@ -91,7 +107,7 @@ def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str
     except (Discard, ParticipantFault, Finished):
         return None
     try:
-        _put_back(one, first, values)
+        put_back(one, first, values)
         repeated = [_repeated(one, time, step, values) for time in times]
         one.free(first)
     except (FMICallException, Discard, ParticipantFault, Finished) as error:
@@ -103,20 +119,19 @@ def _repeated(one: Any, time: float, step: float, values: dict[str, Any]) -> dic
     """Real outputs after a step that is taken, undone and taken again."""
     saved = one.save()
     one.step(time, step)
-    _put_back(one, saved, values)
+    put_back(one, saved, values)
     one.free(saved)
     return _outcome(one, time, step)
-
-
-def _put_back(one: Any, saved: Any, values: dict[str, Any]) -> None:
-    one.restore(saved)
-    for name, value in values.items():
-        one.set(name, value)
 
 
 def _outcome(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
     """Real outputs after a step."""
     one.step(time, step)
+    return _outputs(one)
+
+
+def _outputs(one: Any) -> dict[str, np.ndarray]:
+    """Real outputs as they are."""
     return {
         name: np.array(one.get(name), dtype=float)
         for name, field in one.fields.items()

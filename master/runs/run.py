@@ -287,8 +287,9 @@ class March:
             summary |= self.account.repetition.summary()
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
-        if count := sum(bool(one.fixed) for one in components(self.system)):
-            summary["loops_stepped_explicitly"] = count
+        unable = sum(bool(one.fixed) for one in components(self.system))
+        if unable and self.case.coupling.method != "explicit":
+            summary["loops_stepped_explicitly"] = unable
         self.recorder.finish(summary, self._time(self.account.began))
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary

@@ -29,6 +29,7 @@ FLAGS = {
     "deaf": ("-DDEAF", "-DOUTPUT=0.5*x"),
     "one_way": ("-DSAVES=0",),
     "forgets": ("-DFORGETS", "-DOUTPUT=0.5*x"),
+    "shares": ("-DSHARES",),
     "clock": ("-DOUTPUT=t",),
     "short": ("-DSTEP=if (H > 0.006) return 2; x = (x + H * u) / (1 + H)", "-DOUTPUT=0.5*x"),
     "minus_three": (*DIRECT, "-DOUTPUT=1-3*u"),
@@ -145,6 +146,7 @@ def test_a_loop_through_an_fmu_without_saved_states_is_explicit_in_that_loop_alo
     assert last(results, "a.y") == pytest.approx(lag_and_half(100, True)[0], rel=1e-12)
     assert "explicit   a, b  (a cannot go back to a saved state)" in coupled.said
     assert results.summary["loops_stepped_explicitly"] == 1
+    assert "WARNING" in coupled.said and "step without iteration" in coupled.said
     assert last(results, "b.n") == last(results, "c.n") == 100  # nothing was restored
     wires[0] = LOOP[0] | {"local_error": 1e-3}
     with pytest.raises(BadInput, match=r"a: one_way.fmu cannot save .* take no local_error"):
@@ -161,6 +163,11 @@ def test_states_that_are_restored_with_an_error_are_reported_and_not_used(couple
     assert "treated as an FMU without saved states" in coupled.said
     assert last(results, "a.y") == pytest.approx(lag_and_half(100, True)[0], rel=1e-12)
     assert last(results, "b.n") == 100
+
+
+def test_instances_that_share_memory_are_reported(coupled):
+    with pytest.raises(BadInput, match="a: a second instance changes .* set isolated = true"):
+        coupled({"a": "shares", "b": "half"}, LOOP)
 
 
 def test_an_fmu_that_never_goes_back_is_not_restored_by_a_trial(coupled):
