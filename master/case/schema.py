@@ -220,7 +220,8 @@ class Coupling(Table):
 
     method: str = "newton"
     """newton (directional derivatives and GMRES), iqn_ils, iqn_imvj, iqn_ageing (secants), aitken,
-    constant, explicit (not iterated), or a method of another installed package.
+    constant, explicit (not iterated), or a method of another installed package. Loops among the
+    wires are iterated one by one; one with an FMU without saved states is not iterated.
     """
     step_control: str | None = None
     """Step control of another installed package (participants/plugins.py)."""
