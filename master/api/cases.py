@@ -154,7 +154,13 @@ class Case:
         checked = schema.check_case(self.tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
-        run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
+        summary = run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
+        if summary.get("loops_stepped_explicitly"):
+            log.warning(
+                "%s: loops with an FMU that cannot go back to a saved state step without "
+                "iteration; level INFO of this logger lists them",
+                self.name,
+            )
         state_truncation(self.tree, self.path.parent, output, log.info)
         return Results(output)
 

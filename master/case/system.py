@@ -276,7 +276,8 @@ def _participant(name, case, build, folder, progress, native):
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
     elements = case.elements_of(name)
-    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
+    how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    open_with = partial(open_fmu, name, path, **how)
     participant = open_with()
     if sizes := _sizes(participant, table.parameters):
         participant = open_with(sizes)
@@ -696,17 +697,14 @@ def _slopes(case, participants, wires, step):
 
 
 def _able(case, participants, faults):
-    """The participants; those that cannot go back wrapped where no step is repeated, else a
-    fault.
+    """The participants, those that cannot go back wrapped; a fault where the length of all steps
+    follows from a local error.
     """
-    once = not case.wires or case.coupling.method == "explicit"
-    controlled = any(wire.local_error is not None for wire in case.wires)
     unable = [name for name, participant in participants.items() if not participant.can_redo]
-    if not once or controlled:
+    if any(wire.local_error is not None for wire in case.wires):
         faults += [
             f"participant {name}: {participants[name].path.name} cannot save and restore its "
-            'state, so no step can be repeated; method = "explicit" without local_error repeats '
-            "none"
+            "state, so no step can be repeated; take no local_error"
             for name in unable
         ]
         return participants

@@ -221,7 +221,7 @@ class Interface:
         return y
 
     def evaluate(
-        self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any]
+        self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any] | None
     ) -> Evaluation:
         """Step every participant once from its saved state, later ones reading what earlier ones
         have just computed.
@@ -232,7 +232,8 @@ class Interface:
             Iterate; the inputs are set to its feedback elements.
         time, step : float
             Start and length of the macro step [s].
-        saved : dict of str to saved state
+        saved : dict of str to saved state, or None
+            None where the participants stand where they should.
         """
 
         def act(stage: Sequence[str]) -> None:

@@ -61,6 +61,7 @@ class FmuParticipant:
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
+    event_mode = True
     _is_kept = True  # what is read of its description
     _whole_numbers = {
         "Integer": "fmi2GetInteger",
@@ -169,6 +170,7 @@ class FmuParticipant:
         `start`: outputs there follow the inputs that are set.
         """
         guard_exit(self)
+        self.started_with = parameters, start_time, stop_time
         self.log.clear()
         self._forget_inputs()
         self._begun = self._broken = False
@@ -186,6 +188,14 @@ class FmuParticipant:
             self._fmu.exitInitializationMode()
         self._begun = True
 
+    def another(self):
+        """Return a second instance that is not started, None where the FMU allows one only."""
+        if self.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+            return None
+        one = type(self)(f"{self.name}_trial", self.path, self.sizes, self.elements)
+        one.event_mode = self.event_mode
+        return one
+
     def warned(self):
         """What the FMU logged as warnings while it started, each once: list of texts; to be asked
         for before the first step.
@@ -198,9 +208,11 @@ class FmuParticipant:
         try:
             yield
         except Exception as error:
-            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+            raise self._refusal() or BadInput(f"{self.name}: {error}{self._hint}") from error
         if refusal := self._refusal():
             raise refusal
+
+    _hint = ""  # what to try where it does not start
 
     def _slave(self, kind):
         """FMPy's slave of this FMU."""

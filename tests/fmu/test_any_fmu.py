@@ -178,7 +178,10 @@ def test_units_of_different_kind_are_refused(folder, library):
 
 def test_without_saved_states_where_nothing_is_repeated(folder, library):
     make(folder / "b.fmu", library, can_redo=False)
-    assert "cannot save and restore" in refused(folder, case_text(LOOP))
+    summary, _ = solved(folder, case_text(LOOP, a="k = 2.0"))
+    assert summary["loops_stepped_explicitly"] == 1 and summary["unconverged_steps"] == STEPS
+    controlled = [LOOP[0], ("b.x", "a.u", "local_error = 1e-3")]
+    assert "cannot save and restore" in refused(folder, case_text(controlled))
     _, results = solved(folder, case_text([("a.x", "b.u", "")], method="explicit"))
     a = np.array([1.1**-n for n in range(STEPS + 1)])
     b = [1.0]

@@ -179,7 +179,7 @@ class Journal:
 def marched(folder, method, steps=10, **changes):
     """Stepper, journal and what stopped it, after some macro steps of two lags."""
     _, _, system = opened(folder, **changes)
-    start(system, lambda participant: [])
+    start(system)
     journal = Journal(system)
     stepper = Stepper(system, method, 2, journal, order=1)
     stop = None
