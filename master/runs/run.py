@@ -312,7 +312,7 @@ class March:
         return ""
 
     def _time(self, step):
-        """Return when a macro step ends [s], counted from 1: at the communication points of FMPy."""
+        """Return when a macro step ends [s], counted from 1; these are the times of FMPy."""
         return self.system.begin + step * self.system.step
 
     @property
