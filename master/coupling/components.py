@@ -200,7 +200,8 @@ class Componentwise:
 
     def memory(self) -> list[Any]:
         """What the method remembers of each component."""
-        return [self.method.memory() if one.is_iterated else None for one in self.components]
+        once = Explicit()
+        return [(self.method if one.is_iterated else once).memory() for one in self.components]
 
     def solve(self, macro_step: Any, guess: np.ndarray, memory: list[Any]) -> Solution:
         """The macro step, component by component; raises what the method raises."""

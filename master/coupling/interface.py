@@ -240,7 +240,7 @@ class Interface:
             self._step(stage, time, step)
 
         at = self.answer(x, act, saved)
-        self._last = Last(at, time, step, saved)
+        self._last = None if saved is None else Last(at, time, step, saved)
         return at
 
     def answer(

@@ -84,7 +84,7 @@ def _restarted(system: System, name: str) -> RestartedParticipant:
     one = system.participants[name]
     inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
     now = {key: one.get(key) for key in inputs if key in one.fields}
-    return RestartedParticipant(one, {**system.parameters[name], **now}, system.begin, system.end)
+    return RestartedParticipant(one, {**system.parameters[name], **now}, system.begin, system.stop)
 
 
 def _loop(own: Part, system: System) -> Loop:

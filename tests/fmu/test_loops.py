@@ -34,7 +34,7 @@ FLAGS = {
     "short": ("-DSTEP=if (H > 0.006) return 2; x = (x + H * u) / (1 + H)", "-DOUTPUT=0.5*x"),
     "minus_three": (*DIRECT, "-DOUTPUT=1-3*u"),
     "plus_half": (*DIRECT, "-DOUTPUT=1+0.5*u"),
-    "same": (*DIRECT, "-DOUTPUT=u"),
+    "follows": ("-DSTEP=x = u + 0 * H",),
     "strong": ("-DSTEP=x = (x + H * 200 * u) / (1 + H)",),
     "strong_one_way": ("-DSTEP=x = (x + H * 200 * u) / (1 + H)", "-DSAVES=0"),
     "double": (*DIRECT, "-DOUTPUT=2*u", "-DSAVES=0"),
@@ -240,7 +240,7 @@ def checked(folder, a, b):
             H / 4,
             "b cannot go",
         ),
-        ("same", "same", 1.0, np.inf, "newton", H, "singular at the start"),
+        ("follows", "follows", 1.0, np.inf, "newton", H, "singular at the start"),
     ],
 )
 def test_loops_are_reported_before_the_run(fmus, a, b, gain, condition, method, step, why):
