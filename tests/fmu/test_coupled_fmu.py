@@ -16,6 +16,7 @@ from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import too_old
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -262,11 +263,15 @@ def test_fmi_3_gives_the_same_bits(tree, coupled, reference):
     assert seen[0] == seen[1]
 
 
-def test_gas_of_table_and_input_is_told_once_and_selected():
+@pytest.mark.parametrize("native", [False, True])
+def test_gas_of_table_and_input_is_told_once_and_selected(native):
     """Near firing top dead centre; the input is 1 MPa."""
+    if native and (not compiler() or too_old()):
+        pytest.skip("no C compiler, or numba is too old")
     path = find_case("data_sheet")
     small = [change for change in SMALL if "modes" not in change[0]]
-    engine = export_fmu(check_case(read_tree(path, small), path), path.parent, print)
+    case = check_case(read_tree(path, small), path)
+    engine = export_fmu(case, path.parent, print, platforms=("linux64",) if native else ())
     shown = {}
     for source in ("either", "table", "input", "sum"):
         one = FmuParticipant("engine", engine)
