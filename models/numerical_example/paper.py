@@ -214,9 +214,9 @@ def main(folder: Path) -> None:
         rows = list(csv.DictReader(file))
     paths = {row["run"]: folder / row["results"] for row in rows}
     print(table({name: findings(Results(path)) for name, path in paths.items()}), end="\n\n")
-    print(cost_table(rows))
     if not {*SHOWN.values()} <= {*paths}:
         return
+    print(cost_table(rows))
     runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
     here = Path(__file__).parent
     draw_curves(runs, here / "paper_curves.png")
