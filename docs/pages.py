@@ -28,6 +28,7 @@ TEXTS = {
     "models/lubrication_template/README.md": "tutorials/own_film.md",
     "models/engine/README.md": "tutorials/engine.md",
     "models/numerical_example/README.md": "cases/numerical_example.md",
+    "models/numerical_example/PAPER.md": "cases/paper.md",
     "models/fired_motorcycle/README.md": "cases/fired_motorcycle.md",
     "models/data_sheet/README.md": "cases/data_sheet.md",
     "models/journal_bearing/README.md": "cases/journal_bearing.md",
