@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..finite_elements.mesh import Mesh
+from .reduced_body import offset_faults
 
 SMALLEST_RADIUS, LARGEST_RADIUS = 5e-3, 0.6  # [m], from models to ships
 LEAST_DENSITY, MOST_DENSITY = 100.0, 9000.0  # of a piston's mass in the cylinder around it [kg/m3]
@@ -17,7 +18,6 @@ OFF_AXIS = 0.01  # of the radius: how far a cylinder's axis may lie beside y
 OUT_OF_ROUND = 0.02  # of the radius: profiles belong into the film
 TILTED = np.radians(1.0)
 PIN_HEIGHT = 0.02  # of the skirt's radius: of the pin bore's axis above the origin
-PIN_OFFSET = 0.05  # likewise beside `pin_offset`, which may differ from the mesh in a study
 PIN_BY_CENTROID = 0.1  # likewise where the pin bore is no cylinder
 
 
@@ -88,6 +88,19 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     return faults
 
 
+def pin_bore(mesh: Mesh) -> tuple[Circle, bool]:
+    """Return the axis of a piston's pin bores, and whether they are a cylinder.
+
+    Bores that are no cylinder have their nodes' mean as axis. Its x is rounded to the nanometre.
+    """
+    x, y, _ = mesh.points[mesh.nodes("pin_bore")].T
+    circle = circle_through(x, y)
+    round_enough = circle.scatter <= 0.1 * circle.radius
+    if not round_enough:
+        circle = circle._replace(first=float(x.mean()), second=float(y.mean()))
+    return circle._replace(first=round(circle.first, 9)), round_enough
+
+
 def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
     """What is wrong with a piston's pin bores; `radius`: of the skirt [m]."""
     x, y, z = mesh.points[mesh.nodes("pin_bore")].T
@@ -96,24 +109,15 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
             f"surface 'pin_bore': reaches over {1e3 * np.ptp(x):.3g} mm of x and "
             f"{1e3 * np.ptp(z):.3g} mm of z; the pin lies along z: axes must name thrust, head, pin"
         ]
-    circle = circle_through(x, y)
-    height = PIN_HEIGHT
-    beside = PIN_OFFSET
-    if circle.scatter > 0.1 * circle.radius:
-        circle = circle._replace(first=x.mean(), second=y.mean())
-        height = beside = PIN_BY_CENTROID
+    circle, round_enough = pin_bore(mesh)
+    height = PIN_HEIGHT if round_enough else PIN_BY_CENTROID
     faults = []
     if abs(circle.second) > height * radius:
         faults.append(
             f"surface 'pin_bore': its axis lies at y = {1e3 * circle.second:.3g} mm, not at 0: "
             "origin must lie at the height of the pin"
         )
-    if abs(circle.first - pin_offset) > beside * radius:
-        faults.append(
-            f"surface 'pin_bore': its axis lies at x = {1e3 * circle.first:.3g} mm, not at "
-            f"pin_offset = {1e3 * pin_offset:.3g} mm"
-        )
-    return faults
+    return faults + offset_faults(circle.first, radius, pin_offset)
 
 
 def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:
