@@ -89,8 +89,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     if options is None:
         return inputs((FilmGrid("", (4, 4)),)) + parameters()
     build = read_options(options, folder)
-    bodies = build.piston, build.block
-    modes = sum(0 if body.rigid else body.modes - len(body.modes_off) for body in bodies)
+    modes = build.piston.most_modes() + build.block.most_modes()
     ahead = BuildOptions(
         build.grid,
         PistonOptions("", modes, 0.0),

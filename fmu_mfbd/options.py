@@ -4,11 +4,21 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import core_schema
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import near_key, with_meanings
-from ..master.fmi.quantities import in_unit
+from ..master.fmi.quantities import in_unit, to_si
 from .finite_elements.regions import Bore, Cylinder, Plane, Region
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
@@ -25,6 +35,53 @@ Time = Annotated[float, in_unit("s")]
 AngularSpeed = Annotated[float, in_unit("rad/s")]
 Frequency = Annotated[float, in_unit("Hz")]
 Number = Annotated[float, in_unit("1")]
+
+MOST_MODES = 200
+"""Modes of a body."""
+ERROR_RANGE = (1e-4, 0.5)
+"""Expected errors that a number of modes can be given by [-]."""
+
+
+class ModeCount:
+    """Pydantic field: number of modes, or the error that chooses it, as a float."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(_mode_count)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        low, high = ERROR_RANGE
+        number = {"type": "integer", "minimum": 0, "maximum": MOST_MODES}
+        error = {"type": ["number", "string"], "unit": "1", "ge": low, "le": high}
+        return {"anyOf": [number, error]}
+
+
+def _mode_count(value: Any) -> int | float:
+    """Return a number of modes, or a float for an error."""
+    low, high = ERROR_RANGE
+    expected = (
+        f'expected a number of modes from 0 to {MOST_MODES}, or an error such as "1 %" '
+        f"({100 * low:g} % to {100 * high:g} %); got {value!r}"
+    )
+    if isinstance(value, str) and value.strip().isdecimal():
+        value = int(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        if not 0 <= value <= MOST_MODES:
+            raise ValueError(expected)
+        return value
+    try:
+        error = to_si(value, "1")
+    except ValueError:
+        raise ValueError(expected) from None
+    if not low <= error <= high:
+        raise ValueError(expected)
+    return error
+
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_meanings)
@@ -134,15 +191,21 @@ class Body(BaseModel):
     mass_unit: Annotated[Mass, Field(gt=0)] | None = None
     """What 1 in the mass matrix means."""
     basis: Literal[
-        "pressure_modes", "trained", "craig_bampton", "characteristic_constraint_modes"
-    ] = "pressure_modes"
-    """Shapes the body is reduced to; trained: those it takes under the film of an earlier run
-    first.
+        "smooth_pressure_modes",
+        "trained",
+        "pressure_modes",
+        "craig_bampton",
+        "characteristic_constraint_modes",
+    ] = "smooth_pressure_modes"
+    """Shapes the body is reduced to. smooth_pressure_modes: those under smooth film pressures;
+    trained: these and those of an earlier run.
     """
     train_on: str | None = None
     """Results file of that run, which has recorded both nodal forces on the same grid."""
-    modes: Annotated[int, Field(ge=0, le=200)] = 60
-    """How many; 0: rigid."""
+    modes: Annotated[int | float, ModeCount] = 60
+    """Number of modes (0: rigid), or the largest expected share of the deflection that they may
+    miss, e.g. "1 %" (smooth_pressure_modes and trained). trained adds its own to them.
+    """
     modes_off: list[Annotated[int, Field(ge=1)]] = []
     """Modes switched off, by their number in the table of modes."""
 
@@ -155,6 +218,11 @@ class Body(BaseModel):
             self._complete_sheet()
         if (self.basis == "trained") != (self.train_on is not None):
             raise ValueError("basis = 'trained' and train_on, results of a run, belong together")
+        if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
+            raise ValueError(
+                f"modes = {self.modes:g}: basis = '{self.basis}' needs a number of modes; an error "
+                "chooses it for 'smooth_pressure_modes' and 'trained' only"
+            )
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
@@ -165,6 +233,13 @@ class Body(BaseModel):
         if self.mesh is not None and missing:
             raise ValueError(f"{what} needs {', '.join(missing)}")
         return self
+
+    def most_modes(self) -> int:
+        """Return the largest number of modes that the body can have, before it is reduced."""
+        if self.rigid:
+            return 0
+        known = isinstance(self.modes, int) and self.basis != "trained"
+        return int(self.modes) - len(self.modes_off) if known else MOST_MODES
 
     def _complete_sheet(self) -> None:
         """Raise ValueError unless a data sheet has what it needs, and no modes."""
@@ -381,7 +456,7 @@ class SmallEnd(BaseModel):
     """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)]
     """Poisson's ratio."""
-    modes: Annotated[int, Field(ge=0, le=200)] = 60
+    modes: Annotated[int, Field(ge=0, le=MOST_MODES)] = 60
     """How many; 0: rigid."""
 
 
@@ -638,7 +713,9 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     """What keeps a flexible piston's bosses from yielding to their films."""
     faults = []
-    if not 0 < boss_modes < piston.modes:
+    if isinstance(piston.modes, float):
+        faults.append(f"piston.modes = {piston.modes:g}: must be a number beside boss_modes")
+    elif not 0 < boss_modes < piston.modes:
         faults.append(
             f"boss_modes = {boss_modes}: of a flexible piston's {piston.modes} modes from 1 to "
             f"{piston.modes - 1} are for its bosses"
@@ -648,8 +725,8 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
             f"piston.tie = {piston.tie!r}: holds the bosses against their films; must be 'rbe3', "
             "which holds their mean motion alone"
         )
-    if piston.basis != "pressure_modes":
-        faults.append(f"piston.basis = {piston.basis!r}: must be 'pressure_modes'")
+    if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
+        faults.append(f"piston.basis = {piston.basis!r}: must be {' or '.join(map(repr, films))}")
     if piston.modes_off:
         faults.append(f"piston.modes_off = {piston.modes_off}: must be empty")
     return faults
@@ -717,10 +794,11 @@ def _faults_of_body(
     become absolute.
     """
     faults = []
-    unknown = sorted({n for n in body.modes_off if n > body.modes})
+    most = MOST_MODES if isinstance(body.modes, float) else body.modes
+    unknown = sorted({n for n in body.modes_off if n > most})
     if unknown:
         numbers = ", ".join(map(str, unknown))
-        faults.append(f"{name}.modes_off: {numbers}: there are {body.modes} modes")
+        faults.append(f"{name}.modes_off: {numbers}: there are {most} modes")
     for source in SOURCES:
         path = getattr(body, source)
         if path:

@@ -1,35 +1,50 @@
 """What the reduced bodies of a build table leave out at the film forces of a run: read from what
-the reduction kept, so that nothing of finite elements is loaded after a run.
+the reduction saved, so that nothing of finite elements is loaded after a run.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from .build import Say, reduced_bodies
 from .geometry.grid import film_rows
 from .options import read_options
-from .reduction.film_loads import FilmLoads, on_stations, recorded_loads
-from .reduction.reduced_body import Probes, ReducedBlock, ReducedBody, ReducedPiston, load
-from .reduction.truncation import Truncation, static_modes, truncation
+from .reduction.film_loads import (
+    on_rows,
+    on_stations,
+    recorded_film_thickness,
+    recorded_loads,
+)
+from .reduction.reduced_body import LeftOut, ReducedBlock, ReducedPiston, load
+from .reduction.truncation import Truncation, share_of_film, static_modes, truncation
+
+
+class Truncations(NamedTuple):
+    """Truncation errors of a run.
+
+    Parameters
+    ----------
+    bodies : dict of str to Truncation
+        Of piston and block; a rigid body has none.
+    share_of_film : float or None
+        Eq. (J34) for all of them [-]; None if the run has not recorded the film thickness.
+    """
+
+    bodies: dict[str, Truncation]
+    share_of_film: float | None
 
 
 def truncations(
     options: dict[str, Any], folder: Path, results: Path, progress: Say = print
-) -> dict[str, Truncation]:
-    """Truncation error of the flexible bodies of a build table at the film forces of a run, Eq.
-    (J17).
+) -> Truncations:
+    """Return what the flexible bodies of a build table leave out at the film forces of a run, Eqs.
+    (J17), (J34).
 
     Parameters
     ----------
     options, folder, progress
         As for `offline.reduce`; both bodies.
     results : Path
-        Results file that has recorded the nodal forces.
-
-    Returns
-    -------
-    dict of str to Truncation
-        Of piston and block; a rigid body has none.
+        Results file that has recorded the nodal forces and the film thickness.
 
     Raises
     ------
@@ -37,22 +52,28 @@ def truncations(
         As `offline.reduce`.
     ValueError
         Why nothing can be said: forces not recorded or on another grid, or a body that was reduced
-        without its probes (Eq. (J16)).
+        without Eq. (J16).
     """
     build = read_options(options, folder)
     if not any(body.modes and not body.rigid for body in (build.piston, build.block)):
-        return {}
+        return Truncations({}, None)
     files = reduced_bodies(options, folder, progress)
     piston = load(ReducedPiston, files["piston"])
     block = load(ReducedBlock, files["block"])
     loads = recorded_loads(results, build.grid)
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
-    bodies: dict[str, tuple[ReducedBody, FilmLoads]] = {
-        "piston": (piston, loads.film),
-        "block": (block, on_stations(loads, rows, block.heights)),
-    }
-    return {
-        name: truncation(load(Probes, files[name]), static_modes(body), film)
-        for name, (body, film) in bodies.items()
-        if len(body.omega)
-    }
+    shape = loads.film.pressure.shape
+    found = {}
+    gap = 0.0
+    if len(piston.omega):
+        left = load(LeftOut, files["piston"])
+        found["piston"] = truncation(left, static_modes(piston), loads.film)
+        gap = gap + found["piston"].missing.reshape(shape)
+    if len(block.omega):
+        film = on_stations(loads, rows, block.heights)
+        left = load(LeftOut, files["block"])
+        found["block"] = truncation(left, static_modes(block), film)
+        table = found["block"].missing.reshape(film.pressure.shape)
+        gap = gap + on_rows(table, loads.height_of_A, rows, block.heights)
+    thickness = recorded_film_thickness(results, build.grid)
+    return Truncations(found, None if thickness is None else share_of_film(gap, thickness))

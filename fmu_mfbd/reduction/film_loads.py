@@ -15,6 +15,10 @@ HEIGHT = "piston_position"
 """Scalar output of the bodies: height of A above the crank axis [m]."""
 
 
+FILM_THICKNESS = "film_thickness"
+"""Output of the bodies for each film on the skirt [m]."""
+
+
 class NotRecorded(ValueError):
     """A results file that does not say what the film did to the bodies."""
 
@@ -107,12 +111,40 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
         raise NotRecorded(f"{path.name} is no results file of a run: {error}") from None
 
 
+def recorded_film_thickness(path: Path | str, grid: tuple[int, int]) -> np.ndarray | None:
+    """Return the film thickness that a run has recorded on the skirt's grid, (m, c, a) [m].
+
+    Rows without a film have inf. The result is None if not all of it was recorded. Arguments as of
+    `recorded_loads`, which finds the films in the same way.
+    """
+    import h5py  # slow to import, and used after runs alone
+
+    path = Path(path)
+    with h5py.File(path, "r") as opened:
+        file: Any = opened
+        fields = file["fields"]
+        bands = _bands(json.loads(file.attrs.get("case", "{}")), FORCES[0], path)
+        if not bands:
+            thickness = _named(fields, FILM_THICKNESS, path)
+            return None if thickness is None else _shaped(thickness[:], grid, path)
+        whole = np.full((len(fields["time"]), *grid), np.inf)
+        for band in bands:
+            owner, prefix = band.skirt
+            if f"{owner}/{prefix}{FILM_THICKNESS}" not in fields:
+                return None
+            rows = whole[:, :, band.first : band.last]
+            dataset = fields[f"{owner}/{prefix}{FILM_THICKNESS}"]
+            rows[:] = _shaped(dataset[:], rows.shape[1:], path)
+        return whole
+
+
 class Band(NamedTuple):
-    """Where a force on some rows of the grid is recorded: port, and rows from 0 on (`last` is not
-    among them; None: up to the grid's end).
+    """Where a force on some rows of the grid is recorded: port, the participant and prefix of the
+    film surface, and rows from 0 on (`last` is not among them; None: up to the grid's end).
     """
 
     port: str
+    skirt: tuple[str, str]
     first: int
     last: int | None
 
@@ -168,7 +200,7 @@ def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
         build = case["participants"][owner].get("build", {})
         rows = {f"{one['name']}.": one["rows"] for one in build.get("film_surfaces", ())}
         first, last = rows.get(prefix, (1, None))
-        bands.append(Band(source, first - 1, last))
+        bands.append(Band(source, (owner, prefix), first - 1, last))
     return bands
 
 
@@ -200,11 +232,26 @@ def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) ->
     stations : ndarray, shape (s,)
         Above the crank axis [m].
     """
-    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
-
-    spline = CubicSpline(stations, np.eye(len(stations)), bc_type="natural")
-    reading = spline(loads.height_of_A[:, None] + rows)
+    reading = spline_matrix(loads.height_of_A, rows, stations)
     # Eq. (J15)
     return FilmLoads(
         *(np.einsum("mca,mas->mcs", force, reading, optimize=True) for force in loads.film)
     )
+
+
+def on_rows(
+    table: np.ndarray, height_of_A: np.ndarray, rows: np.ndarray, stations: np.ndarray
+) -> np.ndarray:
+    """Return values of the bore's table, (m, c, s), at the rows of the moving film, (m, c, a), by
+    the same spline as Eq. (J15).
+    """
+    reading = spline_matrix(height_of_A, rows, stations)
+    return np.einsum("mcs,mas->mca", table, reading, optimize=True)
+
+
+def spline_matrix(height_of_A: np.ndarray, rows: np.ndarray, stations: np.ndarray) -> np.ndarray:
+    """Return S(Y_A + y') of Eq. (J15), (m, a, s); arguments as of `on_stations`."""
+    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
+
+    spline = CubicSpline(stations, np.eye(len(stations)), bc_type="natural")
+    return spline(height_of_A[:, None] + rows)

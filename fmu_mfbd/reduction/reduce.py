@@ -20,7 +20,7 @@ from ..finite_elements.mesh import Mesh, MeshFault, read_mesh, turn_of
 from ..finite_elements.point_cloud import read_nodes
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
-from ..options import Block, Piston
+from ..options import MOST_MODES, Block, Piston
 from .bases import (
     Elastic,
     MeanElastic,
@@ -29,7 +29,6 @@ from .bases import (
     craig_bampton,
     expected_pressure,
     mean_conditions,
-    modes_for_films,
     of_unit_energy,
     orthonormal_modes,
     pressure_modes,
@@ -42,15 +41,22 @@ from .interpolation import SurfaceReading, covered, interpolation, radial_and_ax
 from .reduced_body import (
     Anatomy,
     BossFilms,
-    Probes,
+    LeftOut,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
 )
+from .smooth_prior import (
+    ALONG,
+    SurfaceAnswers,
+    pressure_root,
+    smooth_pressure_modes,
+    surface_answers,
+)
 from .symmetry import ClassedModes, symmetric_modes
 from .training import trained_shapes
-from .truncation import probes, random_patterns
+from .truncation import StaticModes, left_out
 
 Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
 P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
@@ -83,26 +89,42 @@ class FullModel(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced body and what reports need of it besides; no probes of a body without modes, bosses
-    of a piston with films in them.
+    """A reduced body and what reports need of it besides: what its modes leave out, None without
+    modes, and the bosses of a piston with films in them.
     """
 
     body: ReducedBody
     anatomy: Anatomy
-    probes: Probes | None = None
+    left_out: LeftOut | None = None
     bosses: ReducedBosses | None = None
 
 
 class FilmSide(NamedTuple):
-    """What a basis must know of the side that the film touches: name of the surface, matrices that
-    read its displacement on a grid, where pressure is expected there (`expected_pressure`), which
-    points have the surface under them, and film forces at the points that it is trained on; of a
-    piston with films in its bosses those too.
+    """What a basis must know of the side that the film touches.
+
+    Parameters
+    ----------
+    surface : str
+        Its name in the mesh.
+    reading : SurfaceReading
+        Matrices that read its displacement on the grid.
+    angle, height : ndarray
+        Lines of the grid [rad], [m].
+    root : ndarray, shape (points, n)
+        S of Eq. (J31).
+    there : ndarray of bool, shape (points,)
+        Points that have the surface under them.
+    training : FilmLoads or None
+        Film forces of an earlier run at the points.
+    bosses, boss_films
+        Those of a piston with films in its bosses.
     """
 
     surface: str
     reading: SurfaceReading
-    weight: np.ndarray
+    angle: np.ndarray
+    height: np.ndarray
+    root: np.ndarray
     there: np.ndarray
     training: FilmLoads | None
     bosses: Shells | None = None
@@ -110,10 +132,10 @@ class FilmSide(NamedTuple):
 
 
 class Basis(NamedTuple):
-    """Modes of a body, and what its reduction keeps of the whole answer; None of a rigid one."""
+    """Modes of a body and what they leave out; None of a rigid one."""
 
     modes: ClassedModes
-    probes: Probes | None
+    left_out: LeftOut | None
 
 
 class FilmSurface(NamedTuple):
@@ -222,14 +244,17 @@ def reduce_piston(
         position @ Z.T,
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
-    faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    root = pressure_root(angle, height, ALONG["skirt"], there.ravel())
+    faults_of_modes(mesh, options, "pin_bore", "skirt", root)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
-    weight = expected_pressure(angle, along)
     film_forces = training.loads.film if training else None
-    film = FilmSide("skirt", surface.reading, weight, there.ravel(), film_forces, read, bosses)
-    modes, kept = _modes(mesh, elastic, options, film, loads, progress)
+    grid_lines = angle, height
+    film = FilmSide(
+        "skirt", surface.reading, *grid_lines, root, there.ravel(), film_forces, read, bosses
+    )
+    modes, left = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
     body = ReducedPiston(
         **floating_frame_integrals(M, position, shapes)._asdict(),
@@ -245,7 +270,7 @@ def reduce_piston(
     )
     anatomy = _anatomy(mesh, position, M, shapes, options, there)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
-    return Reduced(body, anatomy, kept, in_bosses)
+    return Reduced(body, anatomy, left, in_bosses)
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
@@ -289,15 +314,15 @@ def reduce_block(
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     heights = np.linspace(lower, upper, options.stations)
     surface = film_surface(mesh, "bore", angle, heights)
-    faults_of_modes(mesh, options, "bolts", "bore", len(angle) * len(heights))
+    everywhere = np.ones(len(angle) * len(heights), dtype=bool)
+    root = pressure_root(angle, heights, ALONG["bore"], everywhere)
+    faults_of_modes(mesh, options, "bolts", "bore", root)
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
-    everywhere = np.ones(len(angle) * len(heights), dtype=bool)
-    weight = expected_pressure(angle, len(heights))
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
-    film = FilmSide("bore", surface.reading, weight, everywhere, film_forces)
+    film = FilmSide("bore", surface.reading, angle, heights, root, everywhere, film_forces)
     no_loads = np.empty((3 * len(mesh.points), 0))
-    modes, kept = _modes(mesh, elastic, options, film, no_loads, progress)
+    modes, left = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
     table = (around, len(heights), len(modes.omega))
     body = ReducedBlock(
@@ -309,7 +334,7 @@ def reduce_block(
         radius=surface.radius,
     )
     nowhere = np.zeros((around, 0), dtype=bool)
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere), kept)
+    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere), left)
 
 
 def _refuse(faults: list[str], options: Piston | Block) -> None:
@@ -411,48 +436,73 @@ def _modes(
     progress: Say,
 ) -> Basis:
     """Modes of a body by the chosen basis; none of a rigid one."""
-    count = options.modes
     if elastic is None:
         no_shapes = np.empty((3 * len(mesh.points), 0))
         return Basis(ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int)), None)
-    progress(f"{count} modes, basis {options.basis}")
+    wanted = options.modes
+    progress(f"modes = {wanted:.3g}, basis {options.basis}")
+    reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
+    answers = surface_answers(elastic, reading, film.root)
     if options.basis == "craig_bampton":
-        shapes = craig_bampton(elastic, count)
+        shapes = craig_bampton(elastic, int(wanted))
     elif options.basis == "characteristic_constraint_modes":
-        shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), count)
+        shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), int(wanted))
     else:
         more = film.boss_films.modes if film.boss_films else 0
-        shapes = _film_shapes(elastic, film, count - more, loads[elastic.free])
+        shapes = _film_shapes(
+            elastic, film, reading, answers, options, loads[elastic.free], wanted - more
+        )
         if film.bosses and film.boss_films and more:
-            shapes = with_boss_modes(elastic, film.bosses, film.boss_films.grid, shapes, count)
-    kept = probes(elastic, film.reading, random_patterns(film.there))
+            shapes = with_boss_modes(
+                elastic, film.bosses, film.boss_films.grid, shapes, int(wanted)
+            )
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
-    classed = symmetric_modes(elastic, modes, mesh.points)
-    on = np.setdiff1d(np.arange(count), np.asarray(options.modes_off, dtype=int) - 1)
-    return Basis(ClassedModes(classed.shapes[:, on], classed.omega[on], classed.kind[on]), kept)
+    classed = _switched_on(symmetric_modes(elastic, modes, mesh.points), options.modes_off)
+    progress(f"{len(classed.omega)} modes")
+    radial, axial = (one @ classed.shapes for one in film.reading)
+    left = left_out(answers, StaticModes(classed.omega, radial, axial), film.there)
+    return Basis(classed, left)
 
 
-def _film_shapes(elastic, film, count, loads):
-    """Shapes that answer to a film: those it was trained on first, then those to which the surface
-    yields most; `loads` are answered exactly.
+def _switched_on(modes: ClassedModes, off: list[int]) -> ClassedModes:
+    """Modes without those of the given numbers, from 1 on."""
+    count = len(modes.omega)
+    if unknown := [number for number in off if number > count]:
+        raise ValueError(f"modes_off: {', '.join(map(str, unknown))}: there are {count} modes")
+    on = np.setdiff1d(np.arange(count), np.asarray(off, dtype=int) - 1)
+    return ClassedModes(modes.shapes[:, on], modes.omega[on], modes.kind[on])
+
+
+def _film_shapes(
+    elastic: Elastic,
+    film: FilmSide,
+    reading: SurfaceReading,
+    answers: SurfaceAnswers,
+    options: Piston | Block,
+    loads: np.ndarray,
+    modes: int | float,
+) -> np.ndarray:
+    """Return shapes that answer to a film, (free, k); they answer `loads`, (free, j), exactly.
+
+    Those of an earlier run, if the body is trained on one, are added to those of the prior.
     """
-    reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
-    first = static_answers(elastic, loads, count)
+    first = static_answers(elastic, loads, modes)
+    if options.basis == "pressure_modes":
+        weight = expected_pressure(film.angle, len(film.height))
+        return pressure_modes(elastic, reading.radial, weight, int(modes), first)
+    shapes = smooth_pressure_modes(elastic, reading.radial, answers, modes, first)
     if film.training is None:
-        return modes_for_films(elastic, reading.radial, film.weight, count, first)
-    psi = of_unit_energy(elastic, first)
+        return shapes
+    psi = of_unit_energy(elastic, shapes)
     spread = sp.hstack([reading.radial.T, -reading.axial.T], format="csr")
-    trained = trained_shapes(elastic, spread, film.training, psi, count - psi.shape[1])
-    psi = np.hstack([trained, psi])
-    if psi.shape[1] == count:
-        return psi
-    return pressure_modes(elastic, reading.radial, film.weight, count, psi, psi)
+    most = MOST_MODES - psi.shape[1]
+    return np.hstack([trained_shapes(elastic, spread, film.training, psi, most), psi])
 
 
 def faults_of_modes(
-    mesh: Mesh, options: Piston | Block, held: str, surface: str, grid_points: int
+    mesh: Mesh, options: Piston | Block, held: str, surface: str, root: np.ndarray
 ) -> None:
     """Refuse, before anything is factorised, supports that let the body move and more modes than
     there are shapes.
@@ -463,7 +513,8 @@ def faults_of_modes(
     options : Piston or Block
     held, surface : str
         Names of the surface that holds the body, and of the one that the film touches.
-    grid_points : int
+    root : ndarray, shape (grid points, n)
+        `pressure_root`.
 
     Raises
     ------
@@ -471,6 +522,7 @@ def faults_of_modes(
         Names the surface, or the number of modes that can be.
     """
     count = options.modes
+    grid_points, patterns = root.shape
     faults = []
     held_nodes = mesh.nodes(held)
     arms = mesh.points[held_nodes] - mesh.points.mean(axis=0)
@@ -486,7 +538,8 @@ def faults_of_modes(
         "craig_bampton": 3 * free_nodes - 2,
         "characteristic_constraint_modes": 3 * free_on_surface - 2,
         "pressure_modes": grid_points - 2,
-        "trained": grid_points - 2,
+        "smooth_pressure_modes": patterns,
+        "trained": patterns,
     }[options.basis]
     if count > most:
         faults.append(

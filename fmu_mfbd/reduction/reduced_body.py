@@ -277,21 +277,19 @@ class Anatomy:
 
 
 @dataclass(frozen=True)
-class Probes:
-    """Answers of the whole body to m random patterns, Eq. (J16), for the truncation error of a run
+class LeftOut:
+    """Static shapes that the modes of a body leave out, for the truncation error of a run
     (`truncation`); no FMU carries them.
 
     Parameters
     ----------
-    probe : ndarray, shape (m, points)
-        Random patterns z on the points of the film surface, 0 where it has none [-].
-    answer_radial, answer_axial : ndarray, shape (m, points)
-        Outward radial and axial displacement under radial forces z [m/N].
+    left_radial, left_axial : ndarray of float32, shape (points, n)
+        R X and A X of Eq. (J16): outward radial and axial displacement at the points of the film
+        surface, 0 where it has no film [m/J^0.5].
     """
 
-    probe: np.ndarray
-    answer_radial: np.ndarray
-    answer_axial: np.ndarray
+    left_radial: np.ndarray
+    left_axial: np.ndarray
 
 
 ReducedBody = ReducedPiston | ReducedBlock
@@ -303,7 +301,7 @@ Part = TypeVar(
     | ReducedBosses
     | ReducedSmallEnd
     | Anatomy
-    | Probes,
+    | LeftOut,
 )
 
 
@@ -320,7 +318,7 @@ def load(part: type[Part], path: Path) -> Part:
     ----------
     part : type
         ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy or
-        Probes.
+        LeftOut.
     path : Path
         .npz
 
@@ -342,7 +340,7 @@ def load(part: type[Part], path: Path) -> Part:
 
 def save(
     path: Path,
-    *parts: ReducedBody | ReducedMonoblock | ReducedBosses | ReducedSmallEnd | Anatomy | Probes,
+    *parts: ReducedBody | ReducedMonoblock | ReducedBosses | ReducedSmallEnd | Anatomy | LeftOut,
 ) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)

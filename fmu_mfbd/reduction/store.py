@@ -78,7 +78,7 @@ def kept_body(
 
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy, probes, held = (
+        body, anatomy, left_out, held = (
             reduce_piston(options, grid, progress, factors, training, bosses)
             if isinstance(options, Piston)
             else reduce_block(options, grid, progress, factors, training)
@@ -86,7 +86,7 @@ def kept_body(
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
-        save(path, *(part for part in (body, anatomy, probes, held) if part))
+        save(path, *(part for part in (body, anatomy, left_out, held) if part))
         factors.forget()
     return path
 

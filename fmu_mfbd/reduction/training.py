@@ -12,7 +12,7 @@ from .film_loads import FilmLoads
 NEGLIGIBLE = 1e-4
 """Load patterns of less than this share of the strongest are not solved for."""
 ENOUGH = 1e-3
-"""Share of the deflection, in the energy's norm, that trained shapes may leave."""
+"""Share of the deflection, in the energy's norm, that given and trained shapes may leave."""
 AT_ONCE = 20
 """Loads solved together: bounds the memory."""
 
@@ -75,7 +75,7 @@ def trained_shapes(
     """Static shapes that leave the least of what film forces do to a body, by its elastic energy.
 
     Eq. (J19):  X = (K^-1 - Psi Psi^T) B V S,   X^T K X w_k = e_k w_k,   phi_k = X w_k e_k^-1/2
-                largest e_k first, until what is left is less than `ENOUGH` of all
+                largest e_k first, until less than `ENOUGH`^2 of the energy of K^-1 B V S is left
 
     B spreads pressure and friction from the points, V S are the patterns of Eq. (J18).
 
@@ -94,7 +94,8 @@ def trained_shapes(
     Returns
     -------
     ndarray, shape (free, k)
-        k <= most, with phi^T K phi = 1 and Psi^T K phi = 0.
+        k <= most, none if the given shapes leave less than that; phi^T K phi = 1 and
+        Psi^T K phi = 0.
 
     Raises
     ------
@@ -111,10 +112,11 @@ def trained_shapes(
     loads = spread @ (pattern * strength[:, None]).T
     parts = range(0, len(strength), AT_ONCE)
     answers = np.hstack([body.solve(loads[:, first : first + AT_ONCE]) for first in parts])
+    whole = float(np.sum(answers * loads))
     answers -= given @ (given.T @ loads)
     gram = answers.T @ loads
     energy, turn = la.eigh((gram + gram.T) / 2)  # Eq. (J19), rising
     energy = np.maximum(energy, 0.0)
-    enough = np.count_nonzero(np.cumsum(energy) > ENOUGH**2 * energy.sum())
+    enough = np.count_nonzero(np.cumsum(energy) > ENOUGH**2 * whole)
     best = np.arange(len(energy))[::-1][: min(enough, most)]
     return answers @ (turn[:, best] / np.sqrt(energy[best]))

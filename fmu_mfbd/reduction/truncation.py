@@ -1,5 +1,5 @@
-"""What a reduced body leaves out: its static answer to film forces beside that of the finite
-elements, from a few answers that the reduction keeps.
+"""What a reduced body leaves out: its static answer to film forces compared with that of the finite
+elements, from the answers to smooth pressures that the reduction computes.
 """
 
 from __future__ import annotations
@@ -7,20 +7,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import scipy.linalg as la
 
 from .film_loads import FilmLoads
-from .reduced_body import Probes, ReducedBody
+from .reduced_body import LeftOut, ReducedBody
 
 if TYPE_CHECKING:  # slow to import, and used after runs without
-    from .bases import Elastic
-    from .interpolation import SurfaceReading
+    from .smooth_prior import SurfaceAnswers
 
-PROBES = 100
-"""Random patterns: the estimate of Eq. (J17) is then good to 1/sqrt(2 PROBES) = 7 % of itself."""
 COUNTED = 0.1
-"""Of the largest deflection: an instant with less has nothing to lose. Our own choice."""
-AT_ONCE = 20
-"""Patterns solved together: bounds the memory."""
+"""Share of the largest deflection: instants with less are not compared. Our own choice."""
+NEGLIGIBLE = 1e-9
+"""Missing shapes of less than this share of the strongest answer's energy are round-off."""
+THIN = 1e-7
+"""h_0 of Eq. (J34) [m]: below it asperities carry, and the mean gap has no meaning."""
 
 
 class StaticModes(NamedTuple):
@@ -31,7 +31,7 @@ class StaticModes(NamedTuple):
     omega : ndarray, shape (k,)
         [rad/s]
     radial, axial : ndarray, shape (points, k)
-        [kg^-1/2]
+        [kg^-1/2].
     """
 
     omega: np.ndarray
@@ -40,7 +40,7 @@ class StaticModes(NamedTuple):
 
 
 class Truncation(NamedTuple):
-    """How far a reduced body's static deflection under the film stands from the whole body's.
+    """How far a reduced body's static deflection under the film is from the whole body's.
 
     Parameters
     ----------
@@ -48,62 +48,61 @@ class Truncation(NamedTuple):
         Root mean square of the missing radial deflection over that of the deflection, all points
         and instants [-].
     largest : float
-        The same of the worst single instant, of those with a deflection of at least `COUNTED` of
+        The same for the worst single instant, of those with a deflection of at least `COUNTED` of
         the largest one [-].
+    missing : ndarray, shape (m, points)
+        Missing deflection, positive where it opens the gap [m].
     """
 
     error: float
     largest: float
+    missing: np.ndarray
 
 
 def static_modes(body: ReducedBody) -> StaticModes:
-    """Of a reduced piston or block, its surface's points in one row."""
+    """Return a reduced piston's or block's modes with its surface's points in one row."""
     count = len(body.omega)
     return StaticModes(body.omega, body.radial.reshape(-1, count), body.axial.reshape(-1, count))
 
 
-def random_patterns(there: np.ndarray) -> np.ndarray:
-    """z of Eq. (J16), independent, normal, of variance 1, (PROBES, points); the same each time.
+def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> LeftOut:
+    """Return the static shapes that the modes leave out of the answers to smooth pressures.
 
-    there : ndarray of bool, shape (points,), which points count.
-    """
-    return np.random.default_rng(2).standard_normal((PROBES, len(there))) * there
-
-
-def probes(elastic: Elastic, reading: SurfaceReading, patterns: np.ndarray) -> Probes:
-    """Answers of the whole body to patterns of radial forces.
-
-    Eq. (J16):  a = R K^-1 R^T z,  b = A K^-1 R^T z
+    Eq. (J16):  E = (K^-1 - Phi Omega^-2 Phi^T) R^T S,   S^T R E w_i = e_i w_i,
+                X_i = E w_i e_i^-1/2
 
     Parameters
     ----------
-    elastic : Elastic
-    reading : SurfaceReading
-        R and A: radial and axial displacement at the points, of all degrees of freedom.
-    patterns : ndarray, shape (m, points)
-        z [-].
+    answers : SurfaceAnswers
+    modes : StaticModes
+    there : ndarray of bool, shape (points,)
+        Points that have a film.
     """
-    radial = reading.radial[:, elastic.free].tocsr()
-    axial = reading.axial[:, elastic.free].tocsr()
-    answers = []
-    for first in range(0, len(patterns), AT_ONCE):
-        displacement = elastic.solve(radial.T @ patterns[first : first + AT_ONCE].T)
-        answers.append([(radial @ displacement).T, (axial @ displacement).T])  # Eq. (J16)
-    answer_radial, answer_axial = (np.concatenate(part) for part in zip(*answers))
-    return Probes(patterns, answer_radial, answer_axial)
+    felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
+    radial = answers.radial - modes.radial @ felt
+    axial = answers.axial - modes.axial @ felt
+    energy = answers.root.T @ radial
+    whole = np.linalg.norm(answers.root.T @ answers.radial, 2)
+    e, w = la.eigh((energy + energy.T) / 2)
+    kept = e > NEGLIGIBLE * whole
+    w = w[:, kept] / np.sqrt(e[kept])
+    on = there[:, None]
+    # Eq. (J16)
+    return LeftOut((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))
 
 
-def truncation(kept: Probes, modes: StaticModes, film: FilmLoads) -> Truncation:
-    """Truncation error of a body at the loads of a run.
+def truncation(left: LeftOut, modes: StaticModes, film: FilmLoads) -> Truncation:
+    """Return the truncation error of a body at the loads of a run.
 
-    Eq. (J17):  e = R (K^-1 - Phi Omega^-2 Phi^T) (R^T p - A^T f),   |e|^2 = mean of (z^T e)^2
+    Eq. (J17):  e = R X X^T (R^T p - A^T f)
 
-    z^T e needs the answers to z alone. Gas and inertia are left out: `pressure_modes` and
-    `trained` hold them exactly.
+    It is exact for pressures in the span of the prior (Eq. (J31)). For others it is the part of the
+    missing deflection that smooth pressures can produce, so it never exceeds the missing elastic
+    energy. Gas and inertia are left out: the bases that answer to a film hold them exactly.
 
     Parameters
     ----------
-    kept : Probes
+    left : LeftOut
     modes : StaticModes
     film : FilmLoads
         At the points, m instants.
@@ -111,26 +110,39 @@ def truncation(kept: Probes, modes: StaticModes, film: FilmLoads) -> Truncation:
     Returns
     -------
     Truncation
-        Estimates, with a standard error of 1/sqrt(2 PROBES) of themselves at most; 0 without any
-        force.
+        All 0 without any force.
 
     References
     ----------
-    Our own choice; checked in tests/mfbd/test_truncation.py.
+    Our own choice; checked in tests/mfbd/test_truncation.py against the whole body.
     """
     pressure, friction = (np.reshape(force, (len(force), -1)) for force in film)
     yielding = (pressure @ modes.radial - friction @ modes.axial) / modes.omega**2
-    felt = kept.probe @ modes.radial / modes.omega**2
-    missing_radial = kept.answer_radial - felt @ modes.radial.T
-    missing_axial = kept.answer_axial - felt @ modes.axial.T
-    counted = kept.probe.any(axis=0)
-    # Eq. (J17)
-    missing = ((pressure @ missing_radial.T - friction @ missing_axial.T) ** 2).mean(axis=1)
-    deflection = ((yielding @ modes.radial[counted].T) ** 2).sum(axis=1)
+    strength = pressure @ left.left_radial - friction @ left.left_axial
+    missing = strength @ left.left_radial.T  # Eq. (J17)
+    on_film = left.left_radial.any(axis=1)
+    lost = (missing**2).sum(axis=1)
+    deflection = (((yielding @ modes.radial.T + missing)[:, on_film]) ** 2).sum(axis=1)
     if not deflection.any():
-        return Truncation(0.0, 0.0)
+        return Truncation(0.0, 0.0, missing)
     loaded = deflection >= COUNTED**2 * deflection.max()
     return Truncation(
-        error=float(np.sqrt(missing.sum() / deflection.sum())),
-        largest=float(np.sqrt((missing[loaded] / deflection[loaded]).max())),
+        error=float(np.sqrt(lost.sum() / deflection.sum())),
+        largest=float(np.sqrt((lost[loaded] / deflection[loaded]).max())),
+        missing=missing,
     )
+
+
+def share_of_film(missing: np.ndarray, film_thickness: np.ndarray) -> float:
+    """Return the largest missing gap as a share of the local film thickness.
+
+    Eq. (J34):  s = max |e_block + e_piston| / max(h, h_0)      over points and instants
+
+    Parameters
+    ----------
+    missing : ndarray, shape (m, c, a)
+        Sum of both bodies' missing deflections, positive where they open the gap [m].
+    film_thickness : ndarray, shape (m, c, a)
+        h, inf where there is no film [m].
+    """
+    return float((np.abs(missing) / np.maximum(film_thickness, THIN)).max())  # Eq. (J34)
