@@ -532,9 +532,9 @@ def deflection_checks():
             "characteristic_constraint_modes": characteristic_constraint_modes(body, wet, 60),
             "smooth_pressure_modes": np.roll(smooth, first.shape[1], axis=1),
         }
-        for basis, whole in nested.items():
+        for basis, all_shapes in nested.items():
             for modes, bound in zip((20, 40, 60), BOUNDS[name, basis]):
-                shapes = whole[:, :modes]
+                shapes = all_shapes[:, :modes]
                 yield at_most(
                     f"{name}, {modes} {basis}",
                     "deflection under film patches, error [-]",

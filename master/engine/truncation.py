@@ -29,7 +29,7 @@ def state_truncation(
     -------
     dict of str to float or str
         What was added: `truncation_error_NAME` [-] of each flexible body, over all recorded
-        instants, `truncation_error_NAME_largest` of the worst one, and `truncation_share_of_film`
+        instants, `truncation_error_NAME_largest` of the worst one, and `truncation_error_film`
         (Eq. (J34)) if the film thickness was recorded; or `truncation_error`, why it cannot be
         said. Nothing of a case without flexible bodies of the package `fmu_mfbd`.
     """
@@ -53,7 +53,7 @@ def state_truncation(
             entries[f"truncation_error_{name}"] = one.error
             entries[f"truncation_error_{name}_largest"] = one.largest
         if found.share_of_film is not None:
-            entries["truncation_share_of_film"] = found.share_of_film
+            entries["truncation_error_film"] = found.share_of_film
     if entries:
         add_to_summary(results, entries)
     return entries

@@ -137,7 +137,7 @@ def _of_truncation(summary):
     if not bodies:
         return
     shares = " and ".join(f"{summary[f'truncation_error_{body}']:.2g} ({body})" for body in bodies)
-    share = summary.get("truncation_share_of_film")
+    share = summary.get("truncation_error_film")
     if share is None:
         yield Verdict(
             "amber",

@@ -19,7 +19,6 @@ from piston_cosim.fmu_mfbd.reduction.bases import (
     craig_bampton,
     mean_conditions,
     orthonormal_modes,
-    weighted_modes,
 )
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
@@ -120,9 +119,3 @@ def test_loose_body_is_refused(plate):
     points, K, M, _ = plate
     with pytest.raises(ValueError, match="non-positive pivots"):
         Elastic(K, M, np.array([0]))
-
-
-def test_every_other_mode_beyond_forty_has_an_even_weight():
-    assert [weighted_modes(k) for k in (0, 20, 40, 41, 42, 60, 61, 200)] == [
-        *(0, 20, 40, 41, 41, 50, 51, 120)
-    ]

@@ -1,0 +1,166 @@
+"""Modes from a smooth prior of the pressure: hand values, nested bases, modes by their error."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from piston_cosim.fmu_mfbd.build import reduced_bodies
+from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.options import Piston
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy
+from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
+from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
+    AROUND,
+    NEGLIGIBLE,
+    SurfaceAnswers,
+    expected_patterns,
+    pressure_root,
+    smooth_pressure_modes,
+    surface_answers,
+)
+from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.master.fmi.errors import BadInput
+
+ANGLE = np.radians(np.arange(0.0, 360.0, 30.0))
+HEIGHT = np.linspace(-9e-3, 9e-3, 5)
+EVERYWHERE = np.ones(60, dtype=bool)
+
+
+def test_the_root_has_the_covariance_of_the_equation():
+    """Every entry of Eq. (J31) by hand, over the cut at 0 deg too, but for the patterns that are
+    dropped: 60 of them hold less than 60 `NEGLIGIBLE` of the largest variance.
+    """
+    there = np.arange(60) != 7
+    root = pressure_root(ANGLE, HEIGHT, 0.2, there)
+    length = 0.2 * 22.5e-3  # five cells of 4.5 mm
+    expected = np.empty((60, 60))
+    for i, j in np.ndindex(60, 60):
+        apart = abs(ANGLE[i // 5] - ANGLE[j // 5])
+        apart = min(apart, 2 * np.pi - apart)
+        far = HEIGHT[i % 5] - HEIGHT[j % 5]
+        expected[i, j] = np.exp(-((apart / AROUND) ** 2) / 2 - (far / length) ** 2 / 2)
+    expected[7] = expected[:, 7] = 0.0
+    largest = np.linalg.norm(expected, 2)
+    np.testing.assert_allclose(root @ root.T, expected, atol=60 * NEGLIGIBLE * largest)
+    strength = (pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE) ** 2).sum(axis=0)
+    assert np.all(np.diff(strength) <= 1e-12 * strength[0])
+
+
+def springs(points, stiffness):
+    """A body of one spring a point."""
+    diagonal = sp.identity(points, format="csr")
+    body = Elastic(stiffness * diagonal, diagonal, np.empty(0, dtype=int))
+    return body, SurfaceReading(diagonal, 0.0 * diagonal)
+
+
+def test_equal_springs_yield_to_the_patterns_of_the_prior():
+    """G = 1/k, so that the patterns are the columns of S and what k of them miss is their tail."""
+    body, reading = springs(60, 3.0)
+    root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
+    answers = surface_answers(body, reading, root)
+    np.testing.assert_allclose(answers.radial, root / 3.0, rtol=1e-14)
+    found = expected_patterns(answers, np.empty((60, 0)))
+    whole = (root**2).sum(axis=1).max()
+    for k in (0, 1, 10):  # between them no two patterns are equally strong
+        tail = (root[:, k:] ** 2).sum(axis=1).max()
+        assert found.missing[k] == pytest.approx(np.sqrt(tail / whole), rel=1e-9)
+    assert found.missing[-1] == 0.0
+    assert np.all(np.diff(found.missing) <= 0.0)
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """A clamped plate whose degrees of freedom stand for the points of a surface."""
+    points, tets = box_mesh((3, 5, 2), (0.03, 0.05, 0.02))
+    body = Elastic(
+        stiffness(points, tets, 7e10, 0.3),
+        consistent_mass(points, tets, 2700.0),
+        np.flatnonzero(points[:, 1] == 0.0),
+    )
+    size = len(body.free)
+    chosen = np.random.default_rng(3).permutation(size)[:60]
+    radial = sp.csr_matrix((np.ones(60), (np.arange(60), chosen)), (60, size))
+    root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
+    return body, radial, surface_answers(body, SurfaceReading(radial, 0.0 * radial), root)
+
+
+def test_a_larger_basis_holds_every_smaller_one(plate):
+    """Each shape, its sign apart, is that of the smaller basis, and free of the given ones."""
+    body, radial, answers = plate
+    first = body.solve(np.random.default_rng(5).normal(size=(len(body.free), 2)))
+    small, large = (smooth_pressure_modes(body, radial, answers, k, first) for k in (8, 20))
+    assert small.shape[1] == 8 and large.shape[1] == 20
+    np.testing.assert_array_equal(small[:, :6], large[:, :6])
+    psi = of_unit_energy(body, first)
+    stiff = np.sqrt(np.einsum("ik,ik->k", small[:, :6], body.K @ small[:, :6]))
+    assert np.abs(psi.T @ (body.K @ small[:, :6]) / stiff).max() <= 1e-8
+
+
+def test_shapes_leave_the_least_energy_of_the_prior(plate):
+    """Against any other eight patterns: what k shapes take is the sum of the k largest mu."""
+    body, radial, answers = plate
+    shapes = smooth_pressure_modes(body, radial, answers, 8, np.empty((len(body.free), 0)))
+    psi = of_unit_energy(body, shapes)
+    taken = ((psi.T @ (radial.T @ answers.root)) ** 2).sum()
+    energy = answers.root.T @ answers.radial
+    assert taken == pytest.approx(np.linalg.eigvalsh(energy)[-8:].sum(), rel=1e-9)
+
+
+def test_modes_are_added_until_the_expected_error_is_reached(plate):
+    body, radial, answers = plate
+    none = np.empty((len(body.free), 0))
+    missing = expected_patterns(answers, np.empty((60, 0))).missing
+    for error in (0.2, 0.02):
+        count = smooth_pressure_modes(body, radial, answers, error, none).shape[1]
+        assert missing[count] <= error < missing[count - 1]
+
+
+def test_an_error_that_needs_too_many_modes_is_named():
+    body, reading = springs(300, 1.0)
+    many = SurfaceAnswers(np.eye(300), np.eye(300), np.zeros((300, 300)))
+    with pytest.raises(ValueError, match="300 modes are needed for this error, at most 200"):
+        smooth_pressure_modes(body, reading.radial, many, 0.01, np.empty((300, 0)))
+
+
+SHEET = {"mesh": "a.msh", "density": "2700 kg/m^3", "young": "70 GPa", "poisson": 0.3}
+
+
+@pytest.mark.parametrize("given, read", [(60, 60), ("60", 60), ("1 %", 0.01), (0.02, 0.02)])
+def test_a_number_or_an_error(given, read):
+    modes = Piston(**SHEET, modes=given).modes
+    assert modes == read and type(modes) is type(read)
+    # as it is written into a cache key or an FMU
+    assert Piston(**SHEET, modes=modes).model_dump(mode="json")["modes"] == read
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({"modes": 300}, "modes = 300: expected a number of modes from 0 to 200, or an error such"),
+        ({"modes": "60 %"}, r"or an error such as \"1 %\" \(0.01 % to 50 %\); got '60 %'"),
+        ({"modes": "1 mm"}, "got '1 mm'"),
+        ({"modes": True}, "got True"),
+        ({"modes": "1 %", "basis": "craig_bampton"}, "basis = 'craig_bampton' needs a number of"),
+    ],
+)
+def test_other_modes_are_rejected(coarse, change, said):
+    folder, options = coarse
+    with pytest.raises(BadInput, match=said):
+        reduced_bodies(options | {"piston": options["piston"] | change}, folder, print)
+
+
+def test_bodies_by_their_error(coarse, kept_bodies, monkeypatch):
+    """Each body has its own number of modes, and a smaller error has more."""
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+    folder, options = coarse
+    counts = []
+    for error in ("20 %", "5 %"):
+        changed = options | {n: options[n] | {"modes": error} for n in ("piston", "block")}
+        files = reduced_bodies(changed, folder, lambda text: None)
+        kinds = {"piston": ReducedPiston, "block": ReducedBlock}
+        counts.append([len(load(kind, files[name]).omega) for name, kind in kinds.items()])
+    assert np.all(np.diff(counts, axis=0) > 0)
+    few = options["piston"] | {"modes": "20 %", "modes_off": [150]}
+    with pytest.raises(BadInput, match=f"modes_off: 150: there are {counts[0][0]} modes"):
+        reduced_bodies({"grid": options["grid"], "piston": few}, folder, lambda text: None)
