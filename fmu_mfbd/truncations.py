@@ -36,8 +36,8 @@ class Truncations(NamedTuple):
 def truncations(
     options: dict[str, Any], folder: Path, results: Path, progress: Say = print
 ) -> Truncations:
-    """Return what the flexible bodies of a build table leave out at the film forces of a run, Eqs.
-    (J17), (J34).
+    """Return what the flexible bodies of a build table leave out at the film forces of a run's last
+    period, Eqs. (J17), (J34).
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def truncations(
     files = reduced_bodies(options, folder, progress)
     piston = load(ReducedPiston, files["piston"])
     block = load(ReducedBlock, files["block"])
-    loads = recorded_loads(results, build.grid)
+    loads = recorded_loads(results, build.grid, last_period=True)
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     shape = loads.film.pressure.shape
     found = {}
@@ -76,4 +76,5 @@ def truncations(
         table = found["block"].missing.reshape(film.pressure.shape)
         gap = gap + on_rows(table, loads.height_of_A, rows, block.heights)
     thickness = recorded_film_thickness(results, build.grid)
-    return Truncations(found, None if thickness is None else share_of_film(gap, thickness))
+    share = None if thickness is None else share_of_film(gap, thickness[-shape[0] :])
+    return Truncations(found, share)

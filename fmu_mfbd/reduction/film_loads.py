@@ -72,7 +72,9 @@ class Training(NamedTuple):
         return digest.hexdigest()
 
 
-def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
+def recorded_loads(
+    path: Path | str, grid: tuple[int, int], last_period: bool = False
+) -> RecordedLoads:
     """Nodal forces that a run has recorded, of all films on the skirt's grid.
 
     Which films press on the skirt, and on which of its rows, the wires and the build table in the
@@ -86,6 +88,8 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
         forces in record.fields.
     grid : (int, int)
         Film grid that is wanted.
+    last_period : bool
+        Whether only the instants of the run's last period are read.
 
     Raises
     ------
@@ -105,8 +109,11 @@ def recorded_loads(path: Path | str, grid: tuple[int, int]) -> RecordedLoads:
                     f"{path.name} has not recorded {FORCES[0]} and {FORCES[1]}: the case must name "
                     "both in record.fields"
                 )
-            at = np.interp(file["fields/time"][:], file["time"][:], height[:])
-            return RecordedLoads(FilmLoads(pressure, friction), at)
+            instants = file["fields/time"][:]
+            begin = file.attrs.get("last_period", 0.0) if last_period else instants[0]
+            first = int(np.searchsorted(instants, begin - 1e-9 * instants[-1]))
+            at = np.interp(instants, file["time"][:], height[:])[first:]
+            return RecordedLoads(FilmLoads(pressure[first:], friction[first:]), at)
     except (OSError, KeyError) as error:
         raise NotRecorded(f"{path.name} is no results file of a run: {error}") from None
 

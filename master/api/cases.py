@@ -154,7 +154,7 @@ class Case:
         checked = schema.check_case(self.tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
-        run_system(system, checked, self.tree, output, watch, say=log.info)
+        run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
         state_truncation(self.tree, self.path.parent, output, log.info)
         return Results(output)
 

@@ -117,7 +117,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
             for causality in ("parameter", "input", "output")
         },
     }
-    usual = experiment(system.stop, system.step, system.wires)
+    usual = experiment(system.earliest, system.step, system.wires)
     if platforms:
         return _pack_native(options, prepared, system, usual, progress, (version, platforms))
     return pack_fmu(
@@ -241,7 +241,7 @@ def experiment_ahead(case, folder):
         Of the case.
     """
     clock, wires = run_ahead(case, folder)
-    return experiment(clock.stop, clock.step, wires) if clock else None
+    return experiment(clock.earliest, clock.step, wires) if clock else None
 
 
 def _variables(package, options):

@@ -74,8 +74,10 @@ class Time(Table):
 
     start: str | None = None
     """Where the run begins: a time, or a crank angle; 0 without it."""
-    stop: str
-    """Where it ends: a time, or a crank angle where `angular_speed` is given."""
+    stop: str | None = None
+    """Where the run ends at the latest: a time, or a crank angle if `angular_speed` is given.
+    Default: `most_periods` periods with `until_periodic`; required without it.
+    """
     step: str
     """Macro step, likewise; with a wire's `local_error` the longest one, and where the run must
     come by.
@@ -84,18 +86,30 @@ class Time(Table):
     """With a wire's `local_error`: no macro step is divided below this; step / 64 without it."""
     angular_speed: Port | None = None
     """Input that holds the angular speed; with it start, stop and steps are crank angles."""
-    until_periodic: float | None = Field(None, gt=0, lt=1)
-    """Start to stop is one cycle, run again and again until film, motion and oil at its end are
-    this near to those at its beginning, as a share of their range (Eq. (Y2),
-    `runs/repetition.py`); results and summary are of the last one.
+    period: str | None = None
+    """Period of the machine, a time or a crank angle. Default in a case of crank angles: 720 deg
+    with gas pressure or a table over four strokes, 360 deg otherwise. Summary, checks and headlines
+    are of the last whole period.
     """
-    most_cycles: int = Field(20, ge=2, le=1000)
-    """That a cycle is run at most; a run that is not periodic by then says so."""
+    until_periodic: float = Field(0.0, ge=0, lt=1)
+    """Tolerance: period after period is run until film, motion and oil at its end are this near to
+    those at its beginning, as a share of their range (Eq. (Y2), `runs/repetition.py`). Usual: 1e-3;
+    0: the run goes on to `stop`.
+    """
+    least_periods: int = Field(2, ge=2, le=1000)
+    """Minimum number of periods with `until_periodic`."""
+    most_periods: int = Field(20, ge=2, le=1000)
+    """Maximum number of periods with `until_periodic` and without `stop`. Warns if the run is not
+    periodic by then.
+    """
 
-    @property
-    def cycles(self) -> int:
-        """That the run may take."""
-        return 1 if self.until_periodic is None else self.most_cycles
+    @model_validator(mode="after")
+    def ends(self):
+        if self.stop is None and not self.until_periodic:
+            raise ValueError("stop: required without until_periodic")
+        if self.least_periods > self.most_periods:
+            raise ValueError("least_periods: expected at most most_periods")
+        return self
 
 
 class ParticipantTable(Table):
@@ -257,6 +271,10 @@ class Record(Table):
     """From one record of the fields to the next: a number of macro steps, halves included, or a
     time or crank angle ("4 deg"). Of the latter each multiple is recorded by the first macro step
     that reaches it, hit exactly where it is a multiple of `time.step`, however steps are divided.
+    """
+    periods: int | None = Field(None, ge=1)
+    """Number of last periods that results, pictures and report show; the file holds all. Default: 1
+    with `time.until_periodic`, otherwise the whole run.
     """
     checkpoint_every: int | None = Field(None, ge=0)
     """Macro steps from one checkpoint to the next; 0: none but at SIGINT and SIGTERM; without it
@@ -592,6 +610,23 @@ class Case(Table):
         """Fields that a picture wants and the case does not record."""
         return [port for port in picture.fields if port not in self.record.fields]
 
+    @property
+    def period(self) -> str | None:
+        """Period of the machine: as given, or 720 deg if gas or a table over four strokes drives a
+        crank, 360 deg for any other crank; None without crank angles.
+        """
+        if self.time.period or self.time.angular_speed is None:
+            return self.time.period
+        tables = [
+            table.build[key]
+            for table in self.participants.values()
+            for key in ("gas", "speed")
+            if isinstance(table.build.get(key), dict)
+        ]
+        blown = any(wire.target.endswith(".gas_pressure") for wire in self.wires)
+        four = blown or any(table.get("strokes", 4) == 4 for table in tables)
+        return "720 deg" if four else "360 deg"
+
     def axes_of(self, port: str) -> Axes:
         """What the indices of a field "participant.name" run along."""
         named = [
@@ -674,19 +709,24 @@ def record_interval(case: Case, speed: float | None) -> float:
 
 
 class Clock(NamedTuple):
-    """Stop time, macro step and smallest macro step [s]."""
+    """Stop time at the latest, macro step, smallest macro step, period (0: unknown) and stop time
+    at the earliest [s].
+    """
 
     stop: float
     step: float
     smallest_step: float
+    period: float
+    earliest: float
 
 
 def times(case: Case, speed: float | None) -> Clock:
     """Times of the run; `speed` [rad/s] turns angles into times."""
     faults: list[str] = []
     values: dict[str, float] = {}
-    for key in ("stop", "step", "smallest_step"):
-        text = getattr(case.time, key)
+    given = {key: getattr(case.time, key) for key in ("stop", "step", "smallest_step")}
+    given["period"] = case.period
+    for key, text in given.items():
         if text is None:
             continue
         try:
@@ -697,10 +737,24 @@ def times(case: Case, speed: float | None) -> Clock:
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
-    begin = start_time(case, speed)
-    if fault := _end_fault(case.time, (values["stop"] - begin) / values["step"]):
+    begin, step, period = start_time(case, speed), values["step"], values.get("period", 0.0)
+    if case.time.until_periodic and not period:
+        raise BadInput(
+            "time.period: required with time.until_periodic in a case without time.angular_speed"
+        )
+    if fault := period and _whole_fault(
+        f"time.period = {case.period}", None, period / step, case.time
+    ):
+        if case.time.period or case.time.until_periodic:
+            raise BadInput(fault)
+        period = 0.0  # a derived one that macro steps do not come by
+    stop = values.get("stop", begin + case.time.most_periods * period)
+    where = f"time.stop = {case.time.stop}"
+    if fault := _whole_fault(where, case.time.start, (stop - begin) / step, case.time):
         raise BadInput(fault)
-    return Clock(values["stop"], values["step"], values.get("smallest_step", values["step"] / 64))
+    earliest = begin + case.time.least_periods * period if case.time.until_periodic else stop
+    smallest = values.get("smallest_step", step / 64)
+    return Clock(stop, step, smallest, period, min(stop, earliest))
 
 
 def start_time(case: Case, speed: float | None) -> float:
@@ -716,17 +770,16 @@ def _seconds(text: str, speed: float | None) -> float:
     return to_si(text, "s") if speed is None else to_si(text, "rad") / speed
 
 
-def _end_fault(time: Time, steps: float) -> str | None:
-    """What is wrong with a stop time of so many macro steps; they may be off a whole number by
-    what rounding does to two units.
+def _whole_fault(where: str, start: str | None, steps: float, time: Time) -> str:
+    """What is wrong with a time of so many macro steps after `start`; they may be off a whole
+    number by what rounding does to two units.
     """
     whole = round(steps)
     if whole >= 1 and abs(steps - whole) <= 1e-9 * whole:
-        return None
-    where = f"time.stop = {time.stop}"
+        return ""
     if steps < 1:
         return f"{where}: is before the end of the first step, {time.step}"
     step = registry().Quantity(time.step)
-    begin = registry().Quantity(time.start) if time.start else 0 * step
+    begin = registry().Quantity(start) if start else 0 * step
     nearest = [f"{begin + count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
     return f"{where}: is no multiple of time.step = {time.step}; {nearest[0]} and {nearest[1]} are"

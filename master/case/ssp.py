@@ -166,7 +166,7 @@ def _structure(tree, system, version):
     SubElement(
         root,
         _q("ssd:DefaultExperiment"),
-        {"startTime": repr(system.begin), "stopTime": repr(system.stop)},
+        {"startTime": repr(system.begin), "stopTime": repr(system.earliest)},
     )
     return root
 

@@ -28,7 +28,8 @@ def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())
     checkpoint
         The file <results>.h5.checkpoint that the interrupted run left.
     verbose
-        Also print what solver and coupling have counted, the case's own summary and every verdict.
+        Also print the summary of every period, what solver and coupling have counted, the case's
+        own summary and every check.
     """
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory
@@ -38,8 +39,9 @@ def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())
     output = checkpoint.with_suffix("")
     case = check_case(kept.tree, checkpoint)
     system = open_system(case, Path(kept.folder), say)
+    log = say if verbose else lambda line: None
     with watching(console, output.stem) as watch:
-        summary = run_system(system, case, kept.tree, output, watch, kept, say)
+        summary = run_system(system, case, kept.tree, output, watch, kept, say, log)
     summary |= state_truncation(kept.tree, Path(kept.folder), output, say)
     if verbose:
         print_summary(console, {output.stem: summary})

@@ -73,7 +73,8 @@ def command(
     live
         Serve a page on this machine with curves while the run goes on, to pause and to stop it.
     verbose
-        Also print what solver and coupling have counted, the case's own summary and every verdict.
+        Also print the summary of every period, what solver and coupling have counted, the case's
+        own summary and every check.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
@@ -89,13 +90,16 @@ def command(
     systems = open_all(cases, path.parent)
     summaries = {}
     files = {}
+    of_period = say if verbose else lambda line: None
     for label, system in systems.items():
         files[label] = folder / f"{label}.h5"
         with (
             watching(console, label) as watch,
             _shown(live, cases[label], system, watch) as (shown, told),
         ):
-            summaries[label] = run_system(system, shown, trees[label], files[label], told, say=say)
+            summaries[label] = run_system(
+                system, shown, trees[label], files[label], told, say=say, log=of_period
+            )
         summaries[label] |= state_truncation(trees[label], path.parent, files[label], say)
         summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
     if verbose:

@@ -39,17 +39,21 @@ def command(file: Path, *, participant: str, output: Path, time: str | None = No
         raise BadInput(
             f"--participant {participant}: {file} has {', '.join(results.case['participants'])}"
         )
-    instants = results.file["fields/time"][:]
+    instants = results.instants
     if not len(instants):
         instants = results.time
     k = len(instants) - 1
     if time is not None:
         k = int(np.argmin(np.abs(instants - instant(results, time))))
     row = int(np.argmin(np.abs(results.time - instants[k])))
-    values = {name: float(series[row]) for name, series in results.file[participant].items()}
+    values = {
+        name: float(results.series(f"{participant}.{name}").values[row])
+        for name in results.file[participant]
+    }
     if participant in results.file["fields"]:
         values |= {
-            name: series[k].tolist() for name, series in results.file["fields"][participant].items()
+            name: results.dataset(f"{participant}.{name}")[k].tolist()
+            for name in results.file["fields"][participant]
         }
     output.write_text(json.dumps(values, indent=1))
     console.print(

@@ -57,7 +57,7 @@ def _one_by_one(system: System) -> tuple[list[str], dict[str, Participant]]:
     for name, participant in system.participants.items():
         fed = _fed(system, name, started)
         try:
-            participant.start({**system.parameters[name], **fed}, system.begin, system.end)
+            participant.start({**system.parameters[name], **fed}, system.begin, system.stop)
             started[name] = participant
         except BadInput as error:
             faults += error.faults
@@ -70,7 +70,7 @@ def _solved(system: System) -> tuple[list[str], dict[str, Participant]]:
     entered: dict[str, Participant] = {}
     for name, participant in system.participants.items():
         try:
-            participant.enter(system.parameters[name], system.begin, system.end)
+            participant.enter(system.parameters[name], system.begin, system.stop)
             entered[name] = participant
         except BadInput as error:
             faults += error.faults

@@ -95,9 +95,9 @@ class System:
     divides macro steps [s]; record_interval : from one record of the fields to the next [s], 0
     where macro steps are counted; parallel : Jacobi's order, every participant reads what the
     others said in the evaluation before; held : wires that carry no real numbers, or end at clocked
-    inputs; clocks : wires from clock to clock; cycles : how often begin to stop may be run, one
-    behind the other; masks : participant -> rows of the cells of its fields, 1 where there is one,
-    0 where not.
+    inputs; clocks : wires from clock to clock; period : of the machine [s], 0 where it is unknown;
+    earliest : where the run may end [s], `stop` unless it ends once periodic; masks : participant
+    -> rows of the cells of its fields, 1 where there is one, 0 where not.
     """
 
     participants: Mapping[str, Any]
@@ -111,15 +111,11 @@ class System:
     parallel: bool = False
     held: tuple[HeldWire, ...] = ()
     begin: float = 0.0
-    cycles: int = 1
+    period: float = 0.0
+    earliest: float = 0.0
     masks: Mapping[str, list[list[int]]] = field(default_factory=dict)
     clocks: tuple[HeldWire, ...] = ()
     record_interval: float = 0.0
-
-    @property
-    def end(self) -> float:
-        """Where the last of all cycles that the run may take would end [s]."""
-        return self.begin + self.cycles * (self.stop - self.begin)
 
 
 def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:

@@ -35,7 +35,9 @@ def answer(case, results) -> Answer:
     """
     lines = headlines(case, results) or _own_summary(case, results)
     judged = verdicts(case, results)
-    lines.append(Headline("computed", _computed(results)))
+    if settled := _settled(results):
+        lines.append(Headline("settled", settled))
+    lines.append(Headline("computed", _computed(results.whole)))
     if judged:
         lines.append(Headline("verdicts", _counted(judged)))
     return Answer(lines, judged)
@@ -63,8 +65,20 @@ def _in_words(name, text, value, results):
     return Headline(name.removesuffix(spelt).replace("_", " "), short(value, unit, 4))
 
 
+def _settled(results):
+    """How far the last period is from the one before; nothing of a run without periods."""
+    summary = results.summary or {}
+    if "settled" not in summary:
+        return ""
+    count = summary["periods"]
+    if count < 2:
+        return "not known: fewer than two periods were run"
+    apart = f"last period differs from the one before by {summary['period_distance']:.2g}"
+    return f"{'' if summary['periodic'] else 'no: '}{apart}"
+
+
 def _computed(results):
-    """How far the run went, and how long it took."""
+    """How far the run went, in how many periods, and how long it took."""
     crank = crank_angle(results)
     if crank is None:
         begin, *_, end = results.time
@@ -74,6 +88,8 @@ def _computed(results):
         reach = f"{np.degrees(end - begin):.4g} deg"
     summary = results.summary or {}
     steps = summary.get("steps", len(results.time) - 1)
+    if summary.get("periods", 0) > 1:
+        reach += f", {summary['periods']} periods,"
     return f"{reach} in {steps} steps, {summary.get('wall_time_s', 0.0):.3g} s"
 
 

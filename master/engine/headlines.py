@@ -1,8 +1,8 @@
 """A finished run in ten lines that an engineer reads first: film, pressure, friction, side force,
 slap, motion, oil.
 
-Every figure is of what was recorded, lengths and volumes of the model itself; a line whose outputs
-a run does not have is left out.
+Every figure is of the last period of the run, lengths and volumes of the model itself; a line whose
+outputs a run does not have is left out.
 """
 
 from typing import NamedTuple
@@ -15,10 +15,8 @@ from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
+from .peaks import ABOVE, BESIDE, side_peaks
 from .places import Place, film_body, thinnest_place, worst_place
-
-FOUR_STROKE = 4 * np.pi
-"""Crank angle of a cycle where the case names no other [rad]."""
 
 
 class Headline(NamedTuple):
@@ -49,6 +47,7 @@ def headlines(case, results) -> list[Headline]:
     case : Case
     results : Results
     """
+    results = results.last
     films, bodies = (players(results.case, role) for role in ("lubrication", "bodies"))
     if not films or not bodies:
         return []
@@ -57,6 +56,7 @@ def headlines(case, results) -> list[Headline]:
     lines = [
         *_of_each(runs, "thinnest film", _thinnest),
         *_of_each(runs, "highest pressure", _highest),
+        *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
         *_of_each(runs, "asperities", _asperities),
         *_of_piston(pistons, "side force", _side_force),
@@ -117,43 +117,24 @@ def _highest(run):
     return f"{short(values[k], 'Pa')} {_at(run, k)}{_where(place)}"
 
 
-def cycle_of(results, name) -> float:
-    """Crank angle of a working cycle [rad]: two strokes or four, as the gas of participant `name`
-    says.
-    """
-    gas = results.case["participants"][name].get("build", {}).get("gas", {})
-    return FOUR_STROKE if gas.get("strokes", 4) == 4 else FOUR_STROKE / 2
-
-
-def last_cycle(results, name):
-    """Mask of the rows of the last whole cycle; None where the run is shorter than one."""
-    crank = crank_angle(results)
-    if crank is None:
-        return None
-    begin = crank.angle[-1] - cycle_of(results, name)
-    if begin < crank.angle[0] - 1e-6:
-        return None
-    return crank.angle >= begin - 1e-6
-
-
 class Cycle(NamedTuple):
-    """Friction mean effective pressure [Pa] of the cycle that ends at a crank angle [rad]."""
+    """Friction mean effective pressure [Pa] of the period that ends at a crank angle [rad]."""
 
     end: float
     pressure: float
 
 
 def friction_pressure(case, results) -> float | None:
-    """Friction mean effective pressure [Pa] of the last whole cycle; None where the run is shorter,
-    or does not say what it takes (Eq. (X12)).
+    """Friction mean effective pressure [Pa] of the last period; None where the run is shorter, or
+    does not say what it takes (Eq. (X12)).
     """
     found = friction_pressures(case, results)
     return found[-1].pressure if found else None
 
 
 def friction_pressures(case, results) -> list[Cycle]:
-    """Friction mean effective pressure of every whole cycle, counted back from the end; none where
-    the run is shorter, or does not say what it takes.
+    """Friction mean effective pressure of every whole period of what is shown, counted back from
+    the end; none where that is shorter, or does not say what it takes.
 
     Eq. (X12):  FMEP = int P dt / V,   V = sum over cylinders of pi R^2 (max Y - min Y)
                 P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
@@ -165,17 +146,18 @@ def friction_pressures(case, results) -> list[Cycle]:
     cylinders = [_cylinder(results, body) for body in bodies]
     if power is None or crank is None or not bodies or None in cylinders:
         return []
-    begin, *_, end = crank.angle
-    length = cycle_of(results, bodies[0])
+    time, length = results.time, results.period
+    begin, *_, end = time
+    count = int((end - begin) / length + 1e-6) if length else 0
     found = []
-    for k in reversed(range(int((end - begin) / length + 1e-6))):
-        last = end - k * length
-        within = (crank.angle >= last - length - 1e-6) & (crank.angle <= last + 1e-6)
+    for k in reversed(range(count)):
+        last, near = end - k * length, 1e-6 * length
+        within = (time >= last - length - near) & (time <= last + near)
         volume = sum(np.pi * one.radius**2 * np.ptp(one.height[within]) for one in cylinders if one)
         # Eq. (X12)
         now = power[within]
-        work = float((np.diff(results.time[within]) * (now[1:] + now[:-1]) / 2.0).sum())
-        found.append(Cycle(float(last), work / volume))
+        work = float((np.diff(time[within]) * (now[1:] + now[:-1]) / 2.0).sum())
+        found.append(Cycle(float(crank.angle[within][-1]), work / volume))
     return found
 
 
@@ -201,15 +183,53 @@ def _friction(run):
     power = friction_power(run.results)
     if power is None:
         return ""
-    within = last_cycle(run.results, run.bodies)
-    rows = slice(None) if within is None else within
-    said = f"{short(mean_over(run.results.time[rows], power[rows]), 'W')} on average"
+    said = f"{short(mean_over(run.results.time, power), 'W')} on average"
     pressure = friction_pressure(run.case, run.results)
-    return said if pressure is None else f"{said}, FMEP {short(pressure, 'Pa')}"
+    if pressure is None:
+        return said
+    begin, *_, end = np.degrees(run.results.crank_angle)
+    return f"{said}, FMEP {short(pressure, 'Pa')} of {end - begin:.4g} deg"
+
+
+def contact_share(results, film) -> float | None:
+    """Share of the friction work of the last period that contact took; None where the run does not
+    say it.
+
+    Eq. (X18):  (s_1 W_1 - s_0 W_0) / (W_1 - W_0),   W_i = sum of H_k P(t_k) from the start on
+                s the share since the start, P the friction power, 0 and 1 the period's ends
+    """
+    ports = f"{film}.boundary_friction_share", f"{film}.friction_power"
+    if ports[0] not in results.ports:
+        return None
+    since = results.whole
+    share = since.series(ports[0]).values
+    if ports[1] not in results.ports:
+        return float(share[-1])
+    steps = np.diff(since.time) * since.series(ports[1]).values[1:]
+    work = np.concatenate([[0.0], np.cumsum(steps)])
+    first = len(share) - len(results.last.time)
+    spent = work[-1] - work[first]
+    # Eq. (X18)
+    return float((share[-1] * work[-1] - share[first] * work[first]) / spent) if spent else 0.0
+
+
+def _peaks(run):
+    port = f"{run.film}.pressure"
+    if port not in run.results.recorded:
+        return ""
+    axis = run.case.axes_of(port).first
+    peaks = side_peaks(axis, run.results.dataset(port)[:])
+    return "; ".join(
+        f"{peak.side} {peak.distance:.0f} {axis.unit} beside the line, {peak.excess:.0%} above it "
+        f"(by {ABOVE:.0%} or more in {peak.share:.0%} of loaded instants)"
+        if peak.distance >= BESIDE
+        else f"{peak.side} on the line"
+        for peak in peaks
+    )
 
 
 def _asperities(run):
-    share = run.values(f"{run.film}.boundary_friction_share")
+    share = contact_share(run.results, run.film)
     area = run.values(f"{run.film}.contact_area_fraction")
     if share is None or area is None:
         return ""
@@ -217,7 +237,7 @@ def _asperities(run):
         return "never touch"
     torque = run.values(f"{run.film}.friction_torque")
     what = "skirt" if torque is None else "bearing"
-    return f"{share[-1]:.2%} of the friction work, touching {area.max():.2%} of the {what} at most"
+    return f"{share:.2%} of the friction work, touching {area.max():.2%} of the {what} at most"
 
 
 def _side_force(run):
@@ -271,15 +291,16 @@ def _oil(run):
 
 def measures(results) -> dict[str, float]:
     """What designs are weighed by, as far as the run says it: slap energy, the largest kinetic
-    energy across the bore [J]; contact share, of the friction work [-].
+    energy across the bore [J]; contact share, of the friction work [-]. Of the last period.
     """
+    results = results.last
     found = {}
     for name in players(results.case, "bodies")[:1]:
         port = f"{name}.kinetic_energy"
         if port in results.ports:
             found["slap_energy_j"] = float(results.series(port).values.max())
     for name in players(results.case, "lubrication")[:1]:
-        port = f"{name}.boundary_friction_share"
-        if port in results.ports:
-            found["contact_share"] = float(results.series(port).values[-1])
+        share = contact_share(results, name)
+        if share is not None:
+            found["contact_share"] = share
     return found

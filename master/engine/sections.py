@@ -87,7 +87,7 @@ def special(
             for film in films
             for one in _of_film(case, runs, bodies, body_of[film], film, len(films))
         ),
-        Section("Friction over the cycles", _cycles(case, runs)),
+        Section("Friction over the periods", _cycles(case, runs)),
     ]
     return Special(
         sections=[section for section in sections if section.drawn],
@@ -413,15 +413,15 @@ def _friction(runs, body, film):
 
 
 def _cycles(case, runs) -> list[Drawn]:
-    """FMEP of every whole cycle."""
+    """FMEP of every whole period shown."""
     curves = []
     for k, (label, results) in enumerate(runs.items()):
         if found := friction_pressures(case, results):
             ends = np.degrees([cycle.end for cycle in found])
             shown = np.array([cycle.pressure for cycle in found]) * 1e-3
             curves.append(Curve(label, k, ends, shown, points=True))
-    title = "Friction mean effective pressure of every whole cycle"
-    return [Chart(title, "end of the cycle, crank angle [deg]", "[kPa]", curves)] if curves else []
+    title = "Friction mean effective pressure of every period"
+    return [Chart(title, "end of the period, crank angle [deg]", "[kPa]", curves)] if curves else []
 
 
 def _stribeck(runs, body, film) -> list[Drawn]:
@@ -609,7 +609,7 @@ def _envelopes(case, runs, body, film, gap):
     drawn: list[Drawn] = []
     for envelope in envelopes:
         fields = [
-            envelope.of(results.dataset(envelope.port)[:], results)
+            envelope.of(results.last.dataset(envelope.port)[:], results.last)
             if envelope.port in results.recorded
             else None
             for results in runs.values()
@@ -622,7 +622,7 @@ def _envelopes(case, runs, body, film, gap):
             axes = case.axes_of(envelope.port)
             drawn.append(StillMap(envelope.title, envelope.unit, axes, fields, there))
     said = (
-        "Over the whole run. Wear: contact pressure times the piston's speed, summed over the "
+        "Over the last period. Wear: contact pressure times the piston's speed, summed over the "
         f"recorded instants, times a coefficient of {WEAR_COEFFICIENT:g} 1/Pa (our own choice)."
     )
     return Section("Envelopes and wear", drawn, said)

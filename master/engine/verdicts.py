@@ -6,18 +6,13 @@ import numpy as np
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
-from ..results.instants import crank_angle, told
-from .headlines import last_cycle
+from ..results.instants import told
 from .places import thinnest_place, worst_place
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Thinnest film over composite roughness: below 3 asperities begin to touch, below 1 they carry."""
 PRESSURE_AMBER, PRESSURE_RED = 50e6, 100e6
 """Film pressure [Pa], by what a hot aluminium skirt bears: our own choice, half of it and all."""
-APART_AMBER, APART_RED = 0.02, 0.1
-"""Distance of the last cycle from the one before, root mean square over its range."""
-CYCLE = 4 * np.pi
-"""Of a four-stroke engine [rad]."""
 TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
 """Missing gap over film thickness: its cube is the film's conductance (decision 15)."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
@@ -53,13 +48,14 @@ class Verdict(NamedTuple):
 
 
 def verdicts(case, results) -> list[Verdict]:
-    """Judge a finished run; what it does not say is not judged.
+    """Judge the last period of a finished run; what it does not say is not judged.
 
     Parameters
     ----------
     case : Case
     results : Results
     """
+    results = results.last
     summary = results.summary or {}
     found = [*_of_summary(summary), *_of_truncation(summary)]
     films = players(results.case, "lubrication")
@@ -68,9 +64,10 @@ def verdicts(case, results) -> list[Verdict]:
         of = f" of {name}" if len(films) > 1 else ""
         found += [one._replace(what=f"{one.what}{of}") for one in own]
     found += _of_each(results, _of_side_force)
-    if "periodic" in summary:
-        return [*found, _of_repetition(summary)]
-    return [*found, *_of_each(results, _of_cycle)]
+    if "settled" in summary:
+        colour = "green" if summary["periodic"] else "amber"
+        found.append(Verdict(colour, "settled", summary["settled"]))
+    return found
 
 
 def _of_each(results, judge):
@@ -155,13 +152,6 @@ def _of_truncation(summary):
         f"allowed {TRUNCATION_AMBER:g}; {shares} of the deflection over the run"
         f"{hint and hint + ' more'}",
     )
-
-
-def _of_repetition(summary):
-    """Of a run that repeated its cycle until it was periodic, or had to stop before."""
-    count = summary["cycles"]
-    said = f"after {count} cycles the last is {summary['cycle_distance']:.2g} from the one before"
-    return Verdict("green" if summary["periodic"] else "amber", "periodic", said)
 
 
 def _of_film(case, results, name):
@@ -278,9 +268,7 @@ def _of_side_force(results, name):
     force, demand = f"{name}.side_force", f"{name}.side_force_demand"
     if not {force, demand} <= {*results.ports}:
         return
-    within = last_cycle(results, name)
-    rows = slice(None) if within is None else within
-    found, asked = (results.series(port).values[rows] for port in (force, demand))
+    found, asked = (results.series(port).values for port in (force, demand))
     size = float(np.sqrt(np.mean(asked**2)))
     if not size > 0.0:
         return
@@ -289,33 +277,5 @@ def _of_side_force(results, name):
         _colour(apart, FORCE_AMBER, FORCE_RED),
         "side force",
         f"side force is {apart:.2g} of what gas and inertia ask for away from it, root mean square "
-        f"over the cycle, allowed {FORCE_AMBER:g}",
-    )
-
-
-def _of_cycle(results, name):
-    """How far the last cycle is from the one before."""
-    crank = crank_angle(results)
-    port = f"{name}.lateral_displacement"
-    if crank is None or port not in results.ports:
-        return
-    first, *_, last = crank.angle
-    if last - first < CYCLE * (2 - 1e-6):
-        yield Verdict(
-            "amber",
-            "periodic",
-            f"{np.degrees(last - first):.4g} deg computed: whether the cycle repeats shows from "
-            f"{np.degrees(2 * CYCLE):g} deg on",
-        )
-        return
-    values = results.series(port).values
-    here = np.linspace(last - CYCLE, last, 721)
-    now = np.interp(here, crank.angle, values)
-    before = np.interp(here - CYCLE, crank.angle, values)
-    apart = float(np.sqrt(np.mean((now - before) ** 2)) / max(np.ptp(now), 1e-12))
-    yield Verdict(
-        _colour(apart, APART_AMBER, APART_RED),
-        "periodic",
-        f"lateral displacement of the last cycle is {apart:.2g} of its range from the one before, "
-        f"allowed {APART_AMBER:g}",
+        f"over the period, allowed {FORCE_AMBER:g}",
     )

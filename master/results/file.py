@@ -1,7 +1,9 @@
 """A results file, read; `runs.recorder` says how it is laid out."""
 
 import json
+from copy import copy
 from functools import cached_property
+from math import floor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,6 +36,30 @@ class RecordedField(NamedTuple):
     description: str
 
 
+class Later:
+    """Rows of an h5py.Dataset from `first` on, read when it is sliced."""
+
+    def __init__(self, dataset: Any, first: int):
+        self._dataset, self._first = dataset, first
+        self.attrs, self.dtype = dataset.attrs, dataset.dtype
+        self.shape = (dataset.shape[0] - first, *dataset.shape[1:])
+        self.ndim = dataset.ndim
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        rows, *others = key if isinstance(key, tuple) else (key,)
+        if isinstance(rows, slice):
+            begin, end, step = rows.indices(len(self))
+            rows = slice(begin + self._first, end + self._first, step)
+        else:
+            rows = np.arange(len(self))[rows] + self._first
+        return self._dataset[(rows, *others)]
+
+
+NEAR = 1e-6
+"""Share of a period that a row may be off its beginning by round-off."""
 SLASH = "\u2215"
 """Stands for / in the names of datasets, where HDF5 would take / for a group."""
 
@@ -70,6 +96,10 @@ def _port(path: str) -> str:
 class Results:
     """What a run has recorded, as arrays in SI with their units; `with` closes the file.
 
+    Of a run that ends once it is periodic the last period alone is shown, or as many as
+    `record.periods` says. Time and what turns, such as a crank angle, are then counted as if the
+    run had begun with the first one shown. `whole` shows all, `last` the last period.
+
     Parameters
     ----------
     path : str or Path
@@ -100,7 +130,51 @@ class Results:
             if self.path.suffix == ".partial"
             else h5py.File(self.path, "r", libver="latest")
         )
-        self.time: np.ndarray = self.file["time"][:]
+        written = json.loads(self.file.attrs.get("period", "{}"))
+        self.period: float = written.get("length", 0.0)
+        self._turning: list[str] = written.get("turning", [])
+        self._times: np.ndarray = self.file["time"][:]
+        self._since = 0
+        self._ahead = 0
+        if shown := written.get("shown"):
+            self._show(shown)
+            passed = (self._times[self._since] - self._times[0]) / self.period
+            self._ahead = self._row(self._times[0] + floor(passed + NEAR) * self.period)
+
+    def _row(self, time: float) -> int:
+        """First row at or after a time of the file [s], to round-off."""
+        return int(np.searchsorted(self._times, time - NEAR * self.period))
+
+    def _show(self, periods: int):
+        """Show so many periods up to the end, or the whole run if it is shorter than one."""
+        begin, *_, end = self._times
+        held = floor((end - begin) / self.period + NEAR)
+        self._since = self._row(end - min(periods, held) * self.period) if held else 0
+
+    @property
+    def last(self) -> "Results":
+        """The last period alone, on the times that are shown; the whole of a run without one."""
+        if not self.period or len(self._times) < 2:
+            return self
+        view = copy(self)
+        view._show(1)
+        return view
+
+    @property
+    def whole(self) -> "Results":
+        """The run from its start, as the file holds it."""
+        view = copy(self)
+        view._since = view._ahead = 0
+        return view
+
+    @property
+    def time(self) -> np.ndarray:
+        """End of every macro step shown, the start first, shape (rows,) [s]."""
+        return self._times[self._since :] - self._shift
+
+    @property
+    def _shift(self) -> float:
+        return float(self._times[self._ahead] - self._times[0]) if self._ahead else 0.0
 
     @property
     def title(self) -> str:
@@ -120,7 +194,10 @@ class Results:
     def series(self, port: str) -> Series:
         """A scalar output over the macro steps: (values, unit, description)."""
         dataset = self.file[dataset_path(port)]
-        return Series(dataset[:], dataset.attrs["unit"], dataset.attrs["description"])
+        values = dataset[self._since :]
+        if port in self._turning and self._ahead:
+            values = values - (dataset[self._ahead] - dataset[0])
+        return Series(values, dataset.attrs["unit"], dataset.attrs["description"])
 
     @property
     def crank_angle(self) -> np.ndarray | None:
@@ -167,7 +244,15 @@ class Results:
     @property
     def instants(self) -> np.ndarray:
         """Instants of the recorded fields [s]."""
-        return self.file["fields/time"][:]
+        return self.file["fields/time"][self._first_instant :] - self._shift
+
+    @property
+    def _first_instant(self) -> int:
+        """Number of the first recorded instant that is shown."""
+        if not self._since:
+            return 0
+        since = self._times[self._since] - NEAR * self.period
+        return int(np.searchsorted(self.file["fields/time"][:], since))
 
     @property
     def recorded(self) -> list[str]:
@@ -191,8 +276,11 @@ class Results:
         return np.array(mask, dtype=bool)
 
     def dataset(self, port: str) -> Any:
-        """Recorded field at all instants, h5py.Dataset of shape (instants, *shape)."""
-        return self.file["fields/" + dataset_path(port)]
+        """Recorded field at all instants shown, of shape (instants, *shape): sliced like an
+        h5py.Dataset, read when it is sliced.
+        """
+        dataset = self.file["fields/" + dataset_path(port)]
+        return Later(dataset, self._first_instant) if self._since else dataset
 
     def field(self, port: str, time: float) -> RecordedField:
         """Recorded field nearest to `time` [s]."""

@@ -35,9 +35,12 @@ def crank_angle(results) -> CrankAngle | None:
 
 
 def instant(results, text: str) -> float:
-    """Time [s] of "18 ms" or of "648 deg", a crank angle as the results have it: of several cycles
-    that goes on over the first one, 24 deg after firing of the second being 744 deg; or of "max
-    bodies.side_force", where a scalar output is largest, likewise smallest.
+    """Time [s] of "18 ms" or of "648 deg", or of "max bodies.side_force", where a scalar output is
+    largest in the last period, likewise smallest.
+
+    A time or crank angle is one of those that the results show: with several periods it goes on
+    over the first one, 24 deg after firing of the second being 744 deg. One before or after them
+    is moved into the last period by whole periods.
 
     Parameters
     ----------
@@ -53,7 +56,8 @@ def instant(results, text: str) -> float:
     if kind in EXTREMES:
         if port not in results.ports:
             raise BadInput(f"{text!r}: the run has no {port}{near(port, results.ports)}")
-        return float(results.time[EXTREMES[kind](results.series(port).values)])
+        last = results.last
+        return float(last.time[EXTREMES[kind](last.series(port).values)])
     if not is_angle(text):
         try:
             time = to_si(text, "s")
@@ -63,6 +67,8 @@ def instant(results, text: str) -> float:
             ) from None
         begin, *_, end = results.time
         if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
+            time = _moved(time, results, results.time)
+        if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
             raise BadInput(f"{text!r}: the run goes from {short(begin, 's')} to {short(end, 's')}")
         return time
     crank = crank_angle(results)
@@ -71,9 +77,21 @@ def instant(results, text: str) -> float:
     wanted = to_si(text, "rad")
     first, *_, last = crank.angle
     if not first - 1e-9 <= wanted <= last + 1e-9:
+        wanted = _moved(wanted, results, crank.angle)
+    if not first - 1e-9 <= wanted <= last + 1e-9:
         low, high = np.degrees([first, last])
         raise BadInput(f"{text!r}: the run goes from {low:.6g} to {high:.6g} deg of crank angle")
     return float(np.interp(wanted, crank.angle, crank.time))
+
+
+def _moved(wanted, results, values):
+    """A time or angle that takes these values, moved by whole periods to the last one; as it is if
+    the run holds none.
+    """
+    if not results.period or np.ptp(results.last.time) < results.period * (1 - 1e-6):
+        return wanted
+    begin, *_, end = values[-len(results.last.time) :]
+    return float(begin + (wanted - begin) % (end - begin))
 
 
 def told(results, time: float) -> str:

@@ -59,7 +59,10 @@ class Window:
 
 
 def extremes(case, results) -> list[Extreme]:
-    """Every smallest and largest value of the case's summary; of equal ones the first."""
+    """Every smallest and largest value of the case's summary in the last period; of equal ones the
+    first.
+    """
+    results = results.last
     entries = [reduced(text) for text in case.summary.values()]
     return [_extreme(case, results, *entry) for entry in entries if entry.kind in ("min", "max")]
 
@@ -89,7 +92,8 @@ def quantity_at(results, port, k) -> Quantity:
 
 
 def windows(case, results) -> list[Window]:
-    """Every entry of the case's window."""
+    """Every entry of the case's window, of the last period."""
+    results = results.last
     judged = []
     for text, limits in case.window.items():
         kind, port = reduced(text)

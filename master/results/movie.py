@@ -83,7 +83,7 @@ def write_movie(
         dataset = results.dataset(port)
         values, unit = scaled(dataset[:][chosen], dataset.attrs["unit"], units.get(port))
         images = [where_there(image, results.there(port)) for image in values]
-        norm = colour_norm(images, unit)
+        norm = colour_norm(images)
         draw_map(panel, images[0], norm, case.axes_of(port))
         figure.colorbar(panel.images[0], ax=panel, label=labelled(name_of(port), unit))
         drawn.append((panel, images, norm, case.axes_of(port)))

@@ -251,7 +251,7 @@ def draw_maps(case, picture, runs):
             for field, results in zip(shown, runs.values())
         ]
         unit = unit_shown(shown[0].unit, wanted)
-        norm = colour_norm(images, unit)
+        norm = colour_norm(images)
         axes = case.axes_of(port)
         for panel, (label, results), image, field in zip(row, runs.items(), images, shown):
             draw_map(panel, image, norm, axes)
@@ -269,47 +269,57 @@ PRESSURES = ("Pa", "kPa", "MPa", "bar")
 FLOOR = 1e-4
 """Logarithmic colours reach down to this share of the largest value."""
 SPAN = 30.0
-"""A field whose largest value is more than so many times its smallest has logarithmic colours."""
+"""Ratio of two values above which a colour scale is logarithmic."""
 
 
 def logarithmic(unit, low, high):
-    """Whether the colours of a field are logarithmic: of pressures, and of a wide range."""
+    """Whether the colours of a field over a whole run are logarithmic: pressures, wide ranges."""
     return high > 0 and ((unit in PRESSURES and low >= 0) or 0 < low < high / SPAN)
 
 
-def colour_norm(images, unit):
-    """One colour scale for all images."""
+def colour_norm(images):
+    """One colour scale for all images: logarithmic if the largest value exceeds `SPAN` times the
+    median of the positive ones, as a single cell in contact does.
+    """
     low = min(float(image.min()) for image in images)
     high = max(float(image.max()) for image in images)
-    if not logarithmic(unit, low, high):
+    positive = np.concatenate([np.ma.compressed(image[image > 0]) for image in images])
+    if low < 0 or not len(positive) or high <= SPAN * np.median(positive):
         return Normalize(low, high)
-    above = min(float(image[image > 0].min()) for image in images if (image > 0).any())
-    return LogNorm(max(high * FLOOR, min(above, high / 2)), high, clip=True)
+    return LogNorm(max(high * FLOOR, min(float(positive.min()), high / 2)), high, clip=True)
 
 
 def draw_map(panel, image, norm, axes):
-    """One field over its axes; contours where there is something to contour."""
+    """One field over its axes, interpolated; contours where there is something to contour. An axis
+    that is a whole turn is closed: the first cell follows the last.
+    """
+    around, along = axes.first.positions(len(image)), axes.second.positions(len(image.T))
+    left, right = axes.first.ends(len(image))
+    if axes.first.centred is not None:
+        cell = (right - left) / len(image)
+        around = np.concatenate([[around[0] - cell], around, [around[-1] + cell]])
+        image, left, right = image[np.r_[-1, : len(image), 0]], left - cell, right + cell
     panel.imshow(
         image.T,
         origin="lower",
         aspect="auto",
-        extent=(*axes.first.ends(len(image)), *axes.second.ends(len(image.T))),
+        extent=(left, right, *axes.second.ends(len(image.T))),
         norm=norm,
         cmap="viridis",
-        interpolation="nearest",
+        interpolation="bilinear",
     )
     if image.min() < image.max():
         logs = isinstance(norm, LogNorm)
         locator = LogLocator(subs=(1, 3)) if logs else MaxNLocator(8)
         levels = [x for x in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < x < norm.vmax]
-        positions = axes.first.positions(len(image)), axes.second.positions(len(image.T))
         if levels:
-            drawn = panel.contour(*positions, image.T, levels, colors="white", linewidths=0.5)
+            drawn = panel.contour(around, along, image.T, levels, colors="white", linewidths=0.5)
             panel.clabel(drawn, fontsize=6, fmt="%.3g")
     panel.set_xlabel(axes.first.title)
     panel.set_ylabel(axes.second.title)
     _mark(panel.xaxis, axes.first)
     _mark(panel.yaxis, axes.second)
+    panel.set_xlim(axes.first.range)
 
 
 def _mark(drawn, axis):

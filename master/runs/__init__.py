@@ -1,8 +1,8 @@
 """Runs.
 
 run         one run, start to end
-repetition  a cycle again and again until it is periodic
-extrapolation  what is slow from cycle to cycle
+repetition  periods of a run, until one repeats the one before
+extrapolation  what is slow from period to period
 recorder    the results file, written
 logs        convergence, step by step
 console     progress and summary on the screen

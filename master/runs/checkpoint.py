@@ -46,8 +46,10 @@ class Account:
     """What a run has brought and taken so far: all that its summary is made of.
 
     counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they
-    went into; steps_done : macro steps of the cycle; rows : of the results file, and wall_time [s],
-    both as of the last checkpoint; repetition : of a case that is run until it is periodic.
+    went into; steps_done : macro steps of the run; rows : of the results file, and wall_time [s],
+    both as of the last checkpoint; began, began_rows : steps and rows at the beginning of the
+    period under way, which reductions, work and ledger are of; repetition : of a case with a
+    period.
     """
 
     counters: Counters
@@ -57,12 +59,14 @@ class Account:
     steps_done: int = 0
     rows: int = 0
     wall_time: float = 0.0
+    began: int = 0
+    began_rows: int = 0
     repetition: Repetition | None = None
     ledger: Ledger | None = None
 
 
 MAGIC = b"piston-cosim checkpoint\n"
-VERSION = 1
+VERSION = 2
 CHECKSUM = 32
 """Bytes of a SHA-256."""
 

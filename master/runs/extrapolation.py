@@ -107,7 +107,7 @@ class Extrapolation:
             f"{'.'.join(port)} by {_size(value - self.ended[port]) / _size(self.changes[port]):.2g}"
             for port, value in moved.items()
         )
-        return f"extrapolated, in changes of the last cycle: {', '.join(told)}"
+        return f"extrapolated, in changes of the last period: {', '.join(told)}"
 
     def _take_back(self, participants):
         for owner, data in self.kept.items():
@@ -115,7 +115,7 @@ class Extrapolation:
         self.taken_back += 1
         said = f"{self.apart:.2g} instead of {self.apart_before:.2g}"
         self.ended, self.changes, self.kept, self.apart = {}, {}, {}, np.inf
-        return f"the extrapolation made it worse ({said}) and is taken back with its cycle"
+        return f"the extrapolation made it worse ({said}) and is taken back with its period"
 
 
 def extrapolated(

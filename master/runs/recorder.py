@@ -5,7 +5,10 @@ Layout
     /                       attributes: title, case (resolved TOML tree as JSON), versions,
                             derivatives (of the participants that offer any: their own, or why
                             differences are taken), masks (participant -> rows of cells, 0 where
-                            its fields have none), summary (JSON, when finished)
+                            its fields have none), period (JSON: length [s], how many periods
+                            readers show, 0 for the whole run, outputs that turn on from period to
+                            period), summary (JSON) and last_period (its beginning [s]), when
+                            finished
     /time                   end of every macro step [s]
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
@@ -287,16 +290,11 @@ class Recorder:
         self._waiting, self._instants = [], []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
-    def write(self, time, solution=None, turned=None):
+    def write(self, time, solution=None):
         """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
         memory for the next `flush`.
-
-        turned : what (participant, variable) has grown by in the cycles before, and is not counted.
         """
         values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
-        if turned:
-            for owner, found in values.items():
-                values[owner] = {key: found[key] - turned((owner, key)) for key in found}
         row = [time]
         for name, found in values.items():
             row += [found[key] for key in self.names[name]]
@@ -318,12 +316,15 @@ class Recorder:
             self.flush()
         return values
 
-    def finish(self, summary):
-        """Close, add the summary and give the file its final name."""
+    def finish(self, summary, last_period):
+        """Close, add the summary and the beginning [s] of the last period, and give the file its
+        final name.
+        """
         self.flush()
         self.close()
         with h5py.File(self.partial, "a") as file:
             file.attrs["summary"] = json.dumps(summary)
+            file.attrs["last_period"] = last_period
         os.replace(self.partial, self.path)
 
     def close(self):

@@ -1,127 +1,128 @@
-"""A cycle repeated until it is periodic: how far its end is from the end of the one before.
+"""Periods of a run: how far the end of each is from the end of the one before.
 
-From `time.start` to `time.stop` is one cycle. What is compared are all wires that carry reals, and
-what the contract says an FMU of a role `repeats`: together film, motion and oil.
+What is compared are all wires that carry reals, and what the contract says an FMU of a role
+`repeats`: together film, motion and oil.
 
-Motion and a flooded film forget their start by a factor of ten a cycle (numerical example, rigid,
-16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6). What a participant says is slower is
-extrapolated between two cycles, `extrapolation`. Not every engine repeats: a piston that slaps on
-scarce oil may take another course in each cycle. Then distances stop falling, and a run says so.
+Motion and a flooded film forget their start by a factor of ten in 720 deg (numerical example,
+rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6). If a run ends once it is
+periodic, what a participant declares as slower is extrapolated between two periods,
+`extrapolation`. Not every engine repeats: a piston that slaps on scarce oil may take another course
+in each period. Then the distances stop falling, and the run reports it.
 """
 
 from collections.abc import Iterable, Mapping
+from math import inf, isinf
 
 import numpy as np
 
 from ..case.contract import contract, players
+from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from .extrapolation import Extrapolation
 
 Port = tuple[str, str]
 """Participant and variable."""
 
+USUAL_TOLERANCE = 1e-3
+"""On the distance of two periods in a run with a fixed stop time."""
 NO_NEARER = 3
-"""Cycles after which a distance that has not become smaller is said to have stopped falling: an
-extrapolation that is taken back costs one, and a distance need not fall in every cycle.
+"""Periods after which a distance that has not become smaller is said to have stopped falling: an
+extrapolation that is taken back costs one, and a distance need not fall in every period.
 """
 SHOWN = 4
 """Fields that are named where a run does not become periodic."""
 
 
 class Repetition:
-    """What a run knows of its cycles.
+    """What a run knows of its periods.
 
     Eq. (Y2):  d = max over fields of  |q_1 - q_0| / |max_t q - min_t q|
 
-    q_0, q_1 are a field at the beginning and at the end of the cycle, the range is that of every
-    cell over the accepted steps of the cycle, |.| is the root mean square over the cells. So d is
-    without unit, and 0 for a field that does not move.
+    q_0, q_1 are a field at the beginning and at the end of the period, the range is that of every
+    cell over the accepted steps of the period, |.| is the root mean square over the cells. So d has
+    no unit, and is 0 for a field that does not move.
 
     Parameters
     ----------
     compared : sequence of (participant, variable)
         The fields of Eq. (Y2).
-    turning : sequence of (participant, variable)
-        Outputs that grow from cycle to cycle: results count them from the beginning of the cycle.
     tolerance : float
         On d.
-    most : int
-        Cycles at most, those taken back included.
+    least, most : int
+        Minimum and maximum number of periods, those taken back included; `most` is inf if the stop
+        time limits them.
+    ends : bool
+        Whether the run ends once it is periodic; otherwise it goes on to its stop time.
     extrapolation : Extrapolation, optional
-        Of what is slow; without it cycles are plainly repeated.
+        Of what is slow. Default: periods are plainly repeated.
 
     Attributes
     ----------
-    cycles : int
-        Finished ones that stand.
+    count : int
+        Finished periods that were not taken back.
     distances : list of float
         d of each [-].
     furthest : (participant, variable)
-        Field that the last one is of.
+        Field with the largest distance in the last one.
     apart : dict of (participant, variable) to float
-        Of each field over the last cycle [-].
+        Distance of each field over the last period [-].
     """
 
     def __init__(
         self,
         compared: Iterable[Port],
-        turning: Iterable[Port],
         tolerance: float,
-        most: int,
+        least: int,
+        most: float,
+        ends: bool = True,
         extrapolation: Extrapolation | None = None,
     ):
         self.compared = list(compared)
-        self.turning = list(turning)
         self.tolerance = tolerance
-        self.most = most
+        self.least, self.most, self.ends = least, most, ends
         self.extrapolation = extrapolation
-        self.cycles = 0
+        self.count = 0
         self.distances: list[float] = []
         self.furthest = self.compared[0]
         self.apart: dict[Port, float] = {}
-        self.first: dict[Port, float] = {}
-        self.begun: dict[Port, float] = {}
         self.start: dict[Port, np.ndarray] = {}
         self.low: dict[Port, np.ndarray] = {}
         self.high: dict[Port, np.ndarray] = {}
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the last cycle repeats the one before to the tolerance."""
-        return bool(self.distances) and self.distances[-1] <= self.tolerance
+        """Whether the last period repeats the one before to the tolerance."""
+        return len(self.distances) > 1 and self.distances[-1] <= self.tolerance
 
     @property
     def is_over(self) -> bool:
-        """Whether no further cycle is to be run."""
-        return self.is_periodic or self.taken >= self.most
+        """Whether no further period is to be run."""
+        settled = self.is_periodic and self.taken >= self.least
+        return self.ends and (settled or self.taken >= self.most)
 
     @property
     def taken(self) -> int:
-        """Cycles that were run."""
-        return self.cycles + (self.extrapolation.taken_back if self.extrapolation else 0)
+        """Periods that were run."""
+        return self.count + (self.extrapolation.taken_back if self.extrapolation else 0)
 
     def begin(self, participants: Mapping) -> None:
-        """A cycle begins where the participants stand."""
+        """Begin a period where the participants are."""
         self.start = self._read(participants)
         self.low = dict(self.start)
         self.high = dict(self.start)
-        self.begun = {
-            (owner, name): float(participants[owner].get(name)) for owner, name in self.turning
-        }
-        self.first = self.first or self.begun
         if self.extrapolation:
             self.extrapolation.begin(participants)
 
     def note(self, participants: Mapping) -> None:
-        """A step is accepted."""
+        """Note the outputs of an accepted step."""
         for port, value in self._read(participants).items():
             self.low[port] = np.minimum(self.low[port], value)
             self.high[port] = np.maximum(self.high[port], value)
 
     def end(self, participants: Mapping) -> float:
-        """The cycle is over: how far it is from the one before, by Eq. (Y2)."""
+        """End a period; return how far it is from the one before, by Eq. (Y2)."""
         now = self._read(participants)
-        self.cycles += 1
+        self.count += 1
         self.apart = {port: self._apart(port, now[port]) for port in self.compared}
         self.furthest = max(self.apart, key=self.apart.__getitem__)
         self.distances.append(self.apart[self.furthest])
@@ -130,39 +131,53 @@ class Repetition:
         return self.distances[-1]
 
     def proceed(self, participants: Mapping) -> str:
-        """Put the participants where the next cycle begins; what was done, in words, or nothing."""
+        """Put the participants where the next period begins; what was done, or nothing."""
         if self.extrapolation is None:
             return ""
         before = self.extrapolation.taken_back
         said = self.extrapolation.proceed(participants)
-        self.cycles -= self.extrapolation.taken_back - before
+        self.count -= self.extrapolation.taken_back - before
         return said
 
-    def turned(self, port: Port) -> float:
-        """By how much an output has grown from the first cycle's beginning to this one's."""
-        return self.begun[port] - self.first[port] if port in self.begun else 0.0
-
     def sentence(self) -> str:
-        """The last cycle in words."""
+        """The last period in words."""
+        before = "the one before" if self.taken > 1 else "the start"
         text = (
-            f"cycle {self.taken}: its end is {self.distances[-1]:.2g} from its beginning "
-            f"({'.'.join(self.furthest)}), wanted {self.tolerance:g}"
+            f"period {self.taken}: differs from {before} by {self.distances[-1]:.2g} "
+            f"({'.'.join(self.furthest)}), allowed {self.tolerance:g}"
         )
         if not self.is_periodic and self.no_nearer >= NO_NEARER:
-            text += f"; no nearer for {self.no_nearer} cycles than {min(self.distances):.2g}"
-        if self.is_over and not self.is_periodic:
-            text += f"; not periodic after {self.taken} cycles (time.most_cycles): {self._why()}"
+            text += f"; no nearer for {self.no_nearer} periods than {min(self.distances):.2g}"
         return text
+
+    def verdict(self) -> str:
+        """Whether the last period repeats the one before, and what to set if not."""
+        if len(self.distances) > 1:
+            apart = f"{self.distances[-1]:.2g}, allowed {self.tolerance:g}"
+            text = f"the last of {self.taken} periods differs from the one before by {apart}"
+        else:
+            text = f"{self.taken or 'less than one'} period was run, two are needed to compare"
+        if self.is_periodic:
+            return text
+        why = f": {self._why()}" if len(self.distances) > 1 else ""
+        advice = (
+            "set time.stop later or remove it"
+            if self.ends and isinf(self.most)
+            else "set time.most_periods higher"
+            if self.ends
+            else f"set time.until_periodic = {self.tolerance:g}, and time.stop later or not at all"
+        )
+        return f"not settled: {text}{why}; {advice}"
 
     @property
     def no_nearer(self) -> int:
-        """Cycles since the one that was nearest to repeating."""
+        """Periods since the one that was nearest to repeating."""
         if not self.distances:
             return 0
         return len(self.distances) - 1 - self.distances.index(min(self.distances))
 
     def _why(self):
-        """What does not repeat, the farthest first, and whether more cycles promise anything."""
+        """What does not repeat, the farthest first, and whether more periods promise anything."""
         farthest = sorted(self.apart, key=self.apart.__getitem__, reverse=True)
         fields = ", ".join(
             f"{'.'.join(port)} {self.apart[port]:.2g}"
@@ -172,22 +187,24 @@ class Repetition:
         rest = sum(value > self.tolerance for value in self.apart.values()) - SHOWN
         fields += f" and {rest} more" if rest > 0 else ""
         if self.no_nearer >= NO_NEARER:
-            return f"the distances have stopped falling, {fields} do not repeat from cycle to cycle"
-        return f"still coming nearer, {fields} would need more cycles"
+            return f"the distances have stopped falling, {fields} do not repeat"
+        return f"still coming nearer, {fields}"
 
     def summary(self) -> dict[str, object]:
         """Summary entries."""
         slow = self.extrapolation
-        counted: dict[str, object] = {}
-        if slow and slow.made:
-            counted = {"extrapolated_cycles": slow.made, "taken_back_cycles": slow.taken_back}
-        return {
-            "cycles": self.taken,
-            "cycle_distance": self.distances[-1] if self.distances else float("nan"),
-            "cycle_distance_least": min(self.distances, default=float("nan")),
+        found: dict[str, object] = {
+            "periods": self.taken,
             "periodic": self.is_periodic,
-            **counted,
+            "settled": self.verdict(),
         }
+        if self.distances:
+            found["period_distance"] = self.distances[-1]
+            found["period_distance_least"] = min(self.distances)
+        if slow and slow.made:
+            found["extrapolated_periods"] = slow.made
+            found["taken_back_periods"] = slow.taken_back
+        return found
 
     def _read(self, participants):
         return {
@@ -202,29 +219,44 @@ class Repetition:
 
 
 def repetition(case, tree, system) -> Repetition | None:
-    """Of a case that asks for it: what its wires carry, and what the contract's roles repeat.
+    """Of a case with a period: what its wires carry, and what the contract's roles repeat.
 
     Raises
     ------
     BadInput
-        If there is nothing to compare.
+        If the case is to end once it is periodic, and there is nothing to compare.
     """
-    if case.time.until_periodic is None:
+    time = case.time
+    ends = time.until_periodic > 0.0
+    if not system.period:
         return None
     compared: dict[Port, None] = {wire.source: None for wire in system.wires}
-    turning: dict[Port, None] = {}
     for role, terms in contract().items():
         for name in players(tree, role):
             known = system.participants[name].fields
             compared |= {(name, one): None for one in terms.repeats if one in known}
-            turning |= {(name, one): None for one in terms.turning if one in known}
-    compared = {port: None for port in compared if port not in turning}
+    for port in turning(tree, system.participants):
+        compared.pop(port_of(port), None)
     if not compared:
+        if not ends:
+            return None
         raise BadInput(
-            "time.until_periodic: nothing tells whether a cycle repeats: the case has no wire of "
+            "time.until_periodic: nothing tells whether a period repeats: the case has no wire of "
             "reals, and no participant with a role of the contract"
         )
-    time = case.time
     storable = all(getattr(p, "can_serialise", False) for p in system.participants.values())
-    slow = Extrapolation() if storable else None
-    return Repetition(compared, turning, time.until_periodic, time.most_cycles, slow)
+    slow = Extrapolation() if ends and storable else None
+    tolerance = time.until_periodic or USUAL_TOLERANCE
+    most = time.most_periods if time.stop is None else inf
+    return Repetition(compared, tolerance, time.least_periods, most, ends, slow)
+
+
+def turning(tree, participants) -> list[str]:
+    """Outputs "participant.name" that grow from period to period, as the contract says."""
+    return [
+        f"{name}.{one}"
+        for role, terms in contract().items()
+        for name in players(tree, role)
+        for one in terms.turning
+        if one in participants[name].fields
+    ]

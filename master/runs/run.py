@@ -1,5 +1,5 @@
-"""One run of an opened system from start to stop: march, record, checkpoint, and the summary of
-what it did.
+"""One run of an opened system, period after period: march, record, checkpoint, and the summary of
+its last period.
 """
 
 import json
@@ -35,7 +35,7 @@ from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, Schedule, writing
 from .reductions import Reduction
-from .repetition import repetition
+from .repetition import repetition, turning
 
 USUAL_CHECKPOINTS = 50
 """Macro steps from one checkpoint to the next, where the case does not say ..."""
@@ -46,8 +46,18 @@ WORTH_KEEPING = 5.0
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
-def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say=lambda line: None):
-    """Run to the stop time, again and again where the case says `until_periodic`.
+def run(
+    system,
+    case,
+    tree,
+    output,
+    watch=lambda *args: None,
+    begin_at=None,
+    say=lambda line: None,
+    log=lambda line: None,
+):
+    """Run to the stop time, or until a period repeats the one before if the case has
+    `until_periodic`.
 
     Parameters
     ----------
@@ -63,9 +73,10 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
     begin_at : Checkpoint, optional
         Where to go on; from the start without it.
     say : callable(line)
-        Told in one line each what FMUs warn of at the start, what is done otherwise than they offer
-        it, and how far each cycle
-        of a case that is run until periodic is from the one before.
+        Told in one line each what FMUs warn of at the start, and what is done otherwise than they
+        offer it.
+    log : callable(line)
+        Called after each period with its distance from the one before and its summary entries.
 
     Returns
     -------
@@ -100,7 +111,7 @@ def run(system, case, tree, output, watch=lambda *args: None, begin_at=None, say
             for line in sentences(objected):
                 say(line)
             negotiated = by_differences(system, objected)
-            told = Told(watch, say)
+            told = Told(watch, log)
             march = March(negotiated, case, tree, output, told, begin_at, objected)
             try:
                 return march.go(heard)
@@ -140,10 +151,10 @@ def _trial(system, participant):
 
 
 class Told(NamedTuple):
-    """Who is told of a run: `watch` of every step, `say` in words; see `run`."""
+    """Who is told of a run: `watch` of every step, `log` of every period; see `run`."""
 
     watch: Callable[..., None]
-    say: Callable[[str], None]
+    log: Callable[[str], None]
 
 
 class March:
@@ -157,7 +168,9 @@ class March:
         self.case = case
         self.tree = tree
         self.output = output
-        self.watch, self.say = told
+        self.watch, self.log_period = told
+        self.steps = round((system.stop - system.begin) / system.step)
+        self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
             system,
             compiled_where_it_can(method_of(case.coupling), system),
@@ -185,12 +198,11 @@ class March:
             )  # that of an older run, whose results give way to these
             self.account = Account(
                 self.stepper.counters,
-                [Reduction(name, text, system.begin) for name, text in case.summary.items()],
+                [],
                 InterfaceWork(self.stepper.interface, case.wires, system.begin),
                 self.stepper.interface.spent,
                 repetition=repetition(case, tree, system),
             )
-            self.account.ledger = self._ledger()
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
         self.observers = [
@@ -218,7 +230,13 @@ class March:
         return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):
-        """Writer of the cycle's results, its rows so far taken over."""
+        """Writer of the results, its rows so far taken over."""
+        shown = self.case.record.periods or (1 if self.case.time.until_periodic else 0)
+        period = {
+            "length": self.system.period,
+            "shown": shown,
+            "turning": turning(self.tree, self.system.participants),
+        }
         derivatives = {name: why or "its own" for name, why in self.objected.items()}
         attributes = {
             "title": self.case.title,
@@ -226,6 +244,7 @@ class March:
             "versions": json.dumps(versions()),
             "derivatives": json.dumps(derivatives),
             "method": type(self.stepper.method).__name__,
+            "period": json.dumps(period),
             "masks": json.dumps(self.system.masks),
         }
         participants = self.system.participants
@@ -236,13 +255,16 @@ class March:
         return Recorder(self.output, participants, self.case, attributes, schedule, rows)
 
     def go(self, heard):
-        """March to the stop time, or cycle after cycle until one repeats the one before, to the end
-        of the macro step in which a signal is `heard`, or to the last one before a participant asks
-        for the end; the summary.
+        """March period after period to the stop time or until one repeats the one before, to the
+        end of the macro step in which a signal is `heard`, or to the last one before a participant
+        asks for the end; the summary.
         """
-        ended = self._cycle(heard)
+        if not self.account.rows:
+            self._begin_period()
+            self.recorder.write(self.system.begin)
+        ended = self._period(heard)
         while not ended and self._goes_on():
-            ended = self._cycle(heard)
+            ended = self._period(heard)
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         if ended:
             summary["ended_early"] = ended
@@ -250,22 +272,16 @@ class March:
             summary |= self.account.repetition.summary()
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
-        self.recorder.finish(summary)
+        self.recorder.finish(summary, self._time(self.account.began))
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
 
-    def _cycle(self, heard):
-        """What is left of a cycle; who asks for the end of the run, or nothing."""
+    def _period(self, heard):
+        """What is left of a period; who asks for the end of the run, or nothing."""
         account = self.account
-        whole = self.system.stop - self.system.begin
-        begin = self.system.begin + self._behind()
-        steps = round(whole / self.system.step)
-        if not account.rows:
-            if account.repetition:
-                account.repetition.begin(self.system.participants)
-            self._write(begin)
-        for k in range(account.steps_done, steps):
-            before, after = begin + whole * k / steps, begin + whole * (k + 1) / steps
+        end = self._end_of_period
+        for k in range(account.steps_done, end):
+            before, after = self._time(k), self._time(k + 1)
             if ended := self._advance(before, after - before):
                 return ended
             account.steps_done = k + 1
@@ -273,50 +289,70 @@ class March:
                 hold(heard)
             if heard.signal or self.is_due(k + 1):
                 self.keep()
-            if heard.signal and k + 1 < steps:
+            if heard.signal and k + 1 < end:
                 raise Interrupted(self.output, after)
         return ""
 
-    def _goes_on(self):
-        """Whether another cycle is to be run; it then begins, and what was recorded and summed up
-        of the one before gives way.
+    def _time(self, step):
+        """When a macro step ends [s], counted from 1."""
+        return self.system.begin + (self.system.stop - self.system.begin) * step / self.steps
+
+    @property
+    def _end_of_period(self):
+        """Macro steps of the run at the end of the period under way. Whole periods end at the stop
+        time, so that the first one may be shorter.
         """
+        began, length = self.account.began, self.steps_of_period
+        if not 0 < length <= self.steps:
+            return self.steps
+        return began + (length if began else self.steps % length or length)
+
+    def _goes_on(self):
+        """Whether another period is to be run; it has then begun."""
+        account, periods = self.account, self.account.repetition
+        whole = account.steps_done - account.began == self.steps_of_period
+        taken_back = False
+        if periods and whole:
+            periods.end(self.system.participants)
+            entries = (f"{one.name} {one.result():.6g}" for one in account.reductions)
+            self.log_period("; ".join([periods.sentence(), *entries]))
+            if periods.is_over:
+                return False
+            count = periods.count
+            if account.steps_done < self.steps:
+                if done := periods.proceed(self.system.participants):
+                    self.log_period(done)
+            taken_back = periods.count < count
+        if account.steps_done >= self.steps:
+            return False
+        if taken_back:
+            account.steps_done = account.began
+            self._take_back_rows()
+        self._begin_period()
+        return True
+
+    def _begin_period(self):
+        """Begin a period where the participants are: with sums of its own."""
         account = self.account
-        if account.repetition is None:
-            return False
-        account.repetition.end(self.system.participants)
-        self.say(account.repetition.sentence())
-        if account.repetition.is_over:
-            return False
-        if done := account.repetition.proceed(self.system.participants):
-            self.say(done)
-        self.recorder.close()
-        account.steps_done = 0
-        begin = self.system.begin + self._behind()
+        account.began, account.began_rows = account.steps_done, self.recorder.rows
+        begin = self._time(account.began)
         account.reductions = [
             Reduction(name, text, begin) for name, text in self.case.summary.items()
         ]
         account.work = InterfaceWork(self.stepper.interface, self.case.wires, begin)
         account.ledger = self._ledger()
-        account.rows = 0
-        # first the checkpoint: rows of the older one go with the file
+        if account.repetition:
+            account.repetition.begin(self.system.participants)
+
+    def _take_back_rows(self):
+        """Drop the rows of the period under way; the checkpoint must not need them any more."""
+        self.recorder.flush()
+        self.account.rows = self.recorder.rows = self.account.began_rows
         if self.case.record.checkpoint_every != 0:
             self.keep()
+        self.recorder.close()
         with writing(self.output):
             self.recorder = self._recorder()
-        return True
-
-    def _behind(self):
-        """Length of the finished cycles [s]."""
-        cycles = self.account.repetition
-        finished = cycles.cycles if cycles else 0
-        return finished * (self.system.stop - self.system.begin)
-
-    def _write(self, time, solution=None):
-        """Record a row, counted from the beginning of its cycle."""
-        cycles = self.account.repetition
-        turned = cycles.turned if cycles else None
-        return self.recorder.write(time - self._behind(), solution, turned)
 
     def _advance(self, time, step):
         """One macro step of the case; who asks for the end of the run then, or nothing."""
@@ -346,7 +382,7 @@ class March:
     def accepted(self, time, solution):
         """Record an accepted step, and tell of it."""
         begin, account = clock.perf_counter(), self.account
-        values = self._write(time, solution)
+        values = self.recorder.write(time, solution)
         if account.repetition:
             account.repetition.note(self.system.participants)
         for reduction in account.reductions:
@@ -360,7 +396,9 @@ class March:
         monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
         for observer in self.observers:
             observer.accepted(time, solution)
-        self.watch(time, self.system.stop + self._behind(), solution, monitored)
+        ends = self.case.time.until_periodic
+        end = self._time(self._end_of_period) if ends else self.system.stop
+        self.watch(time, end, solution, monitored)
 
     def judge(self, time, solution):
         """Raise EnergyCreated where energy came from nowhere in the step that ends at `time`."""

@@ -216,6 +216,7 @@ def affine():
             stop,
             step,
             given.get("smallest_step", 0.0),
+            period=given.get("period", 0.0),
             parallel=parallel,
         )
 

@@ -76,7 +76,7 @@ def test_change_of_a_missing_table_is_refused(case_file):
 def test_angles_become_times(case_file):
     path = case_file(GOOD)
     case = check_case(read_tree(path), path)
-    stop, step, smallest = times(case, to_si("3000 rpm", "rad/s"))
+    stop, step, smallest, *_ = times(case, to_si("3000 rpm", "rad/s"))
     assert stop == pytest.approx(0.04, rel=1e-12)
     assert step == pytest.approx(1 / 18000, rel=1e-12)
     assert smallest == pytest.approx(step / 64, rel=1e-12)

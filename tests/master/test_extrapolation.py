@@ -24,7 +24,7 @@ CYCLE = 4
 def tree(tolerance=1e-3):
     return {
         "title": "Tank",
-        "time": {"stop": f"{CYCLE} s", "step": "1 s", "until_periodic": tolerance},
+        "time": {"period": f"{CYCLE} s", "step": "1 s", "until_periodic": tolerance},
         "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
         "wires": [
             {"from": "echo.w0", "to": "plant.u0"},
@@ -36,7 +36,7 @@ def tree(tolerance=1e-3):
 
 def tank(affine, flow, slow=("level",)):
     """A system whose plant is a tank, its states in the layout of the project's slaves."""
-    system = affine([[0.0]], lambda t: 0.0, 1e-9, stop=float(CYCLE))
+    system = affine([[0.0]], lambda t: 0.0, 1e-9, stop=20.0 * CYCLE, period=float(CYCLE))
     plant = system.participants["plant"]
 
     def step(time, size):
@@ -82,18 +82,18 @@ def slow_flow(level):
 def test_a_linear_tank_is_full_after_two_cycles_and_equals_twenty_plain_ones(affine, tmp_path):
     """The secant of a linear map is exact. After 20 plain cycles 0.7^20 = 8e-4 is left."""
     said = []
-    summary = go(tank(affine, slow_flow), tmp_path / "fast.h5", say=said.append)
+    summary = go(tank(affine, slow_flow), tmp_path / "fast.h5", log=said.append)
     assert summary["periodic"]
-    assert (summary["cycles"], summary["extrapolated_cycles"], summary["taken_back_cycles"]) == (
+    assert (summary["periods"], summary["extrapolated_periods"], summary["taken_back_periods"]) == (
         4,
         1,
         0,
     )
     # to 1 from g_2 = 0.51, whose last change was 0.21
-    assert "extrapolated, in changes of the last cycle: plant.level by 2.3" in said
+    assert "extrapolated, in changes of the last period: plant.level by 2.3" in said
     plain = go(tank(affine, slow_flow, slow=()), tmp_path / "plain.h5", 1e-4)
-    assert plain["cycles"] == 20
-    assert "extrapolated_cycles" not in plain
+    assert plain["periods"] == 20
+    assert "extrapolated_periods" not in plain
     # the tolerance, of a range of 2
     assert ends(tmp_path / "fast.h5") == pytest.approx(ends(tmp_path / "plain.h5"), abs=2e-3)
     # the round-off of a secant
@@ -110,11 +110,11 @@ def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
     runs dry. The second time is the last, and the plain cycles go on as if nothing had been.
     """
     said = []
-    summary = go(tank(affine, spilling), tmp_path / "fast.h5", say=said.append)
+    summary = go(tank(affine, spilling), tmp_path / "fast.h5", log=said.append)
     plain = go(tank(affine, spilling, slow=()), tmp_path / "plain.h5")
-    assert (summary["extrapolated_cycles"], summary["taken_back_cycles"]) == (2, 2)
-    assert summary["cycles"] == plain["cycles"] == 20
-    assert sum("is taken back with its cycle" in line for line in said) == 2
+    assert (summary["extrapolated_periods"], summary["taken_back_periods"]) == (2, 2)
+    assert summary["periods"] == plain["periods"] == 20
+    assert sum("is taken back with its period" in line for line in said) == 2
     assert "worse (1 instead of 0.5)" in " ".join(said)
     low, high = ends(tmp_path / "fast.h5"), ends(tmp_path / "plain.h5")
     # two of twenty cycles were lost
@@ -133,7 +133,7 @@ def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path):
             go(tank(affine, slow_flow), output, watch=partial(interrupt, at))
         begin_at = Checkpoint.read(Checkpoint.path(output))
         resumed = go(tank(affine, slow_flow), output, begin_at=begin_at)
-        for key in ("cycles", "extrapolated_cycles", "cycle_distance"):
+        for key in ("periods", "extrapolated_periods", "period_distance"):
             assert resumed[key] == whole[key]
         assert ends(output).tolist() == ends(tmp_path / "whole.h5").tolist()
 

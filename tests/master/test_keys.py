@@ -33,7 +33,7 @@ def test_keys_of_the_file_of_the_parts_and_of_their_parameters(found):
     assert known["coupling.max_iterations"].default == "20"
     assert known["coupling.max_iterations"].allowed == "1 or more"
     assert known["wires.N.interpolation"].allowed == "held, linear, hermite"
-    assert known["time.stop"].required and not known["time.start"].required
+    assert known["time.step"].required and not known["time.start"].required
     density = known["participants.bodies.build.piston.density"]
     assert (density.unit, density.allowed) == ("kg/m^3", "500 to 25000")
     assert known["participants.bodies.build.piston.rigid.centre"].unit == "m"

@@ -2,15 +2,18 @@
 
 from types import SimpleNamespace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
-from piston_cosim.master.case.schema import NEUTRAL, Axes, Picture
+from piston_cosim.master.case.schema import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.file import RecordedField, Series
 from piston_cosim.master.results.pictures import (
+    colour_norm,
     draw,
     draw_lines,
+    draw_map,
     draw_maps,
     draw_sections,
     figures,
@@ -74,7 +77,7 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
         assert along == pytest.approx([0.1, 0.3, 0.5])
 
 
-def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
+def test_a_cut_out_stays_blank_and_a_wide_range_is_logarithmic():
     field = 10.0 ** np.arange(20.0).reshape(5, 4)[::-1]
     there = np.ones((5, 4), bool)
     there[0, 3] = False  # the largest: it must not set the scale either
@@ -91,6 +94,28 @@ def test_a_cut_out_stays_blank_and_pressures_are_logarithmic():
     assert shown.mask.T.tolist() == (~there).tolist()
     assert isinstance(image.norm, LogNorm)
     assert (image.norm.vmin, image.norm.vmax) == pytest.approx((1e14, 1e18))  # four decades
+
+
+def test_colours_are_linear_without_a_single_high_cell():
+    assert not isinstance(colour_norm([np.array([0.0, 1.0, 2.0, 30.0])]), LogNorm)  # 15 medians
+    assert isinstance(colour_norm([np.array([0.0, 1.0, 1.0, 31.0])]), LogNorm)
+    assert not isinstance(colour_norm([np.array([-1.0, 1.0, 1.0, 31.0])]), LogNorm)
+    assert not isinstance(colour_norm([np.zeros(3)]), LogNorm)
+
+
+def test_a_turn_is_closed():
+    """Five cells from -36 deg: one is repeated at each end, so that no angle is blank."""
+    axes = Axes(
+        participants=["ehd"],
+        first=Axis(label="angle", unit="deg", range=(0, 360), centred=0),
+        second=Axis(label="height"),
+    )
+    panel = plt.figure().subplots()
+    draw_map(panel, np.ma.array(np.arange(20.0).reshape(5, 4)), colour_norm([np.ones(2)]), axes)
+    shown = panel.images[0]
+    assert shown.get_array()[0].tolist() == [16.0, 0.0, 4.0, 8.0, 12.0, 16.0, 0.0]
+    assert shown.get_extent()[:2] == pytest.approx([-108.0, 396.0])
+    assert panel.get_xlim() == (0.0, 360.0)
 
 
 @pytest.mark.parametrize(
@@ -123,6 +148,7 @@ def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why
         field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
         case={"participants": {}},
         time=np.array([0.0, 0.5, 1.0]),
+        period=0.0,
         there=lambda port: None,
         recorded=["ehd.pressure"],
         ports=[],

@@ -1,10 +1,9 @@
-"""A cycle repeated until it is periodic, on toys whose distances one can work out.
+"""Periods run until one repeats the one before, on toys whose distances one can work out.
 
-x = sin(pi t/2) + 10^(-t/4), a cycle of 4 s in steps of 1 s: the second term falls to a tenth in
-each. Beginning and end of cycle k differ by 0.9 10^-k.
+x = sin(pi t/2) + 10^(-t/4), a period of 4 s in steps of 1 s: the second term falls to a tenth in
+each. Beginning and end of period k differ by 0.9 10^-k.
 """
 
-import json
 import os
 import signal
 from types import SimpleNamespace
@@ -22,7 +21,7 @@ from piston_cosim.master.runs.run import run
 
 TREE = {
     "title": "Toys",
-    "time": {"stop": "4 s", "step": "1 s", "until_periodic": "1e-3"},
+    "time": {"period": "4 s", "step": "1 s", "until_periodic": "1e-3"},
     "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
     "wires": [
         {"from": "echo.w0", "to": "plant.u0"},
@@ -38,90 +37,142 @@ def x(t):
     return np.sin(np.pi * t / 2) + 10 ** (-t / 4)
 
 
-def distance(cycle):
-    """Of cycle 1, 2, ...; the first begins at the toys' start values, 0."""
-    values = x(4.0 * (cycle - 1) + np.arange(5.0))
-    values[0] *= cycle > 1
+def distance(period):
+    """Of period 1, 2, ...; the first begins at the toys' start values, 0."""
+    values = x(4.0 * (period - 1) + np.arange(5.0))
+    values[0] *= period > 1
     return abs(values[-1] - values[0]) / np.ptp(values)
 
 
 @pytest.fixture
 def toys(affine):
     """Maker of fresh toys, always the same."""
-    return lambda: affine([[0.0]], x, 1e-9, stop=4.0)
+    return lambda **given: affine([[0.0]], x, 1e-9, **{"stop": 80.0, "period": 4.0} | given)
 
 
 def go(system, output, tree=TREE, watch=lambda *args: None, **given):
     return run(system, check_case(tree, "case.toml"), tree, output, watch, **given)
 
 
-def test_cycles_are_run_until_one_repeats_the_one_before(toys, tmp_path):
-    """Cycle k is 0.9 10^-(k-1) / 2 away: 4.5e-3, 4.5e-4 for the third and fourth."""
+def test_periods_are_run_until_one_repeats_the_one_before(toys, tmp_path):
+    """Period k is 0.9 10^-(k-1) / 2 away: 4.5e-3, 4.5e-4 for the third and fourth."""
     said = []
-    summary = go(toys(), tmp_path / "run.h5", say=said.append)
-    assert summary["cycles"] == 4
+    summary = go(toys(), tmp_path / "run.h5", log=said.append)
+    assert summary["periods"] == 4
     assert summary["periodic"] is True
     # round-off of ten digits that cancel
-    assert summary["cycle_distance"] == pytest.approx(distance(4), rel=1e-9)
+    assert summary["period_distance"] == pytest.approx(distance(4), rel=1e-9)
     assert summary["steps"] == 16
-    cycles = [line for line in said if line.startswith("cycle")]
-    assert cycles[2:] == [
-        f"cycle 3: its end is {distance(3):.2g} from its beginning (echo.w0), wanted 0.001",
-        f"cycle 4: its end is {distance(4):.2g} from its beginning (echo.w0), wanted 0.001",
+    assert [line.partition(";")[0] for line in said] == [
+        f"period {k}: differs from {before} by {distance(k):.2g} (echo.w0), allowed 0.001"
+        for k, before in enumerate(["the start", *["the one before"] * 3], 1)
     ]
+    # entries of the summary, of every period
+    assert said[1].split("; ")[-1] == f"end {x(8.0):.6g}"
+    assert summary["settled"] == (
+        f"the last of 4 periods differs from the one before by {distance(4):.2g}, allowed 0.001"
+    )
 
 
-def test_results_and_summary_are_of_the_last_cycle(toys, tmp_path):
+def test_results_and_summary_are_of_the_last_period_and_the_file_holds_all(toys, tmp_path):
     summary = go(toys(), tmp_path / "run.h5")
     last = x(12 + np.arange(5.0))
-    results = Results(tmp_path / "run.h5")
-    assert results.time.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
-    assert results.series("echo.w0")[0] == pytest.approx(last, rel=1e-12, abs=1e-12)
-    assert results.file["fields/time"][:].tolist() == [0.0, 2.0, 4.0]
-    results.close()
+    with Results(tmp_path / "run.h5") as results:
+        assert results.time.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+        assert results.series("echo.w0")[0] == pytest.approx(last, rel=1e-12, abs=1e-12)
+        assert results.instants.tolist() == [0.0, 2.0, 4.0]
+        fields = results.dataset("plant.y0")
+        assert fields[:].tolist() == fields[[0, 1, 2]].tolist() == last[::2].tolist()
+        assert fields[-1] == last[-1]
+        assert results.field("plant.y0", 2.1).time == 2.0
+        assert results.whole.time.tolist() == list(range(17))
+        assert results.whole.series("echo.w0")[0][1:] == pytest.approx(x(np.arange(1.0, 17.0)))
+        assert len(results.whole.dataset("plant.y0")) == 9
     assert summary["high"] == pytest.approx(last[1:].max(), rel=1e-12)
     assert summary["mean"] == pytest.approx(last[1:].mean(), rel=1e-9)
     assert summary["end"] == pytest.approx(last[-1], rel=1e-9)
 
 
+def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
+    """Numbers are of the last one all the same."""
+    time = TREE["time"] | {"least_periods": 5}
+    tree = TREE | {"time": time, "record": TREE["record"] | {"periods": 2}}
+    summary = go(toys(), tmp_path / "run.h5", tree)
+    assert (summary["periods"], summary["steps"]) == (5, 20)
+    assert summary["mean"] == pytest.approx(x(np.arange(17.0, 21.0)).mean(), rel=1e-9)
+    with Results(tmp_path / "run.h5") as results:
+        assert results.time.tolist() == list(range(9))
+        assert results.instants.tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
+        assert results.last.time.tolist() == [4.0, 5.0, 6.0, 7.0, 8.0]
+        values = results.last.series("echo.w0").values
+        assert values == pytest.approx(x(np.arange(16.0, 21.0)), rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("stop, periods", [(4.0, 1), (8.0, 2), (10.0, 2), (3.0, 0)])
+def test_a_fixed_stop_says_that_the_run_has_not_settled(toys, tmp_path, stop, periods):
+    """The last period ends at the stop time; of 10 s it begins at 6 s. All is shown."""
+    tree = TREE | {"time": {"stop": f"{stop} s", "step": "1 s", "period": "4 s"}}
+    summary = go(toys(stop=stop), tmp_path / "run.h5", tree)
+    assert (summary["periods"], summary["periodic"], summary["steps"]) == (periods, False, stop)
+    assert summary["settled"].startswith("not settled: ")
+    assert summary["settled"].endswith(
+        "; set time.until_periodic = 0.001, and time.stop later or not at all"
+    )
+    last = np.arange(max(stop - 4.0, 0.0) + 1.0, stop + 1.0)
+    assert summary["mean"] == pytest.approx(x(last).mean(), rel=1e-9)
+    if stop == 8.0:
+        apart = f"the last of 2 periods differs from the one before by {distance(2):.2g}"
+        assert apart in summary["settled"]
+    with Results(tmp_path / "run.h5") as results:
+        assert results.time.tolist() == list(np.arange(stop + 1.0))
+        assert results.last.time[1:].tolist() == last.tolist()
+
+
 def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
-    tree = TREE | {"time": TREE["time"] | {"most_cycles": 2}}
-    said = []
-    summary = go(toys(), tmp_path / "run.h5", tree, say=said.append)
-    assert (summary["cycles"], summary["periodic"]) == (2, False)
-    assert said[-1].endswith(
-        "not periodic after 2 cycles (time.most_cycles): still coming nearer, "
-        f"echo.w0 {distance(2):.2g}, plant.y0 {distance(2):.2g} would need more cycles"
+    tree = TREE | {"time": TREE["time"] | {"most_periods": 2}}
+    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
+    assert (summary["periods"], summary["periodic"]) == (2, False)
+    assert summary["settled"] == (
+        f"not settled: the last of 2 periods differs from the one before by {distance(2):.2g}, "
+        f"allowed 0.001: still coming nearer, echo.w0 {distance(2):.2g}, plant.y0 "
+        f"{distance(2):.2g}; set time.most_periods higher"
     )
 
 
-def test_a_run_whose_cycles_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
-    """sin(pi t/2) + sin(t): a cycle of 4 s begins and ends at unlike points of the second sine, by
-    2 |sin 2 cos(4 k - 2)| in cycle k; of the first seven the fourth is the nearest.
+def test_the_stop_time_ends_a_run_that_is_not_yet_periodic(toys, tmp_path):
+    tree = TREE | {"time": TREE["time"] | {"stop": "8 s"}}
+    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
+    assert (summary["periods"], summary["periodic"]) == (2, False)
+    assert summary["settled"].endswith("; set time.stop later or remove it")
+
+
+def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
+    """sin(pi t/2) + sin(t): a period of 4 s begins and ends at unlike points of the second sine, by
+    2 |sin 2 cos(4 k - 2)| in period k; of the first seven the fourth is the nearest.
     """
 
     def wandering(t):
         return np.sin(np.pi * t / 2) + np.sin(t)
 
-    tree = TREE | {"time": TREE["time"] | {"most_cycles": 7}}
+    tree = TREE | {"time": TREE["time"] | {"most_periods": 7}}
     said = []
-    system = affine([[0.0]], wandering, 1e-9, stop=4.0)
-    summary = go(system, tmp_path / "run.h5", tree, say=said.append)
+    system = affine([[0.0]], wandering, 1e-9, stop=28.0, period=4.0)
+    summary = go(system, tmp_path / "run.h5", tree, log=said.append)
     distances = []
     for k in range(7):
         values = wandering(4.0 * k + np.arange(5.0))
         distances.append(abs(values[-1] - values[0]) / np.ptp(values))
     nearest = int(np.argmin(distances))
     assert nearest == 3
-    assert summary["cycle_distance_least"] == pytest.approx(distances[nearest], rel=1e-9)
-    assert f"no nearer for 3 cycles than {distances[nearest]:.2g}" in said[-1]
+    assert summary["period_distance_least"] == pytest.approx(distances[nearest], rel=1e-9)
+    assert f"no nearer for 3 periods than {distances[nearest]:.2g}" in said[-1]
     assert "no nearer" not in said[nearest + 2]
-    assert "the distances have stopped falling, echo.w0" in said[-1]
+    assert "the distances have stopped falling, echo.w0" in summary["settled"]
 
 
 @pytest.mark.parametrize("instant", [3.0, 4.0, 5.0, 10.0])
-def test_an_interrupted_run_goes_on_in_its_cycle(toys, tmp_path, instant):
-    """At 4 s a cycle ends: what was asked for then is done after the first step of the next."""
+def test_an_interrupted_run_goes_on_in_its_period(toys, tmp_path, instant):
+    """At 4 s a period ends: what was asked for then is done after the first step of the next."""
 
     def interrupt(time, *others):
         if time == instant:
@@ -133,13 +184,12 @@ def test_an_interrupted_run_goes_on_in_its_cycle(toys, tmp_path, instant):
         go(toys(), output, watch=interrupt)
     resumed = go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
     same_results(tmp_path / "whole.h5", output)
-    for key in ("cycles", "cycle_distance", "steps", "mean", "high"):
+    for key in ("periods", "period_distance", "steps", "mean", "high"):
         assert resumed[key] == whole[key]
 
 
 @pytest.mark.parametrize("instant", [5.0, 6.0, 9.0])
-def test_a_run_that_is_killed_goes_on_from_the_beginning_of_the_cycle(toys, tmp_path, instant):
-    """A checkpoint is written between two cycles: rows of an older one have gone by then."""
+def test_a_run_that_is_killed_goes_on_from_its_checkpoint(toys, tmp_path, instant):
 
     def fall(time, *others):
         if time == instant:
@@ -151,7 +201,7 @@ def test_a_run_that_is_killed_goes_on_from_the_beginning_of_the_cycle(toys, tmp_
         go(toys(), output, watch=fall)
     resumed = go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
     same_results(tmp_path / "whole.h5", output)
-    assert resumed["cycle_distance"] == whole["cycle_distance"]
+    assert resumed["period_distance"] == whole["period_distance"]
 
 
 def same_results(one, other):
@@ -172,31 +222,20 @@ def test_distance_by_hand():
     10. A field that stands still counts nothing.
     """
     ports = [("a", "f"), ("a", "s"), ("a", "still")]
-    one = Repetition(ports, [], 0.5, 9)
+    one = Repetition(ports, 0.5, 2, 9)
     one.begin(standing(f=[0.0, 3.0], s=1.0, still=5.0))
     one.note(standing(f=[2.0, -1.0], s=3.0, still=5.0))
     one.note(standing(f=[0.3, 3.4], s=1.0, still=5.0))
     expected = np.sqrt(0.125) / np.sqrt((2.0**2 + 4.4**2) / 2)
     assert one.end(standing(f=[0.3, 3.4], s=1.0, still=5.0)) == pytest.approx(expected, rel=1e-12)
     assert one.furthest == ("a", "f")
-    assert one.is_periodic
-
-
-def test_what_turns_is_counted_from_the_beginning_of_its_cycle():
-    """An angle from -6 on that grows by 12 a cycle; what is not named stays."""
-    one = Repetition([("a", "s")], [("a", "angle")], 0.5, 9)
-    one.begin(standing(angle=-6.0, s=0.0))
-    assert one.turned(("a", "angle")) == 0.0
-    one.end(standing(angle=6.0, s=0.0))
-    one.begin(standing(angle=6.0, s=0.0))
-    assert one.turned(("a", "angle")) == 12.0
-    assert one.turned(("a", "s")) == 0.0
+    assert not one.is_periodic  # a period alone repeats nothing
 
 
 def test_a_case_with_nothing_to_compare_is_refused(toys):
     tree = TREE | {"wires": []}
     system = toys()
-    bare = SimpleNamespace(wires=(), participants=system.participants)
+    bare = SimpleNamespace(wires=(), participants=system.participants, period=4.0)
     with pytest.raises(BadInput, match="time.until_periodic: nothing tells"):
         repetition(check_case(tree, "case.toml"), tree, bare)
 
@@ -204,10 +243,12 @@ def test_a_case_with_nothing_to_compare_is_refused(toys):
 @pytest.mark.parametrize(
     "entries, fault",
     [
-        ({"until_periodic": "0"}, "time.until_periodic: Input should be greater than 0"),
+        ({"until_periodic": -1}, "time.until_periodic: Input should be greater than or equal to 0"),
         ({"until_periodic": "1"}, "time.until_periodic: Input should be less than 1"),
         ({"until_periodic": "1e-3 m"}, "time.until_periodic: Input should be a valid number"),
-        ({"most_cycles": 1}, "time.most_cycles: Input should be greater than or equal to 2"),
+        ({"most_periods": 1}, "time.most_periods: Input should be greater than or equal to 2"),
+        ({"least_periods": 30}, "time: least_periods: expected at most most_periods"),
+        ({"until_periodic": 0}, "time: stop: required without until_periodic"),
     ],
 )
 def test_refused_values(entries, fault):
@@ -215,7 +256,6 @@ def test_refused_values(entries, fault):
         check_case(TREE | {"time": TREE["time"] | entries}, "case.toml")
 
 
-def test_plain_runs_say_nothing_of_cycles(toys, tmp_path):
-    tree = json.loads(json.dumps(TREE))
-    del tree["time"]["until_periodic"]
-    assert "cycles" not in go(toys(), tmp_path / "run.h5", tree)
+def test_runs_without_a_period_say_nothing_of_it(toys, tmp_path):
+    tree = TREE | {"time": {"stop": "4 s", "step": "1 s"}}
+    assert "settled" not in go(toys(stop=4.0, period=0.0), tmp_path / "run.h5", tree)

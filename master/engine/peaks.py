@@ -1,0 +1,88 @@
+"""Where around the skirt the film presses: on the thrust line, or beside it where a skirt bends."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+LOADED = 0.5
+"""Of the highest pressure of a side: instants with less are not counted. Our own choice."""
+BESIDE = 15.0
+"""Distance from the thrust line [deg] from which a peak counts as beside it: more than one cell of
+the coarsest usual grid (24 cells around). Our own choice."""
+ABOVE = 0.15
+"""Share by which a peak beside the line exceeds the pressure on it, to count. Our own choice."""
+
+
+class SidePeak(NamedTuple):
+    """Position of the pressure peak on one side of the skirt.
+
+    Parameters
+    ----------
+    side : str
+        Mark of the angular axis, e.g. "thrust".
+    distance : float
+        Angle between the mark's line and the highest pressure of all instants [deg].
+    excess : float
+        Share by which that pressure exceeds the highest one on the line at that instant [-].
+    share : float
+        Share of the loaded instants whose peak lies beside the line and exceeds it by `ABOVE` [-].
+    instants : int
+        Number of loaded instants.
+    """
+
+    side: str
+    distance: float
+    excess: float
+    share: float
+    instants: int
+
+
+def side_peaks(axis, pressure: np.ndarray) -> list[SidePeak]:
+    """Position of the pressure peak on each side that the angular axis marks.
+
+    Eq. (X18):  excess = max_theta P(theta) / P(theta_line) - 1,   P(theta) = max over heights of p
+
+    Parameters
+    ----------
+    axis : Axis
+        Angular axis of a case, in degrees, with `marks`; a side reaches half-way to the next mark.
+    pressure : ndarray, shape (instants, around, along)
+        Recorded film pressure [Pa].
+
+    Returns
+    -------
+    list of SidePeak
+        One for each mark whose side carries pressure.
+    """
+    angle = np.asarray(axis.positions(pressure.shape[1]), dtype=float)
+    low, high = axis.range
+    turn = high - low
+    lines = np.array([*axis.marks.values()])
+    apart = np.abs((angle[:, None] - lines + turn / 2) % turn - turn / 2)
+    around = pressure.max(axis=2)
+    found = []
+    for k, side in enumerate(axis.marks):
+        mine = np.flatnonzero(apart.argmin(axis=1) == k)
+        if peak := _side_peak(side, apart[mine, k], around[:, mine]):
+            found.append(peak)
+    return found
+
+
+def _side_peak(side, distance, around):
+    """Peak of one side: distances from the line (n,) [deg], pressures (instants, n) [Pa]."""
+    highest = around.max(axis=1)
+    if not highest.max(initial=0.0) > 0.0:
+        return None
+    on_line = around[:, distance <= distance.min() + 1e-6].max(axis=1)
+    excess = highest / np.maximum(on_line, 1e-12 * highest.max()) - 1.0  # Eq. (X18)
+    off = distance[around.argmax(axis=1)]
+    loaded = highest >= LOADED * highest.max()
+    counted = (off >= BESIDE) & (excess >= ABOVE)
+    top = int(highest.argmax())
+    return SidePeak(
+        side,
+        float(off[top]),
+        float(excess[top]),
+        float(counted[loaded].mean()),
+        int(loaded.sum()),
+    )

@@ -1,0 +1,225 @@
+"""Compare this case with the figures of the source paper: rigid bodies and 20, 40 and 60 modes.
+
+Reads the study of the modes, prints the tables of PAPER.md and draws its two pictures beside this
+script:
+
+piston-cosim study numerical_example modes
+python -m piston_cosim.models.numerical_example.paper results/study_numerical_example_modes
+"""
+
+import csv
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.engine.peaks import side_peaks
+from piston_cosim.master.results.file import Results
+
+SHOWN = {
+    "rigid": "rigid",
+    "20 modes": "smooth_pressure_modes 20",
+    "40 modes": "smooth_pressure_modes 40",
+    "60 modes": "smooth_pressure_modes 60",
+    "reference": "smooth_pressure_modes 200",
+}
+"""Name in the pictures -> run of the study."""
+COLOURS = ("#b5442e", "#8fb4d9", "#4f86c0", "#1b4f8a", "#000000")
+FACES = {"thrust": 90.0, "anti-thrust": 270.0}
+"""Angles of the thrust lines [deg]."""
+
+
+class Findings(NamedTuple):
+    """Results of one run that the paper's findings are about, over the last period.
+
+    Parameters
+    ----------
+    film : float
+        Smallest film thickness [m].
+    pressure : float
+        Highest film pressure [Pa].
+    friction : float
+        Mean friction force on the upstroke [N].
+    power : float
+        Mean friction power [W].
+    bend : float
+        Largest opening of the gap on the thrust lines by deflection [m].
+    peaks : list of SidePeak
+    """
+
+    film: float
+    pressure: float
+    friction: float
+    power: float
+    bend: float
+    peaks: list
+
+
+def deflection(results: Results) -> np.ndarray:
+    """Return the gap opened by deflection of both bodies, (instants, around, along) [m].
+
+    It is the film thickness less that of undeformed bodies. The run starts with undeformed,
+    concentric bodies, so that its first field holds clearance and profile. Lateral displacement x
+    and tilt b of the piston change the gap of undeformed bodies by -(x - b y) sin(theta).
+    """
+    port = "bodies.film_thickness"
+    profile = results.whole.dataset(port)[0]
+    gap = results.dataset(port)[:]
+    rows = np.searchsorted(results.time, results.instants - 1e-12)
+    x, tilt = (
+        results.series(f"bodies.{name}").values[rows]
+        for name in ("lateral_displacement", "rocking_angle")
+    )
+    _, around, along = gap.shape
+    length = results.case["participants"]["ehd"]["parameters"]["skirt_length"]
+    height = 1e-3 * float(length.split()[0]) * (np.arange(along) + 0.5) / along - 16e-3
+    sine = np.sin(2 * np.pi * np.arange(around) / around)
+    shift = x[:, None] - tilt[:, None] * height
+    return gap - profile + sine[None, :, None] * shift[:, None, :]
+
+
+def findings(results: Results) -> Findings:
+    """Return what the paper's findings are about."""
+    axis = check_case(results.case, results.path).axes_of("ehd.pressure").first
+    friction = sum(
+        results.series(f"ehd.friction_force_{kind}").values for kind in ("hydrodynamic", "asperity")
+    )
+    up = results.series("bodies.piston_velocity").values > 0.0
+    bend = deflection(results)
+    lines = [int(bend.shape[1] * angle / 360) for angle in FACES.values()]
+    return Findings(
+        results.series("ehd.minimum_film_thickness").values.min(),
+        results.series("ehd.maximum_pressure").values.max(),
+        np.abs(friction[up]).mean(),
+        results.series("ehd.friction_power").values[1:].mean(),
+        bend[:, lines].max(),
+        side_peaks(axis, results.dataset("ehd.pressure")[:]),
+    )
+
+
+def table(found: dict[str, Findings]) -> str:
+    """Return the table of the findings in Markdown."""
+    heads = [
+        "run",
+        "thinnest film [um]",
+        "highest pressure [MPa]",
+        "upstroke friction [N]",
+        "friction power [W]",
+        "gap opened on the thrust lines [um]",
+        *(f"{side}: peak beside the line [deg], above it, share of instants" for side in FACES),
+    ]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    for run, one in found.items():
+        peaks = [
+            f"{peak.distance:.0f}, {peak.excess:.0%}, {peak.share:.0%} of {peak.instants}"
+            for peak in one.peaks
+        ]
+        numbers = [
+            f"{1e6 * one.film:.2f}",
+            f"{1e-6 * one.pressure:.2f}",
+            f"{one.friction:.2f}",
+            f"{one.power:.1f}",
+            f"{1e6 * one.bend:.2f}",
+        ]
+        lines.append(f"| {' | '.join([run, *numbers, *peaks])} |")
+    return "\n".join(lines)
+
+
+def cost_table(rows: list[dict[str, str]]) -> str:
+    """Return the counts of each run over one period in Markdown, as the paper counts them.
+
+    A Jacobian by finite differences over the 2 + 2 n coordinates of both bodies, n modes each,
+    costs 2 + 2 n residuals (the paper's way, counted here and not run).
+    """
+    heads = ["run", "NRES", "NJAC", "derivative products", "NRES by differences"]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    for row in rows:
+        periods = max(int(row.get("periods") or 1), 1)
+        sweeps, jacobians, products = (
+            float(row[key]) / periods
+            for key in ("residual_evaluations", "jacobian_evaluations", "derivative_products")
+        )
+        last = row["run"].split()[-1]
+        coordinates = 2 + 2 * (int(last) if last.isdecimal() else 0)
+        whole = sweeps + jacobians * coordinates
+        numbers = (sweeps, jacobians, products, whole)
+        lines.append(f"| {row['run']} | {' | '.join(f'{number:.0f}' for number in numbers)} |")
+    return "\n".join(lines)
+
+
+def draw_curves(runs: dict[str, Results], path: Path) -> None:
+    """Draw motion, film and friction of all runs over the last period."""
+    rows = {
+        "bodies.lateral_displacement": ("lateral displacement [µm]", 1e6),
+        "bodies.rocking_angle": ("tilt [mrad]", 1e3),
+        "ehd.minimum_film_thickness": ("thinnest film [µm]", 1e6),
+        "ehd.friction_force_hydrodynamic": ("friction on the skirt [N]", 1.0),
+    }
+    figure, panels = plt.subplots(2, 2, sharex=True, layout="constrained", figsize=(10, 6))
+    for panel, (port, (words, factor)) in zip(panels.flat, rows.items()):
+        for (label, results), colour in zip(runs.items(), COLOURS):
+            angle = np.degrees(results.crank_angle)
+            style = ":" if label == "reference" else "-"
+            values = factor * results.series(port).values
+            panel.plot(angle, values, style, color=colour, lw=1.3, label=label)
+        panel.set_ylabel(words)
+        panel.grid(alpha=0.3)
+        panel.set_xlim(angle[0], angle[-1])
+        panel.xaxis.set_major_locator(plt.MultipleLocator(90))
+    for panel in panels[1]:
+        panel.set_xlabel("crank angle [deg]")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def draw_sides(runs: dict[str, Results], path: Path) -> None:
+    """Draw pressure, gap and deflection around both sides at the height of the pressure peak."""
+    figure, panels = plt.subplots(
+        3, 2, sharex="col", sharey="row", layout="constrained", figsize=(10, 8)
+    )
+    for (label, results), colour in zip(runs.items(), COLOURS):
+        pressure = results.dataset("ehd.pressure")[:]
+        fields = {
+            "pressure [MPa]": 1e-6 * pressure,
+            "film thickness [µm]": 1e6 * results.dataset("bodies.film_thickness")[:],
+            "gap opened by deflection [µm]": 1e6 * deflection(results),
+        }
+        angle = 360.0 * np.arange(pressure.shape[1]) / pressure.shape[1]
+        for column, (side, line) in enumerate(FACES.items()):
+            mine = np.abs(angle - line) <= 85
+            on_side = pressure[:, mine]
+            instant, _, height = np.unravel_index(on_side.argmax(), on_side.shape)
+            for panel, (words, field) in zip(panels[:, column], fields.items()):
+                style = ":" if label == "reference" else "-"
+                values = field[instant, mine, height]
+                panel.plot(angle[mine] - line, values, style, color=colour, lw=1.3, label=label)
+                panel.grid(alpha=0.3)
+                if not column:
+                    panel.set_ylabel(words)
+            panels[0, column].set_title(f"{side} side", fontsize="medium")
+            panels[2, column].set_xlabel(f"angle from the {side} line [deg]")
+            panels[2, column].xaxis.set_major_locator(plt.MultipleLocator(30))
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def main(folder: Path) -> None:
+    """Print the tables and draw the pictures of a finished study."""
+    with open(folder / "sweep.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    paths = {row["run"]: folder / row["results"] for row in rows}
+    runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
+    here = Path(__file__).parent
+    print(table({name: findings(Results(path)) for name, path in paths.items()}), end="\n\n")
+    print(cost_table(rows))
+    draw_curves(runs, here / "paper_curves.png")
+    draw_sides(runs, here / "paper_sides.png")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
